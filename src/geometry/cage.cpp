@@ -5,15 +5,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
+#include <unordered_map>
 #include <utility>
 
+#include "base/disjoint_sets.hpp"
 #include "geometry/grid_cells.hpp"
 #include "hexaplast/base/error.hpp"
 
 namespace hexaplast {
 namespace {
 
-constexpr double kTouch = 1e-9;  // of a cell's size: a surface this near to a cell touches it
+constexpr double kSamePlace = 1e-9;  // of the extent: corners this close are one that was written twice
+constexpr double kTouch = 1e-9;      // of a cell's size: a surface this near to a cell touches it
 
 /// The cells of a grid, and what is known of each: enclosed, until they are touched or reached.
 class Cells {
@@ -24,6 +29,7 @@ class Cells {
   }
 
   CageCell& kind(const GridCell& c) { return kind_[index(c)]; }
+  CageCell kind(const GridCell& c) const { return kind_[index(c)]; }
   std::vector<CageCell> take() { return std::move(kind_); }
   const Vec3& width() const { return width_; }
   bool contains(const GridCell& c) const {
@@ -126,6 +132,96 @@ void mark_outside(const CageGrid& grid, Cells& cells) {
   }
 }
 
+/// Edges that one face alone has. Corners in one place are one: files may hold a vertex more than once.
+std::vector<Edge> open_edges(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads) {
+  std::vector<int> corners;
+  for (const Triangle& face : triangles) corners.insert(corners.end(), face.begin(), face.end());
+  for (const Quad& face : quads) corners.insert(corners.end(), face.begin(), face.end());
+  std::ranges::sort(corners);
+  corners.erase(std::ranges::unique(corners).begin(), corners.end());
+  Eigen::AlignedBox3d box;
+  for (const int node : corners) box.extend(x.row(node).transpose());
+  const double reach = kSamePlace * box.diagonal().norm();
+  // along a direction that no mesh is aligned with, few others are as near as those in the same place
+  const Eigen::VectorXd along = x * Vec3(0.5377, 0.6811, 0.4969).normalized();
+  std::ranges::sort(corners, {}, [&](int node) { return std::pair(along[node], node); });
+  DisjointSets places(static_cast<int>(x.rows()));
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    for (std::size_t j = i + 1; j < corners.size() && along[corners[j]] - along[corners[i]] <= reach; ++j)
+      if ((x.row(corners[i]) - x.row(corners[j])).norm() <= reach) places.join(corners[i], corners[j]);
+
+  std::vector<Edge> sides;
+  const auto add_sides = [&](const auto& face) {
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      const Edge side = sorted(Edge{places.root(face[k]), places.root(face[(k + 1) % face.size()])});
+      if (side[0] != side[1]) sides.push_back(side);
+    }
+  };
+  std::ranges::for_each(triangles, add_sides);
+  std::ranges::for_each(quads, add_sides);
+  std::ranges::sort(sides);
+  std::vector<Edge> open;
+  for (std::size_t s = 0; s < sides.size(); ++s) {
+    const bool has_twin = (s > 0 && sides[s - 1] == sides[s]) || (s + 1 < sides.size() && sides[s + 1] == sides[s]);
+    if (!has_twin) open.push_back(sides[s]);
+  }
+  return open;
+}
+
+/// The solid angle of a triangle [sr] as seen from the origin, positive from behind (van Oosterom and Strackee 1983).
+double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double la = a.norm(), lb = b.norm(), lc = c.norm();
+  return 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+}
+
+/// Cells that the outside reaches only through holes of the surface, and around which it winds more than half: a hole
+/// is meant to be closed where the cage would be hollow, and an open sheet is none.
+/// for_each_triangle(visit): the surface. cells: reached from outside; closed: the same before, touched alone.
+template <class ForEachTriangle>
+std::size_t count_leaks(ConstPoints x, std::span<const Edge> open, const ForEachTriangle& for_each_triangle,
+                        const CageGrid& grid, const Cells& cells, Cells closed) {
+  // a fan over each hole
+  std::unordered_map<int, int> number;  // of the nodes of open edges
+  for (const Edge& edge : open)
+    for (const int node : edge) number.try_emplace(node, static_cast<int>(number.size()));
+  DisjointSets holes(static_cast<int>(number.size()));
+  for (const Edge& edge : open) holes.join(number[edge[0]], number[edge[1]]);
+  const auto at = [&](int node) -> Vec3 { return x.row(node).transpose(); };
+  const auto hole_of = [&](const Edge& edge) { return holes.root(number[edge[0]]); };
+  std::unordered_map<int, std::pair<Vec3, double>> sum;  // of both ends, and their count
+  for (const Edge& edge : open) {
+    auto& [ends, count] = sum.try_emplace(hole_of(edge), Vec3::Zero(), 0).first->second;
+    ends += at(edge[0]) + at(edge[1]);
+    count += 2;
+  }
+  for (const Edge& edge : open) {
+    const auto& [ends, count] = sum.at(hole_of(edge));
+    mark_touched({at(edge[0]), at(edge[1]), ends / count}, closed);
+  }
+  mark_outside(grid, closed);
+
+  // each region that the fans keep from the outside, by one of its cells
+  std::size_t num_leaks = 0;
+  std::vector<GridCell> region;
+  cells.for_each([&](const GridCell& start) {
+    const auto reach = [&](const GridCell& c) {
+      if (closed.kind(c) != CageCell::kEnclosed || cells.kind(c) != CageCell::kOutside) return;
+      closed.kind(c) = CageCell::kOutside;
+      region.push_back(c);
+    };
+    region.clear();
+    reach(start);
+    for (std::size_t k = 0; k < region.size(); ++k) closed.for_each_neighbour(GridCell(region[k]), reach);
+    if (region.empty()) return;
+    const Vec3 inside = cells.centre(region[region.size() / 2]);
+    double angle = 0;
+    for_each_triangle(
+        [&](int a, int b, int c) { angle += solid_angle(at(a) - inside, at(b) - inside, at(c) - inside); });
+    if (std::abs(angle) > 0.5 * 4 * std::numbers::pi) num_leaks += region.size();
+  });
+  return num_leaks;
+}
+
 /// Nodes of the kept cells, numbered by x, then y, then z.
 HexMesh mesh_of(const std::vector<GridCell>& kept, const CageGrid& grid) {
   GridHexahedra found = grid_hexahedra(kept, grid.cells);
@@ -199,13 +295,28 @@ std::vector<CageCell> cells_around(ConstPoints x, std::span<const Triangle> tria
           node, p[0], p[1], p[2], grid.min[0], grid.min[1], grid.min[2], grid.max[0], grid.max[1], grid.max[2]));
     return p;
   };
-  const auto mark = [&](int a, int b, int c) { mark_touched({corner(a), corner(b), corner(c)}, cells); };
-  for (const Triangle& face : triangles) mark(face[0], face[1], face[2]);
-  for (const Quad& face : quads) {
-    mark(face[0], face[1], face[2]);
-    mark(face[0], face[2], face[3]);
-  }
+  const auto for_each_triangle = [&](const auto& visit) {
+    for (const Triangle& face : triangles) visit(face[0], face[1], face[2]);
+    for (const Quad& face : quads) {
+      visit(face[0], face[1], face[2]);
+      visit(face[0], face[2], face[3]);
+    }
+  };
+  for_each_triangle([&](int a, int b, int c) { mark_touched({corner(a), corner(b), corner(c)}, cells); });
+  const std::vector<Edge> open = open_edges(x, triangles, quads);
+  std::optional<Cells> touched;
+  if (!open.empty()) touched = cells;
   mark_outside(grid, cells);
+  if (open.empty()) return cells.take();
+
+  const std::size_t num_leaks = count_leaks(x, open, for_each_triangle, grid, cells, std::move(*touched));
+  if (num_leaks > 0) {
+    const Vec3 a = corner(open[0][0]), b = corner(open[0][1]);
+    throw InputError(fmt::format(
+        "the surface is open, and {} cells inside would stay empty: {} edges belong to one face alone, the first from "
+        "({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g}); close the holes, or use larger cells",
+        num_leaks, open.size(), a[0], a[1], a[2], b[0], b[1], b[2]));
+  }
   return cells.take();
 }
 

@@ -199,16 +199,56 @@ TEST(Cage, CountsPartsAndHinges) {
   EXPECT_EQ(with(Vec3(2.2, 1.2, 0.2)).num_hinges, 0);
 }
 
-// Without its lid a box holds nothing.
-TEST(Cage, AnOpenSurfaceEnclosesNothing) {
+// Without its lid a box would hold nothing, whichever way its faces look.
+TEST(Cage, ASurfaceWithAHoleIsRefusedWhereTheCageWouldBeHollow) {
   const CageGrid grid{.cells = {6, 6, 6}, .min = Vec3::Zero(), .max = Vec3::Constant(6)};
   Surface open = box(Vec3(0.5, 0.5, 0.5), Vec3(5.5, 5.5, 5.5));
   EXPECT_EQ(cage_of(open, grid).mesh.num_elements(), 216);
   open.quads.pop_back();
-  const Cage cage = cage_of(open, grid);
-  EXPECT_EQ(cage.num_touched, cage.mesh.num_elements());
-  EXPECT_EQ(cage.mesh.num_elements(), 216 - 64 - 16);
-  EXPECT_TRUE(refuses<InputError>([&] { cage_of(open, grid, CageCells::kEnclosed); }, {"encloses no cell"}));
+  for (int turn = 0; turn < 2; ++turn) {
+    EXPECT_TRUE(refuses<InputError>([&] { cage_of(open, grid); },
+                                    {"the surface is open", "64 cells inside", "4 edges belong to one face alone",
+                                     "close the holes, or use larger cells"}));
+    for (Quad& quad : open.quads) std::ranges::reverse(quad);
+  }
+}
+
+// A pinhole in a sphere: as long as no cell passes through it, the cage is that of the whole sphere.
+TEST(Cage, AHoleSmallerThanTheCellsDoesNotMatter) {
+  const Surface whole = sphere(Vec3(1, 2, 3), 1, 12);
+  Surface open = whole;
+  open.quads.erase(open.quads.begin() + 130);
+  int num_refused = 0, num_whole = 0;
+  for (const int cells : {3, 6, 10, 40}) {
+    const CageGrid grid = cubes_around(whole.x, cells);
+    if (refuses<InputError>([&] { cage_of(open, grid); }, {": 4 edges belong to one face alone"})) {
+      ++num_refused;
+    } else {
+      EXPECT_EQ(cage_of(open, grid).mesh.hexahedra(), cage_of(whole, grid).mesh.hexahedra()) << cells;
+      ++num_whole;
+    }
+  }
+  EXPECT_GT(num_refused, 0);
+  EXPECT_GT(num_whole, 0);
+}
+
+// What is open and surrounds nothing has the cells that it touches: a belt, and a wall with a border of its own. So
+// have two halves whose corners do not meet: their seam is a hole without width.
+TEST(Cage, AnOpenSurfaceWithoutInsideIsNoMistake) {
+  const Surface ball = sphere(Vec3::Zero(), 1, 40);
+  Surface belt{ball.x, {}, {ball.quads.begin() + 19 * 80, ball.quads.begin() + 21 * 80}};
+  const CageGrid grid = cubes_around(ball.x, 20);
+  const Cage around = cage_of(belt, grid);
+  EXPECT_EQ(around.num_touched, around.mesh.num_elements());
+  EXPECT_GT(around.num_touched, 40);
+
+  const Surface upper{ball.x, {}, {ball.quads.begin(), ball.quads.begin() + 20 * 80}};
+  Surface lower{ball.x, {}, {ball.quads.begin() + 20 * 80, ball.quads.end()}};
+  const Mat3 turn = Eigen::AngleAxisd(1e-3, Vec3::UnitZ()).toRotationMatrix();
+  lower.x = lower.x * turn.transpose();
+  const Cage whole = cage_of(ball, grid), halves = cage_of(joined(upper, lower), grid);
+  EXPECT_EQ(halves.mesh.num_elements(), whole.mesh.num_elements());
+  EXPECT_GT(halves.mesh.num_elements(), halves.num_touched);
 }
 
 TEST(Cage, RefusesWhatCannotBeCaged) {

@@ -47,12 +47,13 @@ struct Cage {
 };
 
 /// The cells of `grid` that a surface touches, and those that it keeps apart from the border of the grid, in the order
-/// in which SOFA's SparseGridTopology numbers them. A surface need not be closed: what can be reached from outside
-/// through cells that it does not touch is not enclosed.
+/// in which SOFA's SparseGridTopology numbers them. A surface need not be closed, but no cell that it winds around more
+/// than half may be reached from outside through one of its holes.
 ///
 /// x: num_nodes x 3 [m], triangles and quads with corners in x; a quad counts as the two triangles on either side of
 /// its first diagonal. Throws InputError when there is no face, a corner does not exist, is not finite or lies outside
-/// the box, the box is empty, the grid has more than kMaxCageCells cells, or none is left.
+/// the box, the box is empty, the grid has more than kMaxCageCells cells, a hole would leave the cage hollow, or no
+/// cell is left.
 Cage cage_around(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads, const CageGrid& grid,
                  CageCells kept = CageCells::kTouchedOrEnclosed);
 
