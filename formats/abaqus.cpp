@@ -76,6 +76,7 @@ class AbaqusFile {
     if (!has_elements_) source_.refuse("the file ends without *ELEMENT");
     mesh_.positions =
         Eigen::Map<const PointArray>(coordinates_.data(), static_cast<Eigen::Index>(coordinates_.size() / 3), 3);
+    merge_copies(mesh_);
     return std::move(mesh_);
   }
 
@@ -96,6 +97,7 @@ class AbaqusFile {
       if (at == keyword.npos) source_.refuse("*ELEMENT without TYPE");
       const std::string type = keyword.substr(at + 6, keyword.find(',', at + 1) - at - 6);
       type_ = find_type(type);
+      type_name_ = fmt::format("elements of type {}", type.substr(0, 40));
       section_ = Section::kElements;
       has_elements_ = true;
     } else if (std::ranges::count(kNotRead, name) > 0) {
@@ -122,7 +124,7 @@ class AbaqusFile {
   void add_element_data(std::string_view line) {
     const bool goes_on = line.ends_with(',');
     const std::vector<std::string_view> fields = split(line);
-    if (!is_in_element_ && !type_) ++mesh_.num_skipped;
+    if (!is_in_element_ && !type_) ++mesh_.skipped[type_name_];
     for (const std::string_view field : fields) {
       const std::int64_t tag = tag_of(field);
       if (!type_) continue;
@@ -171,6 +173,7 @@ class AbaqusFile {
   std::vector<double> coordinates_;
   std::unordered_map<std::int64_t, int> number_of_;  // of the node with a tag
   Section section_ = Section::kOther;
+  std::string type_name_;
   const CellType* type_ = nullptr;   // of the present elements; null: they are skipped
   std::vector<std::int64_t> nodes_;  // of the present element
   bool is_in_element_ = false;       // its data are not complete

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -26,6 +27,8 @@ constexpr std::int64_t kMaxNodes = std::numeric_limits<int>::max();
 /// Nodes of each element type of Gmsh; 0: no such type.
 constexpr std::array<int, 32> kNodesOfType{0, 2,  3,  4,  4, 8,  6,  5,  3,  6,  9, 10, 27, 18, 14, 1,
                                            8, 20, 15, 13, 9, 10, 12, 15, 15, 21, 4, 5,  6,  20, 35, 56};
+/// Their shapes: points, edges, triangles, quads, tetrahedra, hexahedra, prisms (w), pyramids (y).
+constexpr std::string_view kShapeOfType = " etqThwyetqThwypqhwytttttteeeTTT";
 
 /// The kinds that are taken, in VTK's numbering; all others are skipped.
 int vtk_kind(std::int64_t type) {
@@ -41,6 +44,15 @@ int vtk_kind(std::int64_t type) {
     default:
       return 0;
   }
+}
+
+/// "hexahedra of 20 nodes (Gmsh type 17)"
+std::string name_of_type(std::int64_t type) {
+  static const std::map<char, const char*> kNames{{'p', "points"}, {'e', "edges"},      {'t', "triangles"},
+                                                  {'q', "quads"},  {'T', "tetrahedra"}, {'h', "hexahedra"},
+                                                  {'w', "prisms"}, {'y', "pyramids"}};
+  const auto place = static_cast<std::size_t>(type);
+  return fmt::format("{} of {} nodes (Gmsh type {})", kNames.at(kShapeOfType[place]), kNodesOfType[place], type);
 }
 
 class GmshFile {
@@ -65,6 +77,9 @@ class GmshFile {
         read_group_names();
       else if (reads_groups_ && is_version_4_ && section == "$Entities")
         read_entities();
+      else if (section == "$ParametricNodes")
+        source_.refuse(
+            "$ParametricNodes are not read: must be $Nodes, as Gmsh saves them with Mesh.SaveParametric = 0");
       else if (section.starts_with('$'))
         source_.skip_past_line("$End" + std::string(section.substr(1)));
       else
@@ -72,12 +87,18 @@ class GmshFile {
     }
     if (!has_nodes_) source_.refuse(fmt::format("the file ends without {}", is_version_1_ ? "$NOD" : "$Nodes"));
     if (!has_elements_) source_.refuse(fmt::format("the file ends without {}", is_version_1_ ? "$ELM" : "$Elements"));
+    number_of_hexahedron_ = merge_copies(mesh_);
     return std::move(mesh_);
   }
 
   std::vector<ImportedGroup> read_groups() {
     reads_groups_ = true;
     read();
+    for (auto& [group, hexahedra] : hexahedra_of_) {
+      for (int& e : hexahedra) e = number_of_hexahedron_[e];
+      std::ranges::sort(hexahedra);
+      hexahedra.erase(std::ranges::unique(hexahedra).begin(), hexahedra.end());
+    }
     std::vector<ImportedGroup> groups;
     for (auto& [group, name] : name_of_) groups.push_back({std::move(name), std::move(hexahedra_of_[group])});
     for (auto& [group, hexahedra] : hexahedra_of_)
@@ -349,6 +370,10 @@ class GmshFile {
       nodes[a] = found->second;
     }
     const std::size_t num_hexahedra = mesh_.hexahedra.size();
+    if (vtk_kind(type) == 0) {
+      ++mesh_.skipped[name_of_type(type)];
+      return;
+    }
     add_vtk_cell(vtk_kind(type), nodes.data(), static_cast<std::size_t>(num_nodes), mesh_);
     if (!reads_groups_ || mesh_.hexahedra.size() == num_hexahedra) return;
     for (const std::int64_t group : groups)
@@ -367,6 +392,7 @@ class GmshFile {
   std::map<std::int64_t, std::string> name_of_;                                   // of groups of volumes
   std::unordered_map<std::int64_t, std::vector<std::int64_t>> groups_of_volume_;  // in version 4
   std::map<std::int64_t, std::vector<int>> hexahedra_of_;                         // of groups
+  std::vector<int> number_of_hexahedron_;                                         // after copies are merged
 };
 
 }  // namespace

@@ -34,6 +34,25 @@ void add_edges_of(const std::array<int, N>& face, WithoutTwins<Edge>& edges) {
 
 }  // namespace
 
+std::vector<std::string> what_is_left_out(const ImportedMesh& mesh) {
+  std::vector<std::string> sentences;
+  int num_skipped = 0;
+  std::string kinds;
+  for (const auto& [kind, count] : mesh.skipped) {
+    num_skipped += count;
+    kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", count, kind);
+  }
+  if (num_skipped > 0)
+    sentences.push_back(fmt::format(
+        "{} cells are skipped: neither edges, triangles, quads nor hexahedra of first order: {}", num_skipped, kinds));
+  if (mesh.num_copies > 0)
+    sentences.push_back(fmt::format("{} cells stand there again, and are taken once", mesh.num_copies));
+  if (mesh.num_degenerate > 0)
+    sentences.push_back(
+        fmt::format("{} triangles are left out: two of their corners are in one place", mesh.num_degenerate));
+  return sentences;
+}
+
 ImportedMesh read_mesh(const std::filesystem::path& file) {
   const std::string ending = file.extension().string();
   if (ending == ".msh") return read_gmsh(file);

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "hexaplast/base/error.hpp"
+#include "mesh/copies.hpp"
 
 namespace hexaplast {
 namespace {
@@ -22,6 +23,44 @@ std::string quoted(std::string_view word) {
   for (char& c : shown)
     if (c < ' ' || c > '~') c = '?';
   return "'" + shown + (word.size() > kLongestWord ? "...'" : "'");
+}
+
+/// "hexahedra of 20 nodes (VTK type 25)"
+std::string name_of_vtk_cell(int kind) {
+  static const std::map<int, const char*> kNames{{1, "points"},
+                                                 {4, "polylines"},
+                                                 {7, "polygons"},
+                                                 {10, "tetrahedra"},
+                                                 {13, "prisms"},
+                                                 {14, "pyramids"},
+                                                 {21, "edges of 3 nodes"},
+                                                 {22, "triangles of 6 nodes"},
+                                                 {23, "quads of 8 nodes"},
+                                                 {24, "tetrahedra of 10 nodes"},
+                                                 {25, "hexahedra of 20 nodes"},
+                                                 {28, "quads of 9 nodes"},
+                                                 {29, "hexahedra of 27 nodes"},
+                                                 {72, "hexahedra of higher order"}};
+  const auto found = kNames.find(kind);
+  return fmt::format("{} (VTK type {})", found == kNames.end() ? "cells" : found->second, kind);
+}
+
+/// Leaves the first one of equal cells. Returns the new number of each.
+template <class Cell>
+std::vector<int> leave_first(std::vector<Cell>& cells, int& num_copies) {
+  std::vector<int> number = first_copies<Cell>(cells);
+  int next = 0;
+  for (std::size_t c = 0; c < number.size(); ++c) {
+    if (number[c] != static_cast<int>(c)) {
+      number[c] = number[number[c]];  // of the first, which has its new one
+      ++num_copies;
+    } else {
+      cells[next] = cells[c];
+      number[c] = next++;
+    }
+  }
+  cells.resize(static_cast<std::size_t>(next));
+  return number;
 }
 
 template <class Number>
@@ -108,6 +147,13 @@ void MeshSource::skip_past_line(std::string_view wanted) {
   refuse(fmt::format("the file ends where {} is expected", wanted));
 }
 
+std::vector<int> merge_copies(ImportedMesh& mesh) {
+  leave_first(mesh.edges, mesh.num_copies);
+  leave_first(mesh.triangles, mesh.num_copies);
+  leave_first(mesh.quads, mesh.num_copies);
+  return leave_first(mesh.hexahedra, mesh.num_copies);
+}
+
 std::size_t corners_of_vtk_cell(int kind) {
   switch (kind) {
     case 3:
@@ -147,7 +193,7 @@ bool add_vtk_cell(int kind, const std::int64_t* nodes, std::size_t num_nodes, Im
     case 12:
       return take(mesh.hexahedra, {0, 1, 2, 3, 4, 5, 6, 7});
     default:
-      ++mesh.num_skipped;
+      ++mesh.skipped[name_of_vtk_cell(kind)];
       return true;
   }
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "formats/readable_file.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
@@ -77,6 +78,10 @@ std::size_t corners_of_vtk_cell(int kind);
 /// Adds a cell of VTK's numbering (3 line, 5 triangle, 8 pixel, 9 quad, 11 voxel, 12 hexahedron), or counts it as
 /// skipped. Returns false when it has not as many nodes as its kind.
 bool add_vtk_cell(int kind, const std::int64_t* nodes, std::size_t num_nodes, ImportedMesh& mesh);
+
+/// Leaves the first of cells that have the same nodes in the same order, and counts the others. Returns the new number
+/// of each hexahedron that there was.
+std::vector<int> merge_copies(ImportedMesh& mesh);
 
 /// The .vtu half of parse_vtk.
 ImportedMesh parse_vtu(std::string_view content, const std::string& name);

@@ -60,6 +60,7 @@ class LegacyVtkFile {
     if (!has_points_) source_.refuse("the file ends without POINTS");
     if (!has_cells_) source_.refuse("the file ends without CELLS");
     add_cells();
+    merge_copies(mesh_);
     return std::move(mesh_);
   }
 

@@ -96,8 +96,17 @@ class VtuFile {
     if (!grid->FirstChildElement("Piece")) refuse(*grid, "holds no Piece");
     for (const XMLElement* piece = grid->FirstChildElement("Piece"); piece; piece = piece->NextSiblingElement("Piece"))
       add_piece(*piece);
+    merge_copies();
     state_.mesh.positions =
         Eigen::Map<const PointArray>(coordinates_.data(), static_cast<Eigen::Index>(coordinates_.size() / 3), 3);
+  }
+
+  void merge_copies() {
+    const std::vector<int> number = hexaplast::merge_copies(state_.mesh);
+    if (!reads_data_) return;
+    std::vector<int> cells(state_.mesh.hexahedra.size());
+    for (std::size_t e = number.size(); e-- > 0;) cells[number[e]] = state_.hexahedron_cells[e];
+    state_.hexahedron_cells = std::move(cells);
   }
 
   void read_conventions(const XMLElement& root) {

@@ -42,13 +42,8 @@ class MeshLoader : public scene::Component {
     is_refused_ = true;  // until it is there: whoever asks again has no more to say
     mesh_ = loaded();
     is_refused_ = false;
-    if (mesh_->num_skipped > 0)
-      remark(scene::Severity::kWarning, "filename",
-             fmt::format("{} cells are skipped: neither edges, triangles, quads nor hexahedra of first order",
-                         mesh_->num_skipped));
-    if (mesh_->num_degenerate > 0)
-      remark(scene::Severity::kWarning, "filename",
-             fmt::format("{} triangles are left out: two of their corners are in one place", mesh_->num_degenerate));
+    for (const std::string& sentence : what_is_left_out(*mesh_))
+      remark(scene::Severity::kWarning, "filename", sentence);
     return *mesh_;
   }
 

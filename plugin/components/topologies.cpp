@@ -16,6 +16,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/mesh/faces.hpp"
+#include "mesh/copies.hpp"
 #include "parts/grids.hpp"
 
 namespace hexaplast::components {
@@ -215,6 +216,11 @@ class GivenTopology final : public scene::Topology {
     const int num_nodes =
         positions_.rows() == 0 ? std::numeric_limits<int>::max() : static_cast<int>(positions_.rows());
     hexahedra_ = cells_of<8>(*this, "hexahedra", num_nodes);
+    try {
+      require_own_nodes(hexahedra_);
+    } catch (const InputError& error) {
+      reject("hexahedra", error.what());
+    }
     quads_ = cells_of<4>(*this, "quads", num_nodes);
     triangles_ = cells_of<3>(*this, "triangles", num_nodes);
     edges_ = cells_of<2>(*this, "edges", num_nodes);

@@ -76,7 +76,7 @@ std::vector<RecordedRun::Entry> entries_of(const fs::path& pvd) {
 ImportedState read(const fs::path& file) {
   ImportedState state = read_vtu_state(file);
   const ImportedMesh& mesh = state.mesh;
-  if (mesh.num_skipped > 0 || !mesh.edges.empty() || !mesh.triangles.empty() || !mesh.quads.empty())
+  if (!mesh.skipped.empty() || !mesh.edges.empty() || !mesh.triangles.empty() || !mesh.quads.empty())
     throw InputError(
         fmt::format("{}: holds cells that are no hexahedra: pictures are made of hexahedra alone", file.string()));
   return state;

@@ -188,7 +188,12 @@ class Scene {
     // a scene with mistakes may lack what an override is meant for: then init reports the mistakes
     if (!scene.diagnostics().has_errors())
       for (const std::string& assignment : assignments) scene::override_attribute(scene, assignment);
-    scene.init();
+    try {
+      scene.init();
+    } catch (const std::exception&) {
+      warn(scene);  // that may explain the errors
+      throw;
+    }
     return scene;
   }
 

@@ -193,6 +193,12 @@ def test_members_are_keywords_of_the_constructor(options):
         options(youngModulus=1)
 
 
+def test_hexahedra_on_the_same_nodes_are_named():
+    positions, hexahedra = hexaplast.grid((2, 1, 1), (0, 0, 0), (2, 1, 1))
+    with pytest.raises(ValueError, match="same eight nodes as another one: 2 as 1"):
+        hexaplast.Body(positions, np.vstack((hexahedra, hexahedra[1:])), hexaplast.Material())
+
+
 def test_the_older_name_of_a_member_warns():
     with pytest.warns(DeprecationWarning, match="gradient is deprecated: use bending"):
         settings = hexaplast.Settings(gradient="vertex")

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "hexaplast/base/error.hpp"
+#include "mesh/copies.hpp"
 
 namespace hexaplast {
 namespace {
@@ -173,7 +174,8 @@ class Nodes {
   std::vector<int> joined_to_;
 };
 
-HexMesh mesh_of(const std::vector<Part>& parts, const Vec3& min, const Vec3& spacing, SeparateParts separate) {
+/// Parts that have all their nodes in common, as their branches join on every side, become one.
+HexMesh mesh_of(std::vector<Part>& parts, const Vec3& min, const Vec3& spacing, SeparateParts separate) {
   const auto place_of = [&](std::size_t e, int a) {
     Cell place = parts[e].cell;
     for (int d = 0; d < 3; ++d) place[d] += kPlaces[a][d];
@@ -214,6 +216,22 @@ HexMesh mesh_of(const std::vector<Part>& parts, const Vec3& min, const Vec3& spa
   std::vector<Hexahedron> hexahedra(parts.size());
   for (std::size_t e = 0; e < parts.size(); ++e)
     for (int a = 0; a < 8; ++a) hexahedra[e][a] = number[nodes.of(static_cast<int>(8 * e) + a)];
+
+  const std::vector<int> first = first_copies<Hexahedron>(hexahedra);
+  std::vector<std::size_t> place(parts.size());
+  std::size_t count = 0;
+  for (std::size_t e = 0; e < parts.size(); ++e) {
+    if (const auto other = static_cast<std::size_t>(first[e]); other != e) {
+      parts[place[other]].fill += parts[e].fill;
+      continue;
+    }
+    place[e] = count;
+    hexahedra[count] = hexahedra[e];
+    if (count != e) parts[count] = std::move(parts[e]);
+    ++count;
+  }
+  parts.resize(count);
+  hexahedra.resize(count);
   return HexMesh(std::move(positions), std::move(hexahedra));
 }
 
@@ -253,6 +271,8 @@ CoarsenedCage coarsened_cage(const Cage& fine, const CageGrid& fine_grid, std::s
   if (crossings) edges.emplace(crossings->x, crossings->triangles, crossings->quads);
   std::vector<Part> parts = parts_of(fine, fine_grid, fill, edges ? &*edges : nullptr);
   for (int level = 0; level < levels; ++level) parts = coarsened(parts, separate);
+  const Vec3 spacing = (grid.max - grid.min).cwiseQuotient(Vec3(grid.cells[0], grid.cells[1], grid.cells[2]));
+  HexMesh mesh = mesh_of(parts, grid.min, spacing, separate);
   std::vector<double> coarse_fill;
   int num_doubled = 0;
   for (std::size_t e = 0; e < parts.size(); ++e) {
@@ -261,8 +281,7 @@ CoarsenedCage coarsened_cage(const Cage& fine, const CageGrid& fine_grid, std::s
         (e > 0 && parts[e - 1].cell == parts[e].cell) || (e + 1 < parts.size() && parts[e + 1].cell == parts[e].cell);
     if (is_doubled) ++num_doubled;
   }
-  const Vec3 spacing = (grid.max - grid.min).cwiseQuotient(Vec3(grid.cells[0], grid.cells[1], grid.cells[2]));
-  return {mesh_of(parts, grid.min, spacing, separate), std::move(coarse_fill), num_doubled};
+  return {std::move(mesh), std::move(coarse_fill), num_doubled};
 }
 
 }  // namespace hexaplast

@@ -12,7 +12,8 @@ namespace hexaplast {
 /// What becomes of fine cells of one coarse cell that are not connected within it.
 enum class SeparateParts {
   kShareHexahedron,  ///< they deform together
-  kOwnHexahedra      ///< each has a hexahedron of its own in the same place: branches that lie close stay apart
+  kOwnHexahedra      ///< each has a hexahedron of its own in the same place: branches that lie close stay apart, unless
+                     ///< they join at all eight corners
 };
 
 /// Which neighbouring cells of the finest grid are connected.

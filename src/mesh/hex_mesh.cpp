@@ -9,6 +9,7 @@
 #include "base/disjoint_sets.hpp"
 #include "base/require.hpp"
 #include "hexaplast/base/parallel.hpp"
+#include "mesh/copies.hpp"
 #include "mesh/neighbours.hpp"
 #include "mesh/offenders.hpp"
 #include "mesh/trilinear.hpp"
@@ -33,6 +34,16 @@ bool is_sound(const ElementPoints& x) {
 
 }  // namespace
 
+void require_own_nodes(std::span<const Hexahedron> hexahedra) {
+  std::vector<Hexahedron> nodes(hexahedra.begin(), hexahedra.end());
+  for (Hexahedron& of_element : nodes) of_element = sorted(of_element);
+  const std::vector<int> first = first_copies<Hexahedron>(nodes);
+  Offenders copies;
+  for (int e = 0; e < static_cast<int>(first.size()); ++e)
+    if (first[e] != e) copies.add(e, first[e]);
+  copies.refuse("hexahedra with the same eight nodes as another one", "each must be given once");
+}
+
 HexMesh::HexMesh(PointArray positions, std::vector<Hexahedron> hexahedra)
     : positions_(std::move(positions)), hexahedra_(std::move(hexahedra)) {
   Offenders not_finite, out_of_range, repeated, inverted;
@@ -48,6 +59,7 @@ HexMesh::HexMesh(PointArray positions, std::vector<Hexahedron> hexahedra)
   out_of_range.refuse("hexahedra with a node index out of range",
                       fmt::format("indices must lie in [0, {})", num_nodes()).c_str());
   repeated.refuse("hexahedra that name a node twice", "the eight corners must be distinct");
+  require_own_nodes(hexahedra_);
 
   for (int e = 0; e < num_elements(); ++e) {
     if (!is_sound(gather(positions_, hexahedra_[e]))) inverted.add(e);

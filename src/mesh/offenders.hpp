@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <string>
 #include <vector>
 
 #include "hexaplast/base/error.hpp"
@@ -14,7 +15,13 @@ namespace hexaplast {
 class Offenders {
  public:
   void add(int id) {
-    if (first_.size() < kNamed) first_.push_back(id);
+    if (first_.size() < kNamed) first_.push_back(std::to_string(id));
+    ++count_;
+  }
+
+  /// "ID as OTHER"
+  void add(int id, int other) {
+    if (first_.size() < kNamed) first_.push_back(fmt::format("{} as {}", id, other));
     ++count_;
   }
 
@@ -30,7 +37,7 @@ class Offenders {
 
  private:
   static constexpr std::size_t kNamed = 10;  // how many offenders a message lists
-  std::vector<int> first_;
+  std::vector<std::string> first_;
   int count_ = 0;
 };
 

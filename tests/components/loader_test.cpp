@@ -40,7 +40,9 @@ TEST(MeshLoader, GivesTopologiesWhatAFileHolds) {
     EXPECT_EQ(mesh.quads().size(), adds_faces ? 11u : 1u);
     EXPECT_EQ(scene::format(scene.diagnostics().take_warnings().back()),
               "test.scn:1: warning: " + std::string(loader) +
-                  ".filename: 1 cells are skipped: neither edges, triangles, quads nor hexahedra of first order");
+                  ".filename: 1 cells are skipped: neither edges, triangles, quads nor hexahedra of first order: 1 "
+                  "tetrahedra " +
+                  (adds_faces ? "of 4 nodes (Gmsh type 4)" : "(VTK type 10)"));
   }
   scene::Scene surface = loaded("MeshOBJLoader", "surface.obj", "triangulate='true'");
   EXPECT_EQ(at<scene::Topology>(surface, "mesh").triangles().size(), 4u);
@@ -74,6 +76,31 @@ TEST(MeshLoader, GivesThePhysicalGroupsOfAGmshFile) {
                   .find("which has no attribute '2'"),
               std::string::npos);
   }
+}
+
+// Gmsh 2.2 writes the upper cube for each of its two groups: the body has it once, and either group has it.
+TEST(MeshLoader, TakesAHexahedronOfSeveralGroupsOnce) {
+  const std::string loader = "<MeshGmshLoader name='l' filename='" + kFolder + "duplicate_hexahedron.msh'/>",
+                    body =
+                        "<MechanicalObject/><DiagonalMass massDensity='1000'/>"
+                        "<HexahedronElastoplasticFEMForceField name='body' youngModulus='5000'/>";
+  scene::Scene scene = read_and_init(in_root("", loader + "<MeshTopology src='@l'/>" + body +
+                                                     "<MaterialRegion indices='@l.1' youngModulus='40'/>"
+                                                     "<MaterialRegion indices='@l.2' yieldStress='60'/>"));
+  const Body& made = *at<scene::ForceField>(scene, "body").body();
+  EXPECT_EQ(made.mesh().num_elements(), 2);
+  EXPECT_EQ(made.material(0).young_modulus, 40);
+  EXPECT_EQ(made.material(1).young_modulus, 40);
+  EXPECT_NE(made.material(0).yield_stress, 60);
+  EXPECT_EQ(made.material(1).yield_stress, 60);
+  EXPECT_EQ(made.mesh().boundary_faces().size(), 10u);
+}
+
+TEST(MeshTopology, NamesHexahedraOnTheSameNodes) {
+  const std::string cube = "position='0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1' hexahedra='0 1 2 3 4 5 6 7 ";
+  EXPECT_EQ(errors_of("<Node>\n<MeshTopology " + cube + "1 2 3 0 5 6 7 4'/></Node>"),
+            "test.scn:2: error: MeshTopology.hexahedra: 1 hexahedra with the same eight nodes as another one: 1 as 0; "
+            "each must be given once");
 }
 
 TEST(MeshLoader, TellsOfTheFileAndNotOfTheLabelsThatAreNotThereThen) {
@@ -222,6 +249,9 @@ TEST(SparseGrid, HalfFullHexahedraCarryHalf) {
 }
 
 TEST(SparseGrid, SaysWhatIsWrong) {
+  const std::string open = "<Node><SparseGridTopology n='9 9 9' fileTopology='" + kFolder + "open_box.obj'/></Node>";
+  EXPECT_EQ(errors_of(open).substr(0, 74),
+            "test.scn:1: error: SparseGridTopology: the surface is open, and 216 cells ");
   const std::string made = "<Node><SparseGridTopology name='cage' ";
   EXPECT_EQ(errors_of(made + "/></Node>"),
             "test.scn:1: error: SparseGridTopology.fileTopology: is not given, must name a mesh file");

@@ -19,7 +19,7 @@ TEST(GmshFile, OfVersion1HasNoHead) {
   EXPECT_EQ(mesh.positions.row(8), Eigen::RowVector3d(.5, .5, .5));
   EXPECT_EQ(mesh.hexahedra, (std::vector<Hexahedron>{{0, 1, 2, 3, 4, 5, 6, 7}}));
   EXPECT_EQ(mesh.quads, (std::vector<Quad>{{4, 5, 6, 7}}));
-  EXPECT_EQ(mesh.num_skipped, 1);
+  EXPECT_EQ(mesh.skipped.size(), 1u);
   const std::vector<ImportedGroup> groups = parse_gmsh_groups(kCube, "a.msh");
   ASSERT_EQ(groups.size(), 1u);
   EXPECT_EQ(groups[0].name, "7");

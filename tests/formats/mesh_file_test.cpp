@@ -54,7 +54,8 @@ void expect_the_two_hexahedra(const ImportedMesh& mesh) {
   EXPECT_EQ(mesh.quads, (std::vector<Quad>{{6, 7, 10, 9}}));
   EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{7, 8, 11}, {7, 11, 10}}));
   EXPECT_EQ(mesh.edges, (std::vector<Edge>{{0, 3}}));
-  EXPECT_EQ(mesh.num_skipped, 1);
+  ASSERT_EQ(mesh.skipped.size(), 1u);
+  EXPECT_EQ(mesh.skipped.begin()->second, 1);
 }
 
 TEST(MeshFile, TheEndingOfTheNameTellsTheFormat) {
@@ -212,7 +213,7 @@ TEST(MeshFile, WrittenInAnyFormatIsReadAsItWas) {
     EXPECT_EQ(again.triangles, mesh.triangles);
     EXPECT_EQ(again.quads, mesh.quads);
     EXPECT_EQ(again.hexahedra, mesh.hexahedra);
-    EXPECT_EQ(again.num_skipped, 0);
+    EXPECT_TRUE(again.skipped.empty());
   }
 }
 
@@ -237,7 +238,7 @@ TEST(AbaqusFile, IsReadAsDecksAreWritten) {
   EXPECT_EQ(mesh.hexahedra, (std::vector<Hexahedron>{{3, 1, 2, 4, 5, 6, 7, 0}}));
   EXPECT_EQ(mesh.quads, (std::vector<Quad>{{3, 1, 2, 4}}));
   EXPECT_EQ(mesh.positions.row(2), Eigen::RowVector3d(1, 1, 0));
-  EXPECT_EQ(mesh.num_skipped, 2);
+  EXPECT_EQ(mesh.skipped, (std::map<std::string, int>{{"elements of type C3D20", 2}}));
 }
 
 TEST(AbaqusFile, NamesPlaceAndReason) {
@@ -271,7 +272,73 @@ TEST(GmshFile, OfVersion4NamesNodesByTagsOfAnyOrder) {
       "tags.msh");
   EXPECT_EQ(mesh.hexahedra, (std::vector<Hexahedron>{{3, 1, 2, 4, 5, 6, 7, 0}}));
   EXPECT_EQ(mesh.positions.row(1), Eigen::RowVector3d(1, 0, 0));
-  EXPECT_EQ(mesh.num_skipped, 1);
+  EXPECT_EQ(mesh.skipped, (std::map<std::string, int>{{"points of 1 nodes (Gmsh type 15)", 1}}));
+}
+
+/// A tower of two cubes; its upper hexahedron, a quad and an edge stand there again.
+ImportedMesh tower_with_copies() {
+  ImportedMesh mesh;
+  mesh.positions.resize(12, 3);
+  for (int n = 0; n < 12; ++n) mesh.positions.row(n) = Eigen::RowVector3d((n % 4) % 3 != 0, n % 4 > 1, n / 4);
+  const Hexahedron lower{0, 1, 2, 3, 4, 5, 6, 7}, upper{4, 5, 6, 7, 8, 9, 10, 11};
+  mesh.hexahedra = {lower, upper, upper};
+  mesh.quads = {{0, 1, 2, 3}, {4, 5, 6, 7}, {0, 1, 2, 3}, {1, 2, 3, 0}};
+  mesh.edges = {{0, 1}, {0, 1}};
+  return mesh;
+}
+
+// In the same order alone: whoever turns a quad may mean its other side.
+TEST(MeshFile, HoldsACellOnceThatStandsThereAgain) {
+  const ImportedMesh tower = tower_with_copies();
+  const ExportedMesh written{.points = {tower.positions.data(), static_cast<std::size_t>(tower.positions.size())},
+                             .edges = tower.edges,
+                             .quads = tower.quads,
+                             .hexahedra = tower.hexahedra};
+  for (const ImportedMesh& mesh : {parse_gmsh(gmsh_text(written), "a.msh"), parse_vtk(vtu_text(written), "a.vtu"),
+                                   parse_abaqus(abaqus_text(written), "a.inp")}) {
+    EXPECT_EQ(mesh.hexahedra, (std::vector<Hexahedron>{tower.hexahedra[0], tower.hexahedra[1]}));
+    EXPECT_EQ(mesh.quads, (std::vector<Quad>{{0, 1, 2, 3}, {4, 5, 6, 7}, {1, 2, 3, 0}}));
+    EXPECT_EQ(mesh.edges, (std::vector<Edge>{{0, 1}}));
+    EXPECT_EQ(mesh.num_copies, 3);
+    EXPECT_EQ(what_is_left_out(mesh), (std::vector<std::string>{"3 cells stand there again, and are taken once"}));
+  }
+  // the cell of the first copy, behind an edge and two quads
+  const ImportedState state = parse_vtu_state(vtu_text(written), "a.vtu");
+  EXPECT_EQ(state.mesh.hexahedra.size(), 2u);
+  EXPECT_EQ(state.hexahedron_cells, (std::vector<int>{6, 7}));
+}
+
+// Gmsh 2.2 writes an element once for each group that it belongs to.
+TEST(GmshFile, GroupsShareTheHexahedraOfWhichThereAreCopies) {
+  const std::string text = content_of(kFolder + "duplicate_hexahedron.msh");
+  EXPECT_EQ(parse_gmsh(text, "a.msh").hexahedra.size(), 2u);
+  const std::vector<ImportedGroup> groups = parse_gmsh_groups(text, "a.msh");
+  ASSERT_EQ(groups.size(), 2u);
+  EXPECT_EQ(groups[0].hexahedra, (std::vector<int>{0, 1}));
+  EXPECT_EQ(groups[1].hexahedra, (std::vector<int>{1}));
+}
+
+TEST(MeshFile, NamesTheKindsThatAreSkipped) {
+  const std::string second_order = content_of(kFolder + "second_order.msh");
+  EXPECT_EQ(what_is_left_out(parse_gmsh(second_order, "a.msh")),
+            (std::vector<std::string>{"1 cells are skipped: neither edges, triangles, quads nor hexahedra of first "
+                                      "order: 1 hexahedra of 20 nodes (Gmsh type 17)"}));
+  const auto skipped_of_vtk = [](int num_nodes, int type) {
+    std::string text =
+        "# vtk DataFile Version 2.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 1 double\n0 0 0\nCELLS 1 " +
+        std::to_string(num_nodes + 1) + "\n" + std::to_string(num_nodes);
+    for (int n = 0; n < num_nodes; ++n) text += " 0";
+    return parse_vtk(text + "\nCELL_TYPES 1\n" + std::to_string(type) + "\n", "a.vtk").skipped;
+  };
+  using Skipped = std::map<std::string, int>;
+  EXPECT_EQ(skipped_of_vtk(20, 25), (Skipped{{"hexahedra of 20 nodes (VTK type 25)", 1}}));
+  EXPECT_EQ(skipped_of_vtk(4, 10), (Skipped{{"tetrahedra (VTK type 10)", 1}}));
+  EXPECT_EQ(skipped_of_vtk(2, 99), (Skipped{{"cells (VTK type 99)", 1}}));
+}
+
+TEST(GmshFile, NamesParametricNodesAsTheReason) {
+  EXPECT_TRUE(refuses<InputError>([] { read_gmsh(kFolder + "parametric_nodes.msh"); },
+                                  {"parametric_nodes.msh:4: $ParametricNodes are not read: must be $Nodes"}));
 }
 
 /// Numbers as bytes of the foreign order.

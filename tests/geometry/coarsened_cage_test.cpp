@@ -60,6 +60,25 @@ TEST(CoarsenedCage, BranchesInOneCellStayApart) {
   EXPECT_EQ(cage.mesh.positions().rows(), 2 * 3 * 4 + 4 + 4);
 }
 
+// A frame around a hole: its two branches join on either side, and have all eight nodes of the cell in common.
+TEST(CoarsenedCage, BranchesThatJoinOnAllSidesAreOneHexahedron) {
+  const CageGrid grid{.cells = {12, 4, 4}, .min = {0, 0, 0}, .max = {12, 4, 4}};
+  std::vector<CageCell> cells;
+  for (int k = 0; k < 4; ++k)
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < 12; ++i) {
+        const bool is_hole = i >= 4 && i < 8 && (j == 1 || j == 2);
+        cells.push_back(is_hole ? CageCell::kOutside : CageCell::kEnclosed);
+      }
+  const Cage fine = cage_of(cells, grid);
+  const std::vector<double> fill(fine.mesh.hexahedra().size(), 1);
+  const CoarsenedCage cage = coarsened_cage(fine, grid, fill, 2, SeparateParts::kOwnHexahedra, std::nullopt);
+  EXPECT_EQ(cage.mesh.num_elements(), 3);
+  EXPECT_EQ(cage.mesh.boundary_faces().size(), 14u);
+  EXPECT_EQ(cage.fill, (std::vector<double>{1, .5, 1}));
+  EXPECT_EQ(cage.num_doubled, 0);
+}
+
 TEST(CoarsenedCage, OrTheyShareAHexahedron) {
   const Boxes surface = fork();
   const CoarsenedCage cage =

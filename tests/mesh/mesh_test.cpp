@@ -42,6 +42,21 @@ TEST(HexMesh, RefusesARepeatedNode) {
   EXPECT_TRUE(refuses<InputError>([&] { made_of(good.positions(), hexahedra); }, {"6", "twice"}));
 }
 
+// A quarter turn names the same cube by another corner first.
+TEST(HexMesh, RefusesTwoElementsOnTheSameNodes) {
+  const HexMesh good = support::block({2, 2, 2}, 0.1);
+  const Hexahedron third = good.hexahedra()[3];
+  for (const Hexahedron& copy :
+       {third, Hexahedron{third[1], third[2], third[3], third[0], third[5], third[6], third[7], third[4]}}) {
+    std::vector<Hexahedron> hexahedra = good.hexahedra();
+    hexahedra.push_back(good.hexahedra()[0]);
+    hexahedra.push_back(copy);
+    EXPECT_TRUE(
+        refuses<InputError>([&] { made_of(good.positions(), hexahedra); },
+                            {"2 hexahedra with the same eight nodes as another one: 8 as 0, 9 as 3; each must"}));
+  }
+}
+
 TEST(HexMesh, RefusesLeftHandedElementsAndNamesTheFirstTen) {
   const HexMesh good = support::block({3, 2, 2}, 0.1);
   std::vector<Hexahedron> hexahedra = good.hexahedra();

@@ -72,12 +72,16 @@ Json json_of(const HexMesh& mesh) {
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json json_of(const Findings& found) {
+  int num_skipped = 0;
+  for (const auto& [kind, count] : found.file.skipped) num_skipped += count;
   Json json = {{"nodes", found.file.positions.rows()},
                {"edges", found.file.edges.size()},
                {"triangles", found.file.triangles.size()},
                {"quads", found.file.quads.size()},
                {"hexahedra", found.file.hexahedra.size()},
-               {"skipped_cells", found.file.num_skipped},
+               {"skipped_cells", num_skipped},
+               {"skipped_kinds", found.file.skipped},
+               {"copies", found.file.num_copies},
                {"extent", {found.extent.x(), found.extent.y(), found.extent.z()}},
                {"body", found.mesh ? json_of(*found.mesh) : Json(nullptr)},
                {"surface", nullptr}};
@@ -109,12 +113,8 @@ void print(const Findings& found, const std::string& title) {
 }
 
 void warn_of_skipped(const std::filesystem::path& file, const ImportedMesh& mesh) {
-  if (mesh.num_skipped > 0)
-    spdlog::warn("{}: warning: {} cells are left out: neither edges, triangles, quads nor hexahedra of first order",
-                 file.string(), mesh.num_skipped);
-  if (mesh.num_degenerate > 0)
-    spdlog::warn("{}: warning: {} triangles are left out: two of their corners are in one place", file.string(),
-                 mesh.num_degenerate);
+  for (const std::string& sentence : what_is_left_out(mesh))
+    spdlog::warn("{}: warning: {}", printable_line(file.string()), printable_line(sentence));
 }
 
 }  // namespace

@@ -65,7 +65,12 @@ scene::Scene read_scene(const SceneOptions& options) {
 
 scene::Scene load_scene(const SceneOptions& options) {
   scene::Scene scene = read_scene(options);
-  scene.init();
+  try {
+    scene.init();
+  } catch (const std::exception&) {
+    log_warnings(scene);  // they may explain the errors
+    throw;
+  }
   log_warnings(scene);
   return scene;
 }

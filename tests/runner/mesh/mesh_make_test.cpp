@@ -153,7 +153,7 @@ TEST_F(MeshMake, ConvertsEveryKindOfCellAndSaysWhatItLeavesOut) {
   const std::string two = std::string("'") + HEXAPLAST_TEST_DATA + "/meshes/two_41_binary.msh'";
   const Outcome outcome = hexaplast("mesh convert " + two + " -o two.vtu");
   EXPECT_EQ(outcome.code, 0);
-  EXPECT_NE(outcome.err.find("warning: 1 cells are left out"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("warning: 1 cells are skipped"), std::string::npos) << outcome.err;
   const ImportedMesh mesh = read_mesh(directory_ / "two.vtu");
   EXPECT_EQ(mesh.hexahedra.size(), 2u);
   EXPECT_EQ(mesh.quads.size(), 1u);
@@ -194,6 +194,20 @@ TEST_F(MeshMake, InfoTellsSurfacesFromBodies) {
   EXPECT_NE(made("info mixed.obj").find("cannot be offset: 1 triangles"), std::string::npos);
   EXPECT_EQ(hexaplast("mesh info absent.vtu").code, 5);
   EXPECT_EQ(hexaplast("mesh info corner.stl").code, 5);
+}
+
+TEST_F(MeshMake, InfoNamesWhatIsLeftOut) {
+  for (const char* file : {"second_order.msh", "duplicate_hexahedron.msh"})
+    write(file, support::content(std::string(HEXAPLAST_TEST_DATA "/meshes/") + file));
+  const Json second_order = info("second_order.msh");
+  EXPECT_EQ(second_order["skipped_cells"], 1);
+  EXPECT_EQ(second_order["skipped_kinds"], (Json{{"hexahedra of 20 nodes (Gmsh type 17)", 1}}));
+  EXPECT_NE(hexaplast("mesh info second_order.msh").err.find("first order: 1 hexahedra of 20 nodes (Gmsh type 17)\n"),
+            std::string::npos);
+  const Json copies = info("duplicate_hexahedron.msh");
+  EXPECT_EQ(copies["copies"], 1);
+  EXPECT_NEAR(copies["body"]["volume"], 2, 1e-12);
+  EXPECT_EQ(copies["body"]["boundary_faces"], 10);
 }
 
 }  // namespace

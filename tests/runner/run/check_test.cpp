@@ -54,6 +54,23 @@ TEST_F(Command, CheckSaysWhatASceneMeans) {
     EXPECT_NE(text.out.find(part), std::string::npos) << part << " is missing in\n" << text.out;
 }
 
+// The loader skips all cells of the file: what it says explains why the topology has no hexahedra.
+TEST_F(Command, WarningsStandBeforeTheErrorsThatTheyExplain) {
+  write("second_order.msh", content(HEXAPLAST_TEST_DATA "/meshes/second_order.msh"));
+  write("bar.scn",
+        "<Node><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/>\n<MeshGmshLoader name='l' "
+        "filename='second_order.msh'/><MeshTopology src='@l'/><MechanicalObject/><UniformMass totalMass='1'/>\n"
+        "<HexahedronElastoplasticFEMForceField/></Node>");
+  for (const char* verb : {"check", "run"}) {
+    const Outcome outcome = hexaplast(verb + std::string(" bar.scn"));
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_EQ(outcome.err,
+              "bar.scn:2: warning: MeshGmshLoader.filename: 1 cells are skipped: neither edges, triangles, quads nor "
+              "hexahedra of first order: 1 hexahedra of 20 nodes (Gmsh type 17)\n"
+              "bar.scn:3: error: HexahedronElastoplasticFEMForceField: its topology has no hexahedra\n");
+  }
+}
+
 TEST_F(Command, CheckShowsRotationFlowOfABodyThatNeverYields) {
   write("bar.scn", bar(kHeld, "rotationYield='0.15' rotationFlowRate='3'"));
   const Outcome text = hexaplast("check bar.scn");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,14 +13,17 @@
 namespace hexaplast {
 
 /// What is taken from a mesh file: nodes in the order of the file, and linear cells by node, in the corner order of
-/// base/types.hpp. Every corner is a row of `positions`. The geometry is not judged: that is HexMesh's part.
+/// base/types.hpp. Every corner is a row of `positions`. The geometry is not judged: that is HexMesh's part. A cell
+/// that stands in the file again, with the same nodes in the same order, is taken once: Gmsh writes it for each of its
+/// groups.
 struct ImportedMesh {
   PointArray positions;  ///< [m] num_nodes x 3
   std::vector<Edge> edges;
   std::vector<Triangle> triangles;
   std::vector<Quad> quads;
   std::vector<Hexahedron> hexahedra;
-  int num_skipped = 0;     ///< cells of other kinds: tetrahedra, prisms, pyramids, points, cells of higher order
+  std::map<std::string, int> skipped = {};  ///< how many cells of other kinds, by what the file calls them
+  int num_copies = 0;                       ///< cells that stand there again
   int num_degenerate = 0;  ///< triangles of .stl files that are left out, as two of their corners are in one place
 };
 
@@ -34,8 +38,12 @@ struct ImportedArray {
 struct ImportedState {
   ImportedMesh mesh;
   std::vector<ImportedArray> point_data, cell_data;
-  std::vector<int> hexahedron_cells = {};  ///< which cell of the file each hexahedron of the mesh is
+  std::vector<int> hexahedron_cells =
+      {};  ///< which cell of the file each hexahedron of the mesh is; of copies the first
 };
+
+/// What of the file is not in the mesh and why, a sentence each: skipped cells, copies, triangles left out.
+std::vector<std::string> what_is_left_out(const ImportedMesh& mesh);
 
 /// Hexahedra that a file puts together.
 struct ImportedGroup {
