@@ -13,9 +13,11 @@ namespace hexaplast {
 namespace {
 
 const std::map<std::string, VoxelType>& metaimage_types() {
-  static const std::map<std::string, VoxelType> all{{"met_char", {1, true}},  {"met_uchar", {1, false}},
-                                                    {"met_short", {2, true}}, {"met_ushort", {2, false}},
-                                                    {"met_int", {4, true}},   {"met_uint", {4, false}}};
+  static const std::map<std::string, VoxelType> all{{"met_char", {1, true}},        {"met_uchar", {1, false}},
+                                                    {"met_short", {2, true}},       {"met_ushort", {2, false}},
+                                                    {"met_int", {4, true}},         {"met_uint", {4, false}},
+                                                    {"met_long_long", {8, true}},   {"met_ulong_long", {8, false}},
+                                                    {"met_float", {4, true, true}}, {"met_double", {8, true, true}}};
   return all;
 }
 

@@ -81,17 +81,21 @@ class NiftiFile {
     }
   }
 
+  /// A slope of 0, or one that is no number, stands for none.
   VoxelType read_type() const {
-    const double slope = real(112, "scl_slope"), intercept = real(116, "scl_inter");
-    if (slope != 0 && (slope != 1 || intercept != 0))
+    const double slope = at<float>(112), intercept = at<float>(116);
+    if (std::isfinite(slope) && slope != 0 && (slope != 1 || intercept != 0))
       refuse("scl_slope", fmt::format("values are scaled by {:g} and moved by {:g}: labels must be stored as they are",
                                       slope, intercept));
-    static const std::map<int, VoxelType> kTypes{{256, {1, true}},  {2, {1, false}}, {4, {2, true}},
-                                                 {512, {2, false}}, {8, {4, true}},  {768, {4, false}}};
+    static const std::map<int, VoxelType> kTypes{
+        {256, {1, true}},  {2, {1, false}},   {4, {2, true}},     {512, {2, false}},     {8, {4, true}},
+        {768, {4, false}}, {1024, {8, true}}, {1280, {8, false}}, {16, {4, true, true}}, {64, {8, true, true}}};
     const auto found = kTypes.find(whole(70));
     if (found == kTypes.end())
       refuse("datatype",
-             fmt::format("{}, must be 2, 4, 8, 256, 512 or 768: whole numbers of 8, 16 or 32 bits", whole(70)));
+             fmt::format("{}, must be 2, 4, 8, 256, 512, 768, 1024, 1280, 16 or 64: whole numbers of 8 to 64 bits, or "
+                         "real ones of 32 or 64",
+                         whole(70)));
     VoxelType type = found->second;
     if (whole(72) != static_cast<int>(8 * type.bytes))
       refuse("bitpix", fmt::format("{}, must be {} for datatype {}", whole(72), 8 * type.bytes, whole(70)));

@@ -26,6 +26,11 @@ const std::map<std::string, VoxelType>& nrrd_types() {
     add({2, false}, {"ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"});
     add({4, true}, {"int", "signed int", "int32", "int32_t"});
     add({4, false}, {"uint", "unsigned int", "uint32", "uint32_t"});
+    add({8, true},
+        {"longlong", "long long", "long long int", "signed long long", "signed long long int", "int64", "int64_t"});
+    add({8, false}, {"ulonglong", "unsigned long long", "unsigned long long int", "uint64", "uint64_t"});
+    add({4, true, true}, {"float"});
+    add({8, true, true}, {"double"});
     return types;
   }();
   return all;

@@ -6,6 +6,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -27,21 +28,23 @@ std::string quoted_value(std::string_view value) {
 }
 
 template <class Number>
-int label_at(const char* bytes, bool swaps_bytes) {
+double label_at(const char* bytes, bool swaps_bytes) {
   char own[sizeof(Number)];
   std::memcpy(own, bytes, sizeof own);
   if (swaps_bytes) std::reverse(own, own + sizeof own);
   Number number;
   std::memcpy(&number, own, sizeof own);
-  return static_cast<int>(number);
+  return static_cast<double>(number);
 }
 
-using LabelAt = int (*)(const char*, bool);
+using LabelAt = double (*)(const char*, bool);
 
 LabelAt reader_of(const VoxelType& type) {
   if (type.bytes == 1) return type.is_signed ? label_at<std::int8_t> : label_at<std::uint8_t>;
   if (type.bytes == 2) return type.is_signed ? label_at<std::int16_t> : label_at<std::uint16_t>;
-  return type.is_signed ? label_at<std::int32_t> : label_at<std::uint32_t>;
+  if (type.is_real) return type.bytes == 4 ? label_at<float> : label_at<double>;
+  if (type.bytes == 4) return type.is_signed ? label_at<std::int32_t> : label_at<std::uint32_t>;
+  return type.is_signed ? label_at<std::int64_t> : label_at<std::uint64_t>;
 }
 
 }  // namespace
@@ -131,12 +134,13 @@ void read_voxels(ByteSource& source, const VoxelType& type, const std::string& n
   const std::vector<char> zeros(kBuffer, 0);
   const auto set_labels = [&](std::size_t first, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
-      const int label = label_at(buffer.data() + i * type.bytes, type.swaps_bytes);
+      const double label = label_at(buffer.data() + i * type.bytes, type.swaps_bytes);
       if (label == 0) continue;
-      if (label < 0 && !type.is_signed)
-        throw InputError(fmt::format("voxel {} has the label {}, must be at most {}", first + i,
-                                     static_cast<unsigned>(label), std::numeric_limits<int>::max()));
-      volume.set(first + i, label);
+      constexpr int kMin = std::numeric_limits<int>::min(), kMax = std::numeric_limits<int>::max();
+      if (!(label >= kMin && label <= kMax && label == std::floor(label)))
+        throw InputError(fmt::format("voxel {} has the label {:.10g}, must be a whole number in [{}, {}]", first + i,
+                                     label, kMin, kMax));
+      volume.set(first + i, static_cast<int>(label));
     }
     require_feasible(volume, planned);
   };

@@ -17,6 +17,7 @@ namespace hexaplast {
 struct VoxelType {
   std::size_t bytes = 1;
   bool is_signed = false;
+  bool is_real = false;
   bool swaps_bytes = false;
 };
 

@@ -41,7 +41,8 @@ ImportedVolume parse_metaimage(std::string_view content, const std::string& name
 /// Whichever of these the ending of the file's name stands for: .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd.
 ImportedVolume read_volume(const std::filesystem::path& file, const VoxelCells& planned = kAnyCells);
 
-/// All of these take three directions and whole numbers of 8, 16 or 32 bits, and throw InputError: "FILE:LINE: field:
+/// All of these take three directions, and labels stored as whole numbers of 8 to 64 bits or as real ones with whole
+/// values in the range of int. They throw InputError: "FILE:LINE: field:
 /// what" in a text header, "FILE: field: what" otherwise. Nothing is allocated by a number in a file before it has been
 /// compared with the size of the data, and reading stops where the planned hexahedra would be too many.
 
