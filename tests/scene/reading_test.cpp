@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -294,11 +296,20 @@ TEST(SceneReading, DepthIsLimited) {
   EXPECT_EQ(errors_of(deep), "test.scn:1: error: more than 98 levels of elements");
 }
 
-TEST(SceneReading, EveryTruncationIsRefusedOrLoads) {
+// A scene is one element: whatever is cut off, its end is missing.
+TEST(SceneReading, EveryTruncationIsRefusedWithTheLineOfItsEnd) {
   const std::string whole = framed(
       "<BoxROI name='b' box='0 0 0 1 1 1'/><!-- \xC3\xA4 &amp; --><FixedProjectiveConstraint indices='@b.indices'/>");
-  for (std::size_t length = 0; length < whole.size(); ++length)
-    EXPECT_NO_THROW(errors_of(whole.substr(0, length))) << length;
+  const std::size_t end = whole.rfind('>') + 1;
+  for (std::size_t length = 0; length < end; ++length) {
+    const std::string text = whole.substr(0, length), errors = errors_of(text);
+    int line = 0;
+    EXPECT_EQ(std::sscanf(errors.c_str(), "test.scn:%d: error: ", &line), 1) << length << ": " << errors;
+    EXPECT_GE(line, 1) << length;
+    EXPECT_LE(line, 1 + std::ranges::count(text, '\n')) << length;
+    EXPECT_EQ(errors.find('\n'), errors.npos) << length << ": " << errors;
+  }
+  EXPECT_EQ(errors_of(whole.substr(0, end)), "");
 }
 
 TEST(SceneReading, ADenseGridIsRefusedBeforeItIsMade) {
