@@ -50,8 +50,8 @@ constexpr Row<Settings> kSettingsRows[] = {
      .name = "law",
      .group = kElasticity,
      .words = kLaws,
-     .help = "Elastic law. corotated: stress is linear in the stretch; the others are hyperelastic. All agree at small "
-             "strains.",
+     .help = "Elastic law. corotated: stress is linear in the stretch, but for the pressure of "
+             "volumetric=\"volumeRatio\"; the others are hyperelastic. All agree at small strains.",
      .at = kMember<&Settings::law>},
     {.member = "mooney_fraction",
      .old_member = "mooney_share",

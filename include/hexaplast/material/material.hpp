@@ -51,7 +51,7 @@ enum class Volumetric {
 
 /// How stress follows from stretch. All agree with Hooke's law in the small.
 enum class ElasticLaw {
-  kCorotated,         ///< linear in the stretch
+  kCorotated,         ///< linear in the stretch, but for the pressure of kVolumeRatio
   kNeoHookean,        ///< mu / 2 |F|^2, and a term of det F
   kStableNeoHookean,  ///< the same with a logarithm that keeps it from resting in a point
   kMooneyRivlin       ///< with |cof F|^2 besides

@@ -307,8 +307,8 @@ inline constexpr Description kSparseGridTopology{
     .category = "Topology",
     .help =
         "A coarse cage around a surface: the cells of a grid that the surface touches or encloses. The surface itself "
-        "follows by a BarycentricMapping. What an open surface encloses is what cannot be reached from outside through "
-        "cells that it does not touch. Warnings name the number of parts that share no face, and of nodes around which "
+        "follows by a BarycentricMapping. A surface with holes through which the outside reaches cells inside it is "
+        "an error. Warnings name the number of parts that share no face, and of nodes around which "
         "hexahedra fold.",
     .attributes = kSparseGridTopologyAttributes};
 
@@ -495,8 +495,8 @@ inline constexpr Description kMeshGmshLoader{
     .category = "MeshLoader",
     .help =
         "Reads .msh files of Gmsh: versions 1 (text), 2 and 4.1 (text or binary). Cells that are neither edges, "
-        "triangles, quads "
-        "nor hexahedra of first order are skipped, with a warning. Links reach physical groups of volumes by their "
+        "triangles, quads nor hexahedra of first order are skipped, and copies of cells taken once, with a warning. "
+        "Links reach physical groups of volumes by their "
         "names, or by their numbers if they have none, `@loader.tumour`: the numbers of their hexahedra.",
     .attributes = kGmshLoaderAttributes};
 inline constexpr Description kMeshVTKLoader{
