@@ -19,7 +19,8 @@ inline constexpr Attribute kMultigridCGLinearSolverAttributes[] = {
      .type = Type::kReal,
      .initial = "0.01",
      .range = {.min = 0, .max = 1, .exclusive_min = true},
-     .help = "Stops when |r| / |b| <= this value."},
+     .help = "Stops when |r| / |b| <= this value, for each of the independent states that it solves for: |b| is the "
+             "load of the state, or the force that contact and springs transmit to it where that is larger."},
     {.name = "iterations",
      .type = Type::kInteger,
      .initial = "500",
@@ -170,7 +171,9 @@ inline constexpr Description kProbe{
     .category = "Probe",
     .help =
         "Records a number after every step: a column of history.csv that has its name, a chart of the report, a "
-        "line of the summary, and a column that `hexaplast fit` can compare. It changes nothing in the run.",
+        "line of the summary, and a column that `hexaplast fit` can compare. Of values per hexahedron, those of "
+        "removed "
+        "ones do not count; 0 where none is left. It changes nothing in the run.",
     .attributes = kProbeAttributes};
 
 inline constexpr Attribute kRunSettingsAttributes[] = {

@@ -47,6 +47,11 @@ double NodalCgSpace::advance(double alpha) {
   return unscaled(dot(r_, r_));
 }
 
+double NodalCgSpace::size(double r_r) {
+  const double norm = std::sqrt(r_r);
+  return bodies_ ? std::max(norm, bodies_->size(r_, x_, 1 / scale_)) : norm;
+}
+
 // Several bodies, and constraints that couple coordinates, are rare: in single precision they are always looked at
 // again.
 double NodalCgSpace::rounding_of_residual() {

@@ -8,6 +8,7 @@
 #include "hexaplast/layout/linear_system.hpp"
 #include "layout/chunked_operator.hpp"
 #include "layout/partition.hpp"
+#include "solve/body_residuals.hpp"
 #include "solve/node_blocks.hpp"
 
 namespace hexaplast {
@@ -28,6 +29,9 @@ class CgSpace {
 
   /// x += alpha p, r -= alpha Ap. Returns r.r.
   virtual double advance(double alpha) = 0;
+
+  /// |r|, or more where the residual of one body of several is large beside what acts on it (BodyResiduals).
+  virtual double size(double r_r) { return std::sqrt(r_r); }
 
   virtual void end(Points x) const = 0;
 
@@ -71,10 +75,11 @@ class NodalPreconditioner {
 /// Any linear system, in double precision; without preconditioner, with its own, or with another one.
 class NodalCgSpace final : public CgSpace {
  public:
-  /// rounding: what `rounding` returns, which A's products decide.
+  /// rounding: what `rounding` returns, which A's products decide. bodies: what `size` asks, or null.
   void setup(const LinearSystem& A, bool preconditioned, NodalPreconditioner* preconditioner = nullptr,
-             double rounding = kDoubleRounding) {
+             double rounding = kDoubleRounding, BodyResiduals* bodies = nullptr) {
     A_ = &A;
+    bodies_ = bodies;
     rounding_ = rounding;
     preconditioned_ = preconditioned;
     preconditioner_ = preconditioner;
@@ -83,6 +88,7 @@ class NodalCgSpace final : public CgSpace {
   double precondition() override;
   double product(double beta) override;
   double advance(double alpha) override;
+  double size(double r_r) override;
   void end(Points x) const override { x = x_ / scale_; }
   void residual(Points r) const override { r = r_ / scale_; }
   bool is_preconditioned() const override { return preconditioner_ != nullptr; }
@@ -97,6 +103,7 @@ class NodalCgSpace final : public CgSpace {
   double scale_ = 1;  // of all vectors, for the present b
   bool preconditioned_ = false;
   NodalPreconditioner* preconditioner_ = nullptr;
+  BodyResiduals* bodies_ = nullptr;
   PointArray x_, r_, p_, Ap_, z_;
 };
 

@@ -60,6 +60,7 @@ SolveReport ConjugateGradients::solve_next(const LinearSystem& A, ConstPoints b,
     require_finite(p_Ap, rho);
     report.converged = p_Ap == 0 || (std::abs(p_Ap) <= settings_.threshold && !must_go_on());
     if (p_Ap < 0 && !report.converged) throw_indefinite(p_Ap);
+    report.at_threshold = report.converged && p_Ap != 0 && report.iterations == 0;
     return !report.converged;
   };
   const double r_r = iterate(space, space.begin(b, warm ? &previous : nullptr), settings_.iterations, report.iterations,

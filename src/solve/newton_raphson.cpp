@@ -69,6 +69,7 @@ NewtonReport NewtonRaphson::solve(MechanicalSystem& system, LinearSolver& solver
     const SolveReport solved = solver.solve_next(A, force_, increment_, memory_);
     report.linear_iterations += solved.iterations;
     report.preconditioner = solved.preconditioner;
+    report.at_threshold = report.at_threshold || solved.at_threshold;
     require_finite(increment_, "displacement");
 
     double residual = 0, step = 1;

@@ -38,13 +38,6 @@ struct BlockAxes {
   Vec3 compliance() const { return (stiffness.array() + 1).inverse(); }
 };
 
-/// Nodes that follow one another.
-struct NodeGroup {
-  int first_node = 0, num_nodes = 0;
-
-  auto rows(auto& of_all) const { return of_all.middleRows(first_node, num_nodes); }
-};
-
 /// What stands for the terms beside the bodies in a preconditioner: their rows, summed over the free nodes. That is the
 /// same where they tie nodes to the ground, as obstacles and grips do; it is the lumped mass of a consistent one, the
 /// fraction of each node in what points tie that follow the nodes, and nothing of a spring between two free nodes,

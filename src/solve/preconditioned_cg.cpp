@@ -192,7 +192,8 @@ struct PreconditionedConjugateGradients::Spaces {
   BlockJacobi<double> jacobi_double;
   BlockJacobi<float> jacobi_single;
   SeveralBodies several;
-  PointArray correction;
+  BodyResiduals bodies;
+  PointArray right_hand_side, correction;
   CgSpace* latest = nullptr;  // for the latest system
   PreconditionedBy preconditioned_by = PreconditionedBy::kNothing;
   bool may_redo = false;            // a solve with radii of an earlier step
@@ -236,7 +237,7 @@ struct PreconditionedConjugateGradients::Spaces {
     if (!system.has_one_body()) {
       several.setup(A, system, rest, system.others.empty() ? nullptr : &lumped, cycles);
       const bool is_single = std::ranges::any_of(system.bodies, [](const KernelBody& b) { return !b.double_operator; });
-      nodal.setup(A, true, &several, is_single ? CgSpace::kSingleRounding : CgSpace::kDoubleRounding);
+      nodal.setup(A, true, &several, is_single ? CgSpace::kSingleRounding : CgSpace::kDoubleRounding, &bodies);
       return nodal;
     }
     const KernelBody& body = system.bodies.front();
@@ -365,15 +366,16 @@ constexpr double kHalfLeavesOut = 0x1p-10;
 void run(CgSpace& space, ConstPoints b, const ConstPoints* start, double norm_b, double enough, int max_iterations,
          SolveReport& report, bool* is_indefinite = nullptr) {
   const auto relative = [&](double r_r) { return std::sqrt(r_r) / norm_b; };
+  // of each body too, which is asked only where all of them together are near enough
+  const auto is_enough = [&](double r_r) { return relative(r_r) <= enough && space.size(r_r) / norm_b <= enough; };
   double r_r = space.begin(b, start);
   if (start && !(relative(r_r) <= 1)) {  // worse than none
     start = nullptr;
     r_r = space.begin(b, start);
   }
-  r_r = iterate_within_range(
-      space, b, start, r_r, max_iterations, report.iterations, [&](double now) { return relative(now) <= enough; },
-      kNoRule, is_indefinite);
-  report.residual = relative(r_r);
+  r_r =
+      iterate_within_range(space, b, start, r_r, max_iterations, report.iterations, is_enough, kNoRule, is_indefinite);
+  report.residual = space.size(r_r) / norm_b;
   report.converged = report.residual <= enough;
 }
 
@@ -432,19 +434,31 @@ SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, Con
   return report;
 }
 
-SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, ConstPoints b, const ConstPoints* start,
-                                                      Points x, SpectralRadii* radii) {
+SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, ConstPoints given,
+                                                      const ConstPoints* start, Points x, SpectralRadii* radii) {
   SolveReport report;
-  const double norm_b = std::sqrt(finite_square(b));
+  const double norm_b = std::sqrt(finite_square(given));
   if (norm_b == 0) {
     x.setZero();
     return report;
   }
   spaces_->latest = &spaces_->choose(A, preconditioner_, radii, spaces_->preconditioned_by);
   report.preconditioner = spaces_->preconditioned_by;
+  // where forces cancel, constraints that couple coordinates leave as much outside of their range as the forces round
+  // to; a second time they leave the rounding of what is left
+  if (spaces_->system.couples_coordinates) {
+    spaces_->right_hand_side = given;
+    A.project(spaces_->right_hand_side);
+  }
+  const ConstPoints b = spaces_->system.couples_coordinates ? ConstPoints(spaces_->right_hand_side) : given;
+  spaces_->bodies.setup(A, spaces_->system, b);
   const double enough = std::max(tolerance_, A.rounding() / norm_b);
   const bool is_single = spaces_->refines(), refines = is_single && enough < kSingleSuffices;
   PointArray &r = spaces_->system.scratch, &correction = spaces_->correction;
+  const auto size_of_exact_residual = [&](ConstPoints at) {
+    const double norm = exact_residual(A, spaces_->system, b, at, r);
+    return std::max(norm, spaces_->bodies.size_at(r, at));
+  };
 
   // A cycle that turns out not to be positive definite is outdated, or gives way to the diagonal, from where it has
   // come. False: the solve is to be made anew.
@@ -484,7 +498,7 @@ SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, Con
       if (report.converged) return report;
     }
   }
-  double norm_r = exact_residual(A, spaces_->system, b, x, r);
+  double norm_r = size_of_exact_residual(x);
   if (!std::isfinite(norm_r)) {  // the start was no number
     x.setZero();
     r = b;
@@ -497,7 +511,7 @@ SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, Con
     const double of_correction = std::max(0.5 * enough * norm_b / norm_r, is_single ? kCorrection : 0);
     if (!run_on(r, nullptr, norm_r, of_correction, correction)) return report;
     correction += x;
-    const double norm_before = std::exchange(norm_r, exact_residual(A, spaces_->system, b, correction, r));
+    const double norm_before = std::exchange(norm_r, size_of_exact_residual(correction));
     // A is singular, or the answer as good as it gets
     const bool gives_up = !is_single || (!report.converged && report.iterations < iterations_);
     if (gives_up && !(norm_r < norm_before)) {

@@ -61,6 +61,62 @@ TEST(SeveralBodies, UnderOneSolverMoveAsTheyDoAlone) {
   }
 }
 
+// The tolerance holds for each: what is left of a vessel of a gram is nothing beside the weight of an organ of a
+// kilogram.
+TEST(SeveralBodies, AHeavyOneDoesNotHideWhatIsLeftOfALightOne) {
+  const std::string solvers =
+      "<EulerImplicitSolver rayleighStiffness='.01'/><MultigridCGLinearSolver tolerance='1e-3'/>";
+  const std::string vessel =
+      node("vessel",
+           "<RegularGridTopology n='13 3 3' max='.03 .005 .005'/><MechanicalObject name='nodes'/>"
+           "<DiagonalMass massDensity='1050'/><HexahedronElastoplasticFEMForceField youngModulus='20000'/>"
+           "<FixedProjectiveConstraint indices='0 13 26 39 52 65 78 91 104'/>");
+  const std::string organ =
+      node("organ",
+           "<RegularGridTopology n='7 7 4' min='1 0 0' max='1.15 .12 .06'/><MechanicalObject/>"
+           "<DiagonalMass massDensity='1050'/><HexahedronElastoplasticFEMForceField youngModulus='5000'/>"
+           "<BoxROI name='end' box='.9 -1 -1 1.0001 1 1'/><FixedProjectiveConstraint indices='@end.indices'/>");
+  const double alone = end_of(scene_of(solvers + vessel), "vessel/nodes", 25)(64, 1);
+  for (const std::string& both : {vessel + organ, organ + vessel})
+    EXPECT_NEAR(end_of(scene_of(solvers + both), "vessel/nodes", 25)(64, 1), alone, 2e-5);  // [m], of some millimetres
+}
+
+// On which nothing acts but what the other one does to it: its own right-hand side is none to compare a residual with.
+TEST(SeveralBodies, OneThatOnlyAnotherOneLoadsIsSolvedToo) {
+  const auto bar = [](const std::string& name, const std::string& from, const std::string& to,
+                      const std::string& rest) {
+    return node(name, "<RegularGridTopology n='5 3 3' min='" + from + " 0 0' max='" + to +
+                          " .05 .05'/><MechanicalObject name='nodes'/><UniformMass totalMass='.2'/>"
+                          "<HexahedronElastoplasticFEMForceField youngModulus='5000'/>" +
+                          rest);
+  };
+  const auto scene_with = [&](const std::string& solver, const std::string& join) {
+    return "<Node dt='.02' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver rayleighMass='1'/>" + solver +
+           bar("left", "0", ".1", "<ConstantForceField indices='0 5 10' forces='.2 .1 0'/>") +
+           bar("right", ".1", ".2", "<FixedProjectiveConstraint indices='4 9 14 19 24 29 34 39 44'/>") + join +
+           "</Node>";
+  };
+  const std::string springs =
+      "<SpringForceField object1='@left/nodes' object2='@right/nodes' "
+      "spring='4 0 100 0 0  14 10 100 0 0  24 20 100 0 0  34 30 100 0 0  44 40 100 0 0'/>";
+  const std::string tie =
+      "<AttachProjectiveConstraint object1='@left/nodes' object2='@right/nodes' twoWay='true' "
+      "indices1='4 9 14 19 24 29 34 39 44' indices2='0 5 10 15 20 25 30 35 40'/>";
+  for (const std::string& join : {springs, tie}) {
+    scene::Scene scene = read_and_init(scene_with("<MultigridCGLinearSolver tolerance='1e-5'/>", join));
+    for (int k = 0; k < 25; ++k) {
+      const SolveReport report = scene.step();
+      EXPECT_TRUE(report.converged) << join << k;
+      EXPECT_LE(report.iterations, 200) << join << k;
+    }
+    const std::string exact =
+        join == tie ? "<CGLinearSolver iterations='2000' tolerance='1e-12' threshold='0'/>" : "<SparseLDLSolver/>";
+    const PointArray right = end_of(scene_with(exact, join), "right/nodes", 25);
+    EXPECT_LT((at<scene::MechanicalState>(scene, "right/nodes").positions() - right).cwiseAbs().maxCoeff(), 1e-5);
+    EXPECT_GT((right - at<scene::MechanicalState>(scene, "right/nodes").rest_positions()).norm(), 1e-3);
+  }
+}
+
 // In mixed precision too, where a body's products are rounded, and what its flow adds: then the last bits of positions
 // decide how it is rounded.
 TEST(SeveralBodies, MixedPrecision) {

@@ -86,6 +86,13 @@ struct NodalTerm {
   }
 };
 
+/// Nodes that follow one another.
+struct NodeGroup {
+  int first_node = 0, num_nodes = 0;
+
+  auto rows(auto& of_all) const { return of_all.middleRows(first_node, num_nodes); }
+};
+
 /// Numbers in [0.5, 1.5) without any regularity, three per node: whatever acts on nodes leaves a trace of them.
 PointArray irregular_numbers(int num_nodes);
 
@@ -97,28 +104,29 @@ struct MatrixFreeSystem {
   PointArray diagonal;               ///< num_nodes x 3
   NodeMask free;                     ///< num_nodes x 3: 1 where free, 0 where fixed
   bool couples_coordinates = false;  ///< P does more than zero entries: LinearSystem::project is to be used
-  bool has_parts = false;            ///< add_part was called: a body has not all of the nodes
 
   long diagonal_version = 0;  ///< not 0: diagonal, free and diag(L) are those of every other system of this version
   bool wants_coarse = false;  ///< asks for the operators on coarser meshes as well
 
-  PointArray scratch;  ///< of whoever fills the system, and then of whoever solves it
+  PointArray scratch;            ///< of whoever fills the system, and then of whoever solves it
+  std::vector<NodeGroup> parts;  ///< of add_part: the bodies of each have its nodes only, not all
 
   /// Before it is filled anew; what it allocated stays.
   void clear() {
     bodies.clear();
     others.clear();
     couples_coordinates = false;
-    has_parts = false;
+    parts.clear();
   }
   /// A body that has all of the nodes, whatever else acts on them.
-  bool has_one_body() const { return bodies.size() == 1 && !has_parts && !couples_coordinates; }
+  bool has_one_body() const { return bodies.size() == 1 && parts.empty() && !couples_coordinates; }
   bool is_one_body() const { return has_one_body() && others.empty(); }
 
-  /// Takes in bodies, other operators and the diagonal of a system over the nodes from `first_node` on.
+  /// Takes in bodies, other operators and the diagonal of a system over the nodes from `first_node` on: an independent
+  /// state of several, whose residual counts by itself.
   void add_part(const MatrixFreeSystem& part, int first_node) {
     const Eigen::Index num_nodes = part.diagonal.rows();
-    has_parts = true;
+    parts.push_back({first_node, static_cast<int>(num_nodes)});
     diagonal.middleRows(first_node, num_nodes) += part.diagonal;
     for (KernelBody body : part.bodies) {
       body.first_node += first_node;
@@ -192,9 +200,12 @@ constexpr std::string_view name_of(PreconditionedBy preconditioner) {
 }
 
 struct SolveReport {
-  int iterations = 0;     ///< 1 for a direct solver
-  double residual = 0;    ///< |b - A x| / |b| as the solver knows it (0 for a direct solver)
-  bool converged = true;  ///< false: stopped before the tolerance, by the iteration limit or because A is singular
+  int iterations = 0;   ///< 1 for a direct solver
+  double residual = 0;  ///< |b - A x| / |b| as the solver knows it (0 for a direct solver); the largest of the bodies,
+                        ///< where its tolerance holds for each (PreconditionedConjugateGradients)
+  bool converged = true;      ///< false: stopped before the tolerance, by the iteration limit or because A is singular
+  bool at_threshold = false;  ///< an absolute threshold was met before the first iteration: nothing was solved
+  bool of_newton = false;     ///< `residual` and `converged` are those of Newton's iterations
   PreconditionedBy preconditioner = PreconditionedBy::kNothing;  ///< that was used
 
   /// A further solve of the same system, from its solution.

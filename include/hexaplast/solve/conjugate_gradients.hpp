@@ -66,7 +66,9 @@ struct PreparedSystem {
 };
 
 /// Preconditioned conjugate gradients that end on |r| <= max(tolerance |b|, A.rounding()) alone: for systems of our
-/// own, where an answer is wanted rather than a number of iterations.
+/// own, where an answer is wanted rather than a number of iterations. In a system of several bodies
+/// (MatrixFreeSystem::parts) the same holds for each of them: |r_i| <= tolerance max(|b_i|, |(F x)_i|), so that a heavy
+/// one does not hide what is left of a light one (theory.md section 9.5).
 class PreconditionedConjugateGradients final : public LinearSolver {
  public:
   PreconditionedConjugateGradients(double tolerance, int iterations,

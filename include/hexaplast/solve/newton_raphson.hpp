@@ -36,6 +36,7 @@ struct NewtonReport {
   double initial_residual = 0;   ///< [N] |r_0|
   double residual = 0;           ///< [N] |r| at the end
   PreconditionedBy preconditioner = PreconditionedBy::kNothing;  ///< of the last linear solution
+  bool at_threshold = false;                                     ///< SolveReport::at_threshold of some linear solution
 };
 
 /// Static equilibrium, as SOFA's StaticSolver finds it: f(x) = 0 under constraints.               theory.md eq. 43

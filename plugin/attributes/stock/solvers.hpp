@@ -167,12 +167,14 @@ inline constexpr Attribute kCGLinearSolverAttributes[] = {
      .type = Type::kReal,
      .initial = "1e-5",
      .range = kNotNegative,
-     .help = "Stops when |r| / |b| <= this value."},
+     .help = "Stops when |r| / |b| <= this value; as in SOFA, |r| and |b| are over all states together: a heavy body "
+             "hides what is left of a light one (MultigridCGLinearSolver looks at each)."},
     {.name = "threshold",
      .type = Type::kReal,
      .initial = "1e-5",
      .range = kNotNegative,
-     .help = "Stops when p.Ap <= this value: an absolute bound, so lower it for small loads and small masses."},
+     .help = "Stops when p.Ap <= this value. The bound is absolute, and tissue lies below the default: nothing is "
+             "solved then, and velocities stay. 0 switches it off."},
     {.name = "warmStart",
      .type = Type::kBool,
      .initial = "false",

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "solve/body_residuals.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/irregular_field.hpp"
+#include "hexaplast/base/parallel.hpp"
+
+namespace hexaplast {
+
+void BodyResiduals::setup(const LinearSystem& A, const MatrixFreeSystem& system, ConstPoints b) {
+  system_ = &system;
+  parts_.clear();
+  if (system.parts.size() < 2) return;
+  for (const NodeGroup& nodes : system.parts) parts_.push_back({nodes, parts_.size()});
+  if (system.couples_coordinates) join_coupled(A, system);
+  if (std::ranges::all_of(parts_, [](const Part& part) { return part.body == 0; })) return parts_.clear();
+
+  norm_b_ = std::sqrt(dot(b, b));
+  norms_.assign(parts_.size(), {});
+  for (const Part& part : parts_) {
+    const ConstPoints rows(part.nodes.rows(b));
+    norms_[part.body].load = std::hypot(norms_[part.body].load, std::sqrt(dot(rows, rows)));
+  }
+}
+
+/// Constraints couple two parts where they move nodes of one by what moves the other.
+void BodyResiduals::join_coupled(const LinearSystem& A, const MatrixFreeSystem& system) {
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const auto [first, count] = parts_[i].nodes;
+    product_.resize(system.free.rows(), 3);
+    fill_irregularly(product_);
+    product_.topRows(first).setZero();
+    product_.bottomRows(product_.rows() - first - count).setZero();
+    A.project(product_);
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      if (parts_[k].nodes.rows(product_).isZero(0)) continue;
+      const auto [joined, gone] = std::minmax(parts_[i].body, parts_[k].body);
+      for (Part& part : parts_)
+        if (part.body == gone) part.body = joined;
+    }
+  }
+}
+
+double BodyResiduals::size(ConstPoints r, ConstPoints x, double unit) {
+  if (parts_.empty()) return 0;
+  for (Norms& norms : norms_) norms.transmitted = norms.residual = 0;
+  product_.setZero(x.rows(), 3);
+  for (const NodalTerm& other : system_->others) other.add_product(x, product_);
+  product_ = product_.cwiseProduct(system_->free.cast<double>());
+  for (const Part& part : parts_) {
+    Norms& norms = norms_[part.body];
+    const ConstPoints product(part.nodes.rows(product_)), rows(part.nodes.rows(r));
+    norms.transmitted = std::hypot(norms.transmitted, unit * std::sqrt(dot(product, product)));
+    norms.residual = std::hypot(norms.residual, unit * std::sqrt(dot(rows, rows)));
+  }
+  double largest = 0;
+  for (const Norms& norms : norms_) {
+    const double acting = std::max({norms.load, norms.corrected, norms.transmitted});
+    if (norms.residual > 0) largest = std::max(largest, norms.residual / (acting > 0 ? acting : norm_b_));
+  }
+  return norm_b_ * largest;
+}
+
+double BodyResiduals::size_at(ConstPoints r, ConstPoints x) {
+  for (Norms& norms : norms_) norms.corrected = 0;
+  const double found = size(r, x, 1);
+  for (Norms& norms : norms_) norms.corrected = norms.transmitted;
+  return found;
+}
+
+}  // namespace hexaplast
