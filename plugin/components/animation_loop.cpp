@@ -41,7 +41,9 @@ class DefaultAnimationLoop final : public scene::AnimationLoop {
       const SolveReport report = solver->solve(clock.time, clock.dt);
       total.iterations += report.iterations;
       total.residual = std::max(total.residual, report.residual);
+      total.of_newton = total.of_newton || (report.of_newton && !report.converged);
       total.converged = total.converged && report.converged;
+      total.at_threshold = total.at_threshold || report.at_threshold;
       if (report.iterations > 0) total.preconditioner = report.preconditioner;
     }
 

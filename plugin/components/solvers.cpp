@@ -23,11 +23,7 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
   void bwd_init() override {
     SystemSolver::bwd_init();
     system().require_mass();
-    const EulerSettings settings{.rayleigh_mass = real("rayleighMass"),
-                                 .rayleigh_stiffness = real("rayleighStiffness"),
-                                 .velocity_damping = real("vdamping"),
-                                 .first_order = boolean("firstOrder"),
-                                 .trapezoidal = boolean("trapezoidalScheme")};
+    const EulerSettings settings = euler_settings();
     SolverMemory kept = euler_ ? std::move(euler_->memory()) : SolverMemory();  // bwd_init comes again: Scene::add
     euler_.emplace(settings);
     euler_->memory() = std::move(kept);
@@ -52,6 +48,14 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
         inertial_energy(), system().positions() == stepped_to_ ? balance_->elastic : system().elastic_energy());
     pending_ = Pending::kFlow;
     return report;
+  }
+
+  SolveReport try_step(double time, double dt) override {
+    return tried([&](Points x, Points v, LinearSolver& solver) {
+      ImplicitEuler euler(euler_settings());
+      euler.memory().is_first = false;  // a step like those that follow
+      return euler.step(system(), solver, time, dt, x, v);
+    });
   }
 
   void reset() override {
@@ -98,6 +102,14 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
   SolverMemory& memory() override { return euler_->memory(); }
 
  private:
+  EulerSettings euler_settings() {
+    return {.rayleigh_mass = real("rayleighMass"),
+            .rayleigh_stiffness = real("rayleighStiffness"),
+            .velocity_damping = real("vdamping"),
+            .first_order = boolean("firstOrder"),
+            .trapezoidal = boolean("trapezoidalScheme")};
+  }
+
   void serialize_supports(Archive& archive) {
     PointArray saved = support_forces_;
     archive(saved);
@@ -166,7 +178,8 @@ class StaticSolver final : public SystemSolver {
     SystemSolver::bwd_init();
     system().require_points();
     SolverMemory kept = newton_ ? std::move(newton_->memory()) : SolverMemory();
-    newton_.emplace(newton_settings());
+    newton_settings_ = newton_settings();
+    newton_.emplace(newton_settings_);
     newton_->memory() = std::move(kept);
   }
 
@@ -177,16 +190,33 @@ class StaticSolver final : public SystemSolver {
       return newton_->solve(system(), linear_solver(), time, x);
     });
     system().project_motion(time);
-    return heeded({.iterations = found.linear_iterations,
-                   .residual = found.iterations == 0 ? 0 : found.residual / found.initial_residual,
-                   .converged = found.status != NewtonStatus::kNotConverged,
-                   .preconditioner = found.preconditioner});
+    return heeded(report_of(found));
+  }
+
+  SolveReport try_step(double time, double) override {
+    return tried([&](Points x, Points, LinearSolver& solver) {
+      NewtonSettings settings = newton_settings_;
+      settings.iterations = 1;
+      NewtonRaphson newton(settings);
+      newton.memory().is_first = false;
+      return report_of(newton.solve(system(), solver, time, x));
+    });
   }
 
  protected:
   SolverMemory& memory() override { return newton_->memory(); }
 
  private:
+  static SolveReport report_of(const NewtonReport& found) {
+    const bool converged = found.status != NewtonStatus::kNotConverged;
+    return {.iterations = found.linear_iterations,
+            .residual = found.iterations == 0 ? 0 : found.residual / found.initial_residual,
+            .converged = converged,
+            .at_threshold = !converged && found.at_threshold,
+            .of_newton = true,
+            .preconditioner = found.preconditioner};
+  }
+
   NewtonSettings newton_settings() {
     const bool has_solver = is_given("newtonSolver") || node().nearest<NewtonRaphsonSolver>();
     NewtonSettings settings =
@@ -218,6 +248,7 @@ class StaticSolver final : public SystemSolver {
     return found;
   }
 
+  NewtonSettings newton_settings_;
   std::optional<NewtonRaphson> newton_;
 };
 

@@ -60,6 +60,17 @@ class SystemSolver : public scene::OdeSolver {
   }
   NodeSystem& system() { return *system_; }
 
+  /// What solve(x, v, solver) reports of copies of the positions and velocities.
+  template <class Solve>
+  SolveReport tried(const Solve& solve) {
+    PointArray x = system_->positions(), v = system_->velocities();
+    try {
+      return solve(x, v, linear_solver());
+    } catch (const NumericalError& error) {
+      linear_solver_->reject(fmt::format("cannot solve a step: {}", error.what()));
+    }
+  }
+
  private:
   scene::LinearSolver* linear_solver_ = nullptr;
   std::optional<NodeSystem> system_;

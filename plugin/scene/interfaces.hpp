@@ -312,6 +312,10 @@ class OdeSolver : public Component {
   /// All steps so far, the plastic ones included, since the beginning; null where none is kept, or the solver keeps
   /// none. Between two steps; valid until the next call.
   virtual const EnergyBalance* energy_balance() { return nullptr; }
+
+  /// Solves a step from where everything is, under the loads of that time, and moves nothing. Rejects the scene where
+  /// that fails.
+  virtual SolveReport try_step(double /*time*/, double /*dt*/) { return {}; }
 };
 
 /// Computes outputs from inputs: each when it is asked for and an input has changed since it was found.

@@ -17,6 +17,7 @@ struct CholeskySolver::Factor {
   cholmod_dense* right_hand_side = nullptr;
   cholmod_dense *solution = nullptr, *work_y = nullptr, *work_e = nullptr;  // kept by cholmod_l_solve2 between calls
   long pattern_version = -1;
+  bool is_set_up = false;                 // for the system of the latest setup
   Eigen::MatrixXd columns, solved;        // U and A^-1 U of the terms U D U^T beside A
   Eigen::LDLT<Eigen::MatrixXd> capacity;  // D^-1 + U^T A^-1 U
 
@@ -42,6 +43,7 @@ struct CholeskySolver::Factor {
     cholmod_l_free_factor(&factor, &common);
     for (cholmod_dense** dense : {&right_hand_side, &solution, &work_y, &work_e}) cholmod_l_free_dense(dense, &common);
     pattern_version = -1;
+    is_set_up = false;
   }
 
   /// The lower triangle's pattern and its fill-reducing order.
@@ -124,6 +126,7 @@ CholeskySolver::~CholeskySolver() = default;
 
 // The order of elimination, and with it the last bits, comes from the pattern: it is that of the present system alone.
 void CholeskySolver::setup(const LinearSystem& A) {
+  factor_->is_set_up = false;  // where it throws, there is no factor of an earlier system
   if (matrix_.num_nodes() != A.num_nodes()) {
     matrix_ = BlockMatrix(A.num_nodes());
     factor_->pattern_version = -1;
@@ -141,21 +144,28 @@ void CholeskySolver::setup(const LinearSystem& A) {
   const auto status = f.common.status;
   const bool is_definite = status >= CHOLMOD_OK && status != CHOLMOD_NOT_POSDEF;
   const bool is_finite = is_definite && cholmod_l_rcond(f.factor, &f.common) > 0;  // no pivot stands out of all numbers
-  if (is_finite) return f.set_rank_ones(matrix_.rank_ones());
+  if (is_finite) {
+    f.set_rank_ones(matrix_.rank_ones());
+    f.is_set_up = true;
+    return;
+  }
 
-  const auto pivot = f.factor->minor, size = f.factor->n;
+  const auto minor = f.factor->minor;  // in the order of elimination
+  const auto pivot = minor < f.factor->n ? static_cast<const SuiteSparse_long*>(f.factor->Perm)[minor] : 0;
   f.free_all();  // what it has become is no beginning for another
   if (is_definite) throw NumericalError("Cholesky: the matrix is not finite");
   if (status == CHOLMOD_NOT_POSDEF)
-    throw NumericalError(fmt::format(
-        "Cholesky: the matrix is not positive definite (pivot of unknown {} of {} is not positive)", pivot, size));
+    throw NumericalError(
+        fmt::format("Cholesky: the matrix is not positive definite (node {} of {} has no positive "
+                    "pivot along {})",
+                    pivot / 3, matrix_.num_nodes(), "xyz"[pivot % 3]));
   throw NumericalError(fmt::format("Cholesky: factorisation failed ({})", status));
 }
 
 SolveReport CholeskySolver::solve_again(const LinearSystem& A, ConstPoints b, Points x) {
   require_sizes(A, b, x);
   Factor& f = *factor_;
-  if (!f.factor || matrix_.num_nodes() != A.num_nodes())
+  if (!f.is_set_up || matrix_.num_nodes() != A.num_nodes())
     throw InputError("Cholesky: setup must come before solve_again");
   if (!b.allFinite()) throw NumericalError("Cholesky: the right-hand side is not finite");
   x = b;

@@ -120,7 +120,7 @@ TEST_F(CheckpointFile, SaysWhatIsWrong) {
   EXPECT_NE(refusal("step,time,kinetic_energy").find("other is no checkpoint"), std::string::npos);
   EXPECT_NE(refusal("").find("other is no checkpoint"), std::string::npos);
   bytes[8] = 1;
-  EXPECT_NE(refusal(bytes).find("other has format version 1, must be 6"), std::string::npos);
+  EXPECT_NE(refusal(bytes).find("other has format version 1, must be 7"), std::string::npos);
   EXPECT_THROW(Checkpoint(file("nowhere")), OutputError);
 }
 

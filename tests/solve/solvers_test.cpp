@@ -317,6 +317,7 @@ TEST_F(Solvers, CholeskySolvesWithTermsOfRankOne) {
   EXPECT_TRUE(agrees(unstacked(full * stacked(x)), b, 1e-11));
   system.rank_ones = {{-100, random.field(kNodes, 1)}, {0.3, random.field(kNodes, 1)}};
   EXPECT_TRUE(refuses<NumericalError>([&] { cholesky.solve(system, b, x); }, {"rank one", "not positive definite"}));
+  EXPECT_TRUE(refuses<InputError>([&] { cholesky.solve_again(system, b, x); }, {"setup must come before"}));
   cholesky.solve(DenseSystem(A), b, x);  // and forgets them
   EXPECT_TRUE(agrees(x, exact, 1e-10));
 }

@@ -16,6 +16,7 @@
 #include "runner/run/loads.hpp"
 #include "runner/run/output_options.hpp"
 #include "runner/run/regions.hpp"
+#include "runner/run/simulation.hpp"
 #include "runner/standard_output.hpp"
 
 namespace hexaplast::runner {
@@ -60,6 +61,20 @@ bool is_joined(const scene::Node& root, const scene::State& state) {
          std::ranges::any_of(root.all<scene::Mapping>(), [&](const scene::Mapping* mapping) {
            return mapping->output() && mapping->input() == &state && is_joined(root, *mapping->output());
          });
+}
+
+/// Rejects the scene for what step 1 would end with.
+void try_step(scene::Scene& scene, Findings& found) {
+  for (scene::OdeSolver* solver : scene::integrators_of(scene)) {
+    try {
+      if (solver->try_step(found.loads_time, found.dt).at_threshold)
+        found.warnings.push_back(
+            fmt::format("the linear solver of {} '{}' stops at its threshold before its first iteration: {}",
+                        solver->class_name(), solver->name(), kThresholdRemedy));
+    } catch (const scene::Rejection& rejection) {
+      throw scene::SceneError(rejection.what());
+    }
+  }
 }
 
 Findings look_at(scene::Scene& scene) {
@@ -109,6 +124,7 @@ Findings look_at(scene::Scene& scene) {
     found.num_hexahedra += body.field->body()->mesh().num_elements();
     std::ranges::copy(model_warnings(model, Names::kScenes), std::back_inserter(found.warnings));
   }
+  try_step(scene, found);
   found.regions = regions_of(scene);
   if (is_pushed) found.warnings.push_back("no node is fixed, and the loads do not balance: the body moves away");
 

@@ -82,7 +82,8 @@ CLI::Option* add_every(CLI::App& command, long& every) {
 
 void add_strict(CLI::App& command, bool& strict) {
   command.add_flag("--strict", strict,
-                   "A run ends with 4 if hexahedra are inverted, or if the error of the energy balance, or the energy "
+                   "A run ends with 4 if hexahedra are inverted, if a solver stops before its tolerance, or if the "
+                   "error of the energy balance, or the energy "
                    "added by the integrator, exceeds a fifth of the supplied energy");
 }
 

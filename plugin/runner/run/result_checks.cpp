@@ -37,14 +37,25 @@ double energy_put_in(const Simulation& simulation) {
   return std::max(simulation.totals().energy_put_in, unseen);
 }
 
-void check_energy(const EnergyBalance& energy, double put_in, std::vector<std::string>& doubts) {
+void check_solves(const Simulation& simulation, std::vector<std::string>& doubts) {
+  const Totals& totals = simulation.totals();
+  const auto check = [&](long steps, const char* what, const std::string& remedy = "") {
+    if (steps > 0)
+      doubts.push_back(fmt::format("{} in {} of {} steps{}", what, steps, simulation.latest().step, remedy));
+  };
+  check(totals.threshold_solves, "the linear solver stopped at its threshold before its first iteration",
+        fmt::format(": {}", kThresholdRemedy));
+  check(totals.stalled_solves, "the linear solver stopped before its tolerance");
+  check(totals.stalled_newton, "Newton's iterations stopped before their thresholds");
+}
+
+void check_energy(const EnergyBalance& energy, double put_in, const char* solver, std::vector<std::string>& doubts) {
   const auto check = [&](double missed, const char* what, const char* remedy) {
     if (missed > kLargestUnexplained * put_in)
       doubts.push_back(fmt::format("{} {:.3g} J, {:.0f} % of the {:.3g} J that were put in: {}", what, missed,
                                    100 * missed / put_in, put_in, remedy));
   };
-  check(std::abs(energy.error()), "the energy balance misses",
-        "take a smaller time step, or a linear solver of a smaller tolerance");
+  check(std::abs(energy.error()), "the energy balance misses", solver);
   check(-energy.numerical_loss, "the integrator has added", "take a smaller time step");
 }
 
@@ -68,7 +79,13 @@ void require_supplied(const Simulation& simulation) {
 std::vector<std::string> check_results(const Simulation& simulation) {
   std::vector<std::string> doubts;
   if (simulation.bodies()) check_inversions(simulation, doubts);
-  if (simulation.latest().energy) check_energy(*simulation.latest().energy, energy_put_in(simulation), doubts);
+  check_solves(simulation, doubts);
+  if (simulation.latest().energy)
+    check_energy(*simulation.latest().energy, energy_put_in(simulation),
+                 simulation.totals().threshold_solves > 0
+                     ? kThresholdRemedy
+                     : "take a smaller time step, or a linear solver of a smaller tolerance",
+                 doubts);
   return doubts;
 }
 

@@ -313,6 +313,11 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
   if (num_steps > 0)
     add("step", fmt::format("{:.3f} ms, {:.1f} solver iterations", per_step,
                             static_cast<double>(totals.iterations) / static_cast<double>(num_steps)));
+  if (totals.threshold_solves > 0)
+    add("not solved",
+        fmt::format("{} of {} steps, in which the linear solver stopped at its threshold before its first "
+                    "iteration",
+                    totals.threshold_solves, num_steps));
   if (std::string line = preconditioner_line(totals); !line.empty()) add("preconditioner", std::move(line));
   add("instruction set", simd_target());
   add("state hash", simulation.state_hash());
@@ -326,13 +331,10 @@ void print_summary(Simulation& simulation, const path& scene_file) {
     fmt::print("  {:<18}  {}\n", printable_line(figure.label), figure.value);
 }
 
-void warn_of_stalls(const Simulation& simulation) {
-  const auto warn = [&](long steps, const char* what) {
-    if (steps > 0)
-      spdlog::warn("warning: {} stopped before its tolerance in {} of {} steps", what, steps, simulation.latest().step);
-  };
-  warn(simulation.totals().stalled_solves, "the linear solver");
-  warn(simulation.totals().stalled_averaging, "the rest-shape averaging");
+void warn_of_averaging(const Simulation& simulation) {
+  if (const long steps = simulation.totals().stalled_averaging; steps > 0)
+    spdlog::warn("warning: the rest-shape averaging stopped before its tolerance in {} of {} steps", steps,
+                 simulation.latest().step);
 }
 
 output::Manifest manifest_of(Simulation& simulation, long num_steps, const RunOptions& options) {
@@ -371,7 +373,7 @@ void carry_out(Simulation& simulation, long num_steps, Files& files, const RunOp
   if (!options.quiet) print_summary(simulation, options.scene.file);
   flush_standard_output();
   log_warnings(simulation.scene());
-  warn_of_stalls(simulation);
+  warn_of_averaging(simulation);
   const std::vector<std::string> doubts = check_results(simulation);
   for (const std::string& doubt : doubts) spdlog::warn("warning: {}", doubt);
   if (options.strict && !doubts.empty() && requested_signal() == 0)

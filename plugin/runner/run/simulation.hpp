@@ -17,6 +17,8 @@ struct Totals {
   long iterations = 0;  ///< of all linear solves
   std::array<long, kPreconditionerNames.size()> steps_by_preconditioner = {};  ///< that had something to solve
   long stalled_solves = 0;     ///< steps whose linear solver stopped before its tolerance
+  long stalled_newton = 0;     ///< steps whose Newton iterations met none of their thresholds
+  long threshold_solves = 0;   ///< steps whose linear solver stopped at its threshold before its first iteration
   long stalled_averaging = 0;  ///< steps whose rest-shape averaging did
   long first_removal = 0;      ///< step in which the body lost its first hexahedron; 0: none
   long latest_removal = 0;
@@ -24,6 +26,9 @@ struct Totals {
   long max_inverted_in = 0;  ///< the first such step
   double energy_put_in = 0;  ///< [J] that it began with, and work of loads and supports: the most so far
 };
+
+/// What to do about SolveReport::at_threshold.
+inline constexpr const char* kThresholdRemedy = "set threshold=\"0\" or use MultigridCGLinearSolver";
 
 /// A scene in motion, step by step: what all commands share that run one. Any number of states and bodies.
 class Simulation {

@@ -26,6 +26,8 @@ Json summary_json(Simulation& simulation) {
           {"solver_iterations", totals.iterations},
           {"preconditioner", preconditioner_line(totals)},
           {"stalled_solves", totals.stalled_solves},
+          {"stalled_newton", totals.stalled_newton},
+          {"threshold_solves", totals.threshold_solves},
           {"stalled_averaging", totals.stalled_averaging},
           {"nodes", simulation.num_nodes()},
           {"hexahedra", bodies.mesh().num_elements()},

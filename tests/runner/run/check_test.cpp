@@ -141,6 +141,23 @@ TEST_F(Command, CheckTakesNoStep) {
   EXPECT_EQ(hexaplast("check bar.scn --set LinearForceField1.forces='1e308 0 0 1e308 0 0 1e308 0 0'").code, 0);
 }
 
+// The row of a matrix is 0 for a node that no cell has.
+TEST_F(Command, CheckFindsTheNodeForWhichNoStepCanBeSolved) {
+  write("node.scn",
+        "<Node dt='.01' gravity='9.81 0 0'>\n<DefaultAnimationLoop/><EulerImplicitSolver/>\n<SparseLDLSolver/>"
+        "<MeshTopology hexahedra='0-7' position='0 0 0  1 0 0  1 1 0  0 1 0  0 0 1  1 0 1  1 1 1  0 1 1  5 5 5'/>"
+        "<MechanicalObject/><DiagonalMass massDensity='1000'/><HexahedronElastoplasticFEMForceField/>"
+        "<FixedProjectiveConstraint indices='0 3 4 7'/></Node>");
+  const std::string why = "Cholesky: the matrix is not positive definite (node 8 of 9 has no positive pivot along ";
+  const Outcome checked = hexaplast("check node.scn"), ran = hexaplast("run node.scn --steps 1");
+  EXPECT_EQ(checked.code, 3);
+  EXPECT_EQ(checked.err.find("node.scn:3: error: SparseLDLSolver"), 0u) << checked.err;
+  EXPECT_NE(checked.err.find(why), std::string::npos) << checked.err;
+  EXPECT_EQ(checked.out, "");
+  EXPECT_EQ(ran.code, 4);
+  EXPECT_NE(ran.err.find(why), std::string::npos) << ran.err;
+}
+
 TEST_F(Command, CheckWarnsOfUnwiseChoices) {
   write("bar.scn", bar(""));
   const Outcome unsupported = hexaplast("check bar.scn");

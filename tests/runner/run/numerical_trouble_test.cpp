@@ -66,7 +66,57 @@ TEST_F(Stall, IsCountedAndReported) {
   std::ifstream in(directory_ / "summary.json");
   const nlohmann::json summary = nlohmann::json::parse(in);
   EXPECT_EQ(summary["stalled_solves"], 7);
+  EXPECT_EQ(hexaplast("run stalls.scn --steps 7 --strict --quiet").code, 4);
   EXPECT_EQ(summary["preconditioner"], "none");
+}
+
+/// A piece of tissue of some grams, held at x = 0, that sags.
+std::string tissue(const std::string& solvers) {
+  return "<Node dt='.01' gravity='0 0 -9.81'><RunSettings steps='20'/><DefaultAnimationLoop/>" + solvers +
+         "<RegularGridTopology n='5 3 3' max='.04 .02 .02'/><MechanicalObject/><DiagonalMass massDensity='1000'/>"
+         "<HexahedronElastoplasticFEMForceField youngModulus='5000'/><FixedProjectiveConstraint indices='0 5 10 15 20 "
+         "25 30 35 40'/></Node>";
+}
+
+// The default threshold of SOFA's solver is an absolute number, below which steps of tissue lie.
+TEST_F(Stall, AtTheThresholdIsNotTakenForASolution) {
+  write("plain.scn", tissue("<EulerImplicitSolver/><CGLinearSolver/>"));
+  const support::Outcome checked = hexaplast("check plain.scn");
+  EXPECT_EQ(checked.code, 0);
+  EXPECT_NE(checked.err.find("stops at its threshold before its first iteration: set threshold=\"0\" or use "
+                             "MultigridCGLinearSolver"),
+            std::string::npos)
+      << checked.err;
+  const support::Outcome outcome = hexaplast("run plain.scn --summary summary.json");
+  EXPECT_EQ(outcome.code, 0);
+  std::ifstream in(directory_ / "summary.json");
+  const nlohmann::json summary = nlohmann::json::parse(in);
+  const long steps = summary["threshold_solves"];
+  EXPECT_GE(steps, 10);
+  EXPECT_LE(steps, 19);  // the first iteration of the first step passes, as in SOFA
+  EXPECT_NE(
+      outcome.err.find("the linear solver stopped at its threshold before its first iteration in " +
+                       std::to_string(steps) + " of 20 steps: set threshold=\"0\" or use MultigridCGLinearSolver"),
+      std::string::npos)
+      << outcome.err;
+  EXPECT_EQ(outcome.err.find("tolerance"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.out.find("not solved"), std::string::npos) << outcome.out;
+  EXPECT_EQ(hexaplast("run plain.scn --strict --quiet").code, 4);
+
+  write("solved.scn", tissue("<EulerImplicitSolver/><CGLinearSolver iterations='500' threshold='0'/>"));
+  EXPECT_EQ(hexaplast("check solved.scn").err.find("threshold"), std::string::npos);
+  EXPECT_EQ(hexaplast("run solved.scn --strict --quiet").code, 0);
+}
+
+TEST_F(Stall, OfNewtonIsNotThatOfTheLinearSolver) {
+  write("static.scn", tissue("<StaticSolver/><NewtonRaphsonSolver maxNbIterationsNewton='2' "
+                             "relativeSuccessiveStoppingThreshold='1e-12' relativeInitialStoppingThreshold='1e-12' "
+                             "absoluteResidualStoppingThreshold='1e-12'/><SparseLDLSolver/>"));
+  const support::Outcome outcome = hexaplast("run static.scn --steps 1 --strict");
+  EXPECT_EQ(outcome.code, 4);
+  EXPECT_NE(outcome.err.find("Newton's iterations stopped before their thresholds in 1 of 1 steps"), std::string::npos)
+      << outcome.err;
+  EXPECT_EQ(outcome.err.find("linear solver"), std::string::npos) << outcome.err;
 }
 
 }  // namespace
