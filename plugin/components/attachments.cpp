@@ -116,7 +116,11 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
   static void draw_together(Row&& first, Row&& second, double fraction) {
     const Eigen::RowVector3d correction = fraction * (second - first);
     first += correction;
-    second -= correction;
+    // by half of it to the very same place: a projection leaves what it has made as it is
+    if (fraction == .5)
+      second = first;
+    else
+      second -= correction;
   }
 
   bool is_active() const { return end_time_ < 0 || end_time_ > node().clock().time; }
