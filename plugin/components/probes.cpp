@@ -2,11 +2,13 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <span>
 
 #include "attributes/parts.hpp"
 #include "components/components.hpp"
 #include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/body.hpp"
 #include "hexaplast/geometry/embed.hpp"
 #include "parts/probe.hpp"
 #include "scene/interfaces.hpp"
@@ -29,7 +31,9 @@ class Probe final : public scene::Probe {
 
   double read() override {
     probe_->set_options(read_options<parts::ProbeOptions>(*this));
-    return accepted(*this, [&] { return probe_->read(points_ ? at_points() : reals("value")); });
+    return accepted(*this, [&] {
+      return points_ ? probe_->read(at_points()) : probe_->read(reals("value"), alive(reals("value").size()));
+    });
   }
   std::string_view unit() override { return source().attribute().unit; }
 
@@ -56,14 +60,21 @@ class Probe final : public scene::Probe {
   const std::vector<double>& at_points() {
     const std::vector<double>& nodes = reals("value");
     const auto& state = needed_ready<scene::MechanicalState>();
-    const auto num_nodes = static_cast<Eigen::Index>(nodes.size() / 3);
-    if (num_nodes != state.rest_positions().rows())
-      throw parts::OptionError("value", fmt::format("holds {} vectors, must be one for each of {} nodes", num_nodes,
-                                                    state.rest_positions().rows()));
+    const Eigen::Index num_nodes = state.rest_positions().rows();
+    if (static_cast<Eigen::Index>(nodes.size()) != 3 * num_nodes)
+      throw parts::OptionError(
+          "value", fmt::format("holds {} numbers, must be 3 for each of {} nodes", nodes.size(), num_nodes));
     values_at_points_.resize(static_cast<std::size_t>(points_->num_points()) * 3);
     points_->apply(Eigen::Map<const PointArray>(nodes.data(), num_nodes, 3),
                    Eigen::Map<PointArray>(values_at_points_.data(), points_->num_points(), 3));
     return values_at_points_;
+  }
+
+  /// Of a value per hexahedron of a body: 0 once it is removed. Empty for other values.
+  std::span<const unsigned char> alive(std::size_t num_values) {
+    const auto* field = dynamic_cast<const scene::ForceField*>(&source().owner());
+    const Body* body = field && !holds_vectors() ? field->body() : nullptr;
+    return body && body->alive().size() == num_values ? body->alive() : std::span<const unsigned char>();
   }
 
   /// The attribute that the value follows in the end.

@@ -26,10 +26,12 @@ double Probe::component_of(const double* entry) const {
   return std::hypot(entry[0], entry[1], entry[2]);
 }
 
-double Probe::read(std::span<const double> values) {
+double Probe::read(std::span<const double> values, std::span<const unsigned char> alive) {
   using Statistic = ProbeOptions::Statistic;
   const int count = static_cast<int>(values.size()) / width_;
   if (count == 0) throw OptionError("value", "holds no number");
+  if (values.size() != static_cast<std::size_t>(count) * width_)
+    throw OptionError("value", fmt::format("holds {} numbers, must be {} for each entry", values.size(), width_));
   std::vector<int> entries = options_.indices;
   if (entries.empty()) {
     entries.resize(static_cast<std::size_t>(count));
@@ -48,6 +50,8 @@ double Probe::read(std::span<const double> values) {
     for (std::size_t k = 0; k < values.size(); ++k) changed.push_back(values[k] - first_[k]);
     values = changed;
   }
+  if (!alive.empty()) std::erase_if(entries, [&](int entry) { return alive[static_cast<std::size_t>(entry)] == 0; });
+  if (entries.empty()) return 0;
 
   const auto entry_at = [&](int entry) { return values.data() + static_cast<std::size_t>(entry) * width_; };
   if (options_.statistic == Statistic::kMin || options_.statistic == Statistic::kMax) {

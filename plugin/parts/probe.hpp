@@ -36,9 +36,10 @@ class Probe {
   /// Other options; the first reading stays.
   void set_options(ProbeOptions options) { options_ = std::move(options); }
 
-  /// Throws OptionError where an entry is not there, where there is none, and for a change of another number of
-  /// entries.
-  double read(std::span<const double> values);
+  /// alive: which entries count, as hexahedra that are not removed; empty: all. 0 where none of them does. Throws
+  /// OptionError where an entry is not there, where there is none, for a part of a vector, and for a change of another
+  /// number of entries.
+  double read(std::span<const double> values, std::span<const unsigned char> alive = {});
 
  private:
   double component_of(const double* entry) const;

@@ -18,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace hexaplast;
 using support::at;
+using support::read_and_init;
 
 /// What the listeners of all scenes have heard, in the order of the calls.
 std::vector<std::string> heard;
@@ -105,6 +106,18 @@ TEST(RemovedHexahedra, AreAnnouncedToTheWholeSceneInTheStepInWhichTheyGo) {
   heard.clear();
   tear_layer(scene, 1);
   EXPECT_EQ(heard[1], "first: flesh lost 2 3") << "after reset they are there, and go again";
+}
+
+// Their values are 0, which no hexahedron that is there has.
+TEST(RemovedHexahedra, DoNotCountInProbes) {
+  scene::Scene scene = read_and_init(layers(
+      "",
+      "<Probe name='least' value='@flesh.volume' statistic='min'/><Probe name='mean' value='@flesh.volumeRatio'/>"
+      "<Probe name='gone' value='@flesh.volume' indices='0 4'/>"));
+  at<scene::ForceField>(scene, "bar/flesh").remove_elements(std::array{5, 0, 4});
+  EXPECT_NEAR(at<scene::Probe>(scene, "bar/least").read(), 1e-3, 1e-15);  // [m^3]
+  EXPECT_NEAR(at<scene::Probe>(scene, "bar/mean").read(), 1, 1e-12);
+  EXPECT_EQ(at<scene::Probe>(scene, "bar/gone").read(), 0);
 }
 
 class TornFiles : public testing::Test {

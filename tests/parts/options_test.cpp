@@ -169,6 +169,8 @@ TEST(Probe, RefusesEntriesThatAreNotThere) {
   const std::vector<double> values = {1, 2};
   EXPECT_EQ(refused([&] { Probe({.indices = {2}}, 1).read(values); }), "indices: holds 2, must lie in [0, 2)");
   EXPECT_EQ(refused([&] { Probe({.indices = {-1}}, 1).read(values); }), "indices: holds -1, must lie in [0, 2)");
+  EXPECT_EQ(refused([&] { Probe({}, 3).read(std::vector<double>(7)); }),
+            "value: holds 7 numbers, must be 3 for each entry");
 }
 
 TEST(Grasp, KeepsItsGripWhereOptionsChange) {
