@@ -17,8 +17,8 @@
 namespace hexaplast {
 namespace {
 
-constexpr double kSamePlace = 1e-9;  // of the extent: corners this close are one that was written twice
-constexpr double kTouch = 1e-9;      // of a cell's size: a surface this near to a cell touches it
+constexpr double kSameCorner = 1e-9;  // of the extent: corners this close are one that was written twice
+constexpr double kTouch = 1e-9;       // of a cell's size: a surface this near to a cell touches it
 
 /// The cells of a grid, and what is known of each: enclosed, until they are touched or reached.
 class Cells {
@@ -132,8 +132,14 @@ void mark_outside(const CageGrid& grid, Cells& cells) {
   }
 }
 
-/// Edges that one face alone has. Corners in one place are one: files may hold a vertex more than once.
-std::vector<Edge> open_edges(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads) {
+/// How the faces of a surface meet.
+struct SurfaceEdges {
+  std::vector<Edge> open;   // that one face alone has
+  bool is_oriented = true;  // whether two faces run through their common edge in opposite directions
+};
+
+/// Corners in one place are one: files may hold a vertex more than once.
+SurfaceEdges edges_of_surface(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads) {
   std::vector<int> corners;
   for (const Triangle& face : triangles) corners.insert(corners.end(), face.begin(), face.end());
   for (const Quad& face : quads) corners.insert(corners.end(), face.begin(), face.end());
@@ -141,7 +147,7 @@ std::vector<Edge> open_edges(ConstPoints x, std::span<const Triangle> triangles,
   corners.erase(std::ranges::unique(corners).begin(), corners.end());
   Eigen::AlignedBox3d box;
   for (const int node : corners) box.extend(x.row(node).transpose());
-  const double reach = kSamePlace * box.diagonal().norm();
+  const double reach = kSameCorner * box.diagonal().norm();
   // along a direction that no mesh is aligned with, few others are as near as those in the same place
   const Eigen::VectorXd along = x * Vec3(0.5377, 0.6811, 0.4969).normalized();
   std::ranges::sort(corners, {}, [&](int node) { return std::pair(along[node], node); });
@@ -150,22 +156,23 @@ std::vector<Edge> open_edges(ConstPoints x, std::span<const Triangle> triangles,
     for (std::size_t j = i + 1; j < corners.size() && along[corners[j]] - along[corners[i]] <= reach; ++j)
       if ((x.row(corners[i]) - x.row(corners[j])).norm() <= reach) places.join(corners[i], corners[j]);
 
-  std::vector<Edge> sides;
+  std::vector<std::pair<Edge, bool>> sides;  // with whether the face runs from the lesser corner to the greater
   const auto add_sides = [&](const auto& face) {
     for (std::size_t k = 0; k < face.size(); ++k) {
-      const Edge side = sorted(Edge{places.root(face[k]), places.root(face[(k + 1) % face.size()])});
-      if (side[0] != side[1]) sides.push_back(side);
+      const int a = places.root(face[k]), b = places.root(face[(k + 1) % face.size()]);
+      if (a != b) sides.emplace_back(sorted(Edge{a, b}), a < b);
     }
   };
   std::ranges::for_each(triangles, add_sides);
   std::ranges::for_each(quads, add_sides);
   std::ranges::sort(sides);
-  std::vector<Edge> open;
-  for (std::size_t s = 0; s < sides.size(); ++s) {
-    const bool has_twin = (s > 0 && sides[s - 1] == sides[s]) || (s + 1 < sides.size() && sides[s + 1] == sides[s]);
-    if (!has_twin) open.push_back(sides[s]);
+  SurfaceEdges edges;
+  for (std::size_t first = 0, end = 0; first < sides.size(); first = end) {
+    while (end < sides.size() && sides[end].first == sides[first].first) ++end;
+    if (end - first == 1) edges.open.push_back(sides[first].first);
+    if (end - first == 2 && sides[first] == sides[first + 1]) edges.is_oriented = false;
   }
-  return open;
+  return edges;
 }
 
 /// The solid angle of a triangle [sr] as seen from the origin, positive from behind (van Oosterom and Strackee 1983).
@@ -175,26 +182,27 @@ double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 /// Cells that the outside reaches only through holes of the surface, and around which it winds more than half: a hole
-/// is meant to be closed where the cage would be hollow, and an open sheet is none.
+/// is meant to be closed where the cage would be hollow, and an open sheet is none. Around what a surface winds whose
+/// faces are not oriented alike is not known: all such cells count.
 /// for_each_triangle(visit): the surface. cells: reached from outside; closed: the same before, touched alone.
 template <class ForEachTriangle>
-std::size_t count_leaks(ConstPoints x, std::span<const Edge> open, const ForEachTriangle& for_each_triangle,
+std::size_t count_leaks(ConstPoints x, const SurfaceEdges& edges, const ForEachTriangle& for_each_triangle,
                         const CageGrid& grid, const Cells& cells, Cells closed) {
   // a fan over each hole
   std::unordered_map<int, int> number;  // of the nodes of open edges
-  for (const Edge& edge : open)
+  for (const Edge& edge : edges.open)
     for (const int node : edge) number.try_emplace(node, static_cast<int>(number.size()));
   DisjointSets holes(static_cast<int>(number.size()));
-  for (const Edge& edge : open) holes.join(number[edge[0]], number[edge[1]]);
+  for (const Edge& edge : edges.open) holes.join(number[edge[0]], number[edge[1]]);
   const auto at = [&](int node) -> Vec3 { return x.row(node).transpose(); };
   const auto hole_of = [&](const Edge& edge) { return holes.root(number[edge[0]]); };
   std::unordered_map<int, std::pair<Vec3, double>> sum;  // of both ends, and their count
-  for (const Edge& edge : open) {
+  for (const Edge& edge : edges.open) {
     auto& [ends, count] = sum.try_emplace(hole_of(edge), Vec3::Zero(), 0).first->second;
     ends += at(edge[0]) + at(edge[1]);
     count += 2;
   }
-  for (const Edge& edge : open) {
+  for (const Edge& edge : edges.open) {
     const auto& [ends, count] = sum.at(hole_of(edge));
     mark_touched({at(edge[0]), at(edge[1]), ends / count}, closed);
   }
@@ -217,7 +225,7 @@ std::size_t count_leaks(ConstPoints x, std::span<const Edge> open, const ForEach
     double angle = 0;
     for_each_triangle(
         [&](int a, int b, int c) { angle += solid_angle(at(a) - inside, at(b) - inside, at(c) - inside); });
-    if (std::abs(angle) > 0.5 * 4 * std::numbers::pi) num_leaks += region.size();
+    if (!edges.is_oriented || std::abs(angle) > 0.5 * 4 * std::numbers::pi) num_leaks += region.size();
   });
   return num_leaks;
 }
@@ -303,19 +311,19 @@ std::vector<CageCell> cells_around(ConstPoints x, std::span<const Triangle> tria
     }
   };
   for_each_triangle([&](int a, int b, int c) { mark_touched({corner(a), corner(b), corner(c)}, cells); });
-  const std::vector<Edge> open = open_edges(x, triangles, quads);
+  const SurfaceEdges edges = edges_of_surface(x, triangles, quads);
   std::optional<Cells> touched;
-  if (!open.empty()) touched = cells;
+  if (!edges.open.empty()) touched = cells;
   mark_outside(grid, cells);
-  if (open.empty()) return cells.take();
+  if (edges.open.empty()) return cells.take();
 
-  const std::size_t num_leaks = count_leaks(x, open, for_each_triangle, grid, cells, std::move(*touched));
+  const std::size_t num_leaks = count_leaks(x, edges, for_each_triangle, grid, cells, std::move(*touched));
   if (num_leaks > 0) {
-    const Vec3 a = corner(open[0][0]), b = corner(open[0][1]);
+    const Vec3 a = corner(edges.open[0][0]), b = corner(edges.open[0][1]);
     throw InputError(fmt::format(
         "the surface is open, and {} cells inside would stay empty: {} edges belong to one face alone, the first from "
         "({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g}); close the holes, or use larger cells",
-        num_leaks, open.size(), a[0], a[1], a[2], b[0], b[1], b[2]));
+        num_leaks, edges.open.size(), a[0], a[1], a[2], b[0], b[1], b[2]));
   }
   return cells.take();
 }
