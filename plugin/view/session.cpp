@@ -26,8 +26,6 @@ using attributes::Type;
 constexpr double kSliderReach = 100;  // a slider reaches from a hundredth of its first value to a hundred times it
 constexpr double kHandDelay = 0.05;   // [s] within which the hand's dashpot lets tissue follow its spring
 constexpr double kToolSize = 0.12;    // diameter of what touches, in sizes of the bodies
-constexpr auto kSlowestFrame = std::chrono::milliseconds(200);  // a snapshot comes so often, however late steps are
-constexpr auto kMaxDelay = std::chrono::milliseconds(100);  // by which real time may run ahead before it is given up
 
 const scene::Place kSliders{.file = "window"};
 
@@ -177,7 +175,7 @@ Session::Session(Subject subject, MakeComponent make)
   hand_.before_grab = [this] { save(); };
   hand_.has_grown = [this] { saved_.clear(); };
   first_parameters_ = given_parameters();
-  step_lasts_ = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(dt_));
+  pacing_.set_step(dt_, Clock::now());
   subject_.scene.diagnostics().take_warnings();  // solvers repeat what they have said when the scene was read
 
   thread_ = std::thread([this] { work(); });
@@ -205,7 +203,7 @@ void Session::post(std::function<void()> command) {
 void Session::run() {
   post([this] {
     is_running_ = failure_.empty();
-    due_ = Clock::now();
+    pacing_.begin(Clock::now());
   });
 }
 
@@ -251,8 +249,7 @@ void Session::reset() {
 void Session::set_pace(Pace pace, double speed) {
   post([this, pace, speed] {
     pace_ = pace;
-    step_lasts_ = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(dt_ / speed));
-    due_ = Clock::now();
+    pacing_.set_step(dt_ / speed, Clock::now());
   });
 }
 
@@ -327,7 +324,7 @@ void Session::work() {
         return !commands_.empty() || is_ending_ || (is_wanted_ && has_changed_) || is_due();
       };
       if (is_running_ && pace_ == Pace::kRealTime)
-        wake_.wait_until(lock, due_, has_reason);
+        wake_.wait_until(lock, pacing_.due(), has_reason);
       else
         wake_.wait(lock, has_reason);
       commands.swap(commands_);
@@ -340,15 +337,15 @@ void Session::work() {
 
     if (is_due()) step();
     // where time is short, it is for steps
-    if (is_wanted && has_changed_ && (!is_late() || Clock::now() - published_ > kSlowestFrame)) publish();
+    if (is_wanted && has_changed_ && (!is_late() || pacing_.is_show_due(Clock::now()))) publish();
   }
 }
 
 bool Session::is_due() const {
-  return steps_asked_ > 0 || (is_running_ && (pace_ == Pace::kFree || Clock::now() >= due_));
+  return steps_asked_ > 0 || (is_running_ && (pace_ == Pace::kFree || pacing_.is_due(Clock::now())));
 }
 
-bool Session::is_late() const { return is_running_ && pace_ == Pace::kRealTime && Clock::now() > due_ + step_lasts_; }
+bool Session::is_late() const { return is_running_ && pace_ == Pace::kRealTime && pacing_.is_late(Clock::now()); }
 
 /// Whatever goes wrong, the window lives on, and a reset leads out of it.
 template <class Call>
@@ -373,9 +370,7 @@ void Session::step() {
     messages_.push_back(scene::format(message));
   steps_asked_ = std::max(steps_asked_ - 1, 0L);
   has_changed_ = true;
-
-  due_ += step_lasts_;
-  if (const Clock::time_point now = Clock::now(); due_ + kMaxDelay < now) due_ = now;
+  pacing_.end_step(Clock::now());
 }
 
 std::vector<Session::Given> Session::given_parameters() const {
@@ -503,7 +498,7 @@ void Session::publish() {
                   .dissipated_energy = shown_.dissipated_energy()};
   back_.step_ms = std::exchange(step_ms_, {});
   has_changed_ = false;
-  published_ = Clock::now();
+  pacing_.show(Clock::now());
 
   const std::lock_guard lock(mutex_);
   if (is_fresh_) {  // it was not taken: what it alone tells goes on

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -16,6 +15,7 @@
 #include "record/recorder.hpp"
 #include "scene/parts.hpp"
 #include "view/hand.hpp"
+#include "view/pacing.hpp"
 #include "view/source.hpp"
 
 /// The live window: a simulation that runs in a thread of its own, and what is seen of it.
@@ -98,7 +98,7 @@ class Session final : public Source {
   double dt() const override { return dt_; }
 
  private:
-  using Clock = std::chrono::steady_clock;
+  using Clock = Pacing::Clock;
 
   /// A value of a parameter as the scene has it.
   struct Given {
@@ -151,9 +151,7 @@ class Session final : public Source {
   bool is_running_ = false;
   long steps_asked_ = 0;
   Pace pace_ = Pace::kRealTime;
-  Clock::duration step_lasts_ = {};  // on the clock, in real time
-  Clock::time_point due_ = {};       // of the next step, in real time
-  Clock::time_point published_ = {};
+  Pacing pacing_;  // of real time
   std::string failure_;
   std::vector<std::string> messages_;
   std::vector<float> step_ms_;

@@ -34,9 +34,10 @@ class Patience {
 class ThreadPool {
  public:
   using Range = void (*)(const void* body, int first, int last) noexcept;
+  using Clock = std::chrono::steady_clock;
 
-  /// `threads` counts the caller. Where the system refuses some, the pool is smaller.
-  explicit ThreadPool(int threads);
+  /// `threads` counts the caller. Where the system refuses some, the pool is smaller. now: read by the caller alone.
+  explicit ThreadPool(int threads, Clock::time_point (*now)() = Clock::now);
   ~ThreadPool();
 
   /// Whether the calling thread is one that a pool has made.
@@ -51,8 +52,6 @@ class ThreadPool {
     std::atomic<std::uint64_t> left{0};
   };
 
-  using Clock = std::chrono::steady_clock;
-
   void live(int number);
   /// The number of indices done.
   int work(int number);
@@ -61,6 +60,7 @@ class ThreadPool {
   void wait_for_those_inside();
 
   int threads_;
+  Clock::time_point (*now_)();
   std::unique_ptr<Share[]> shares_;  // the caller's is the first
   std::vector<std::thread> workers_;
 

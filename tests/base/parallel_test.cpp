@@ -2,14 +2,17 @@
 #include "hexaplast/base/parallel.hpp"
 
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <string>
 #include <thread>
 #include <vector>
 
+#include "base/thread_pool.hpp"
 #include "hexaplast/base/hash.hpp"
 #include "support/compare.hpp"
 #include "support/random.hpp"
@@ -81,42 +84,73 @@ TEST(ParallelFor, TakesAsManyThreadsAsThereMayBe) {
   EXPECT_EQ(num_threads(), kMaxThreads);
 }
 
-/// [s] of processor time of all threads.
-double processor_time() {
-  timespec time;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+/// Of this process, that run or are about to.
+int num_running_threads() {
+  int running = 0;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::ifstream in(thread.path() / "stat");
+    std::string stat;
+    std::getline(in, stat);
+    const std::size_t name_ends = stat.rfind(')');
+    running += name_ends != std::string::npos && stat.substr(name_ends, 3) == ") R";
+  }
+  return running;
 }
 
+// Three that spun for ever would be found running however often one looks.
 TEST(ParallelFor, ThreadsThatWaitSleep) {
   const Threads scope(4);
   visits(1003);
-  const double before = processor_time();
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  EXPECT_LT(processor_time() - before, 0.01);  // three that spin: up to 0.3 s
+  while (num_running_threads() > 1) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
-// As other programs do that take the processor away: the help of a thread that is stopped for 20 ms in each loop is not
-// worth having. Were it asked for in each, it would be inside for nine tenths of the time.
-TEST(ParallelFor, LeavesOutThreadsThatAreStoppedInsideForAWhile) {
-  using Clock = std::chrono::steady_clock;
-  const Threads scope(2);
-  visits(1003);
-  const std::thread::id caller = std::this_thread::get_id();
-  int stopped = 0;
-  const Clock::time_point begin = Clock::now();
-  while (Clock::now() < begin + std::chrono::milliseconds(600)) {
-    std::atomic<bool> has_helped = false;
-    parallel_for(64, [&](int) {
-      if (std::this_thread::get_id() != caller && !has_helped.exchange(true))
-        std::this_thread::sleep_for(std::chrono::milliseconds(20));
-      const Clock::time_point start = Clock::now();
-      while (Clock::now() < start + std::chrono::microseconds(20)) continue;
-    });
-    stopped += has_helped;
+/// A clock that goes by 1 ms with each look, by 20 ms while the helper is stopped, and tells it when to go on.
+struct StoppedInside {
+  static inline std::atomic<int> looks;
+  static inline std::atomic<int> ms;
+  static inline std::atomic<bool> is_helper_inside;
+
+  static ThreadPool::Clock::time_point now() {
+    ms += ++looks == 3 ? 20 : 1;
+    return ThreadPool::Clock::time_point(std::chrono::milliseconds(ms));
   }
-  EXPECT_GE(stopped, 2);                                                           // it is asked again
-  EXPECT_LT(stopped * std::chrono::milliseconds(20), (Clock::now() - begin) / 2);  // a fifth, where nothing else runs
+};
+
+/// Parts that two threads do, and whether the caller did all by itself. The helper stays in its first part until the
+/// caller is out of work and has looked at the clock.
+struct Helped {
+  std::thread::id caller = std::this_thread::get_id();
+  std::atomic<int> by_helper = 0;
+  std::atomic<int> indices = 0;
+
+  static void range(const void* body, int first, int last) noexcept {
+    auto& self = *static_cast<Helped*>(const_cast<void*>(body));
+    self.indices += last - first;
+    if (std::this_thread::get_id() == self.caller) {
+      if (last - first == kCount) return;  // alone
+      while (!StoppedInside::is_helper_inside) std::this_thread::yield();
+    } else if (self.by_helper++ == 0) {
+      StoppedInside::is_helper_inside = true;
+      while (StoppedInside::looks < 2) std::this_thread::yield();
+    }
+  }
+  static constexpr int kCount = 64;
+};
+
+// As other programs do that take the processor away: what a loop lost by a thread that was stopped inside, the caller
+// does without help four times as long, and then asks again.
+TEST(ThreadPool, LeavesOutThreadsThatWereStoppedInsideForAWhile) {
+  ThreadPool pool(2, StoppedInside::now);
+  int asked = 0;
+  for (int loop = 0; loop < 200; ++loop) {
+    StoppedInside::looks = 0;
+    StoppedInside::is_helper_inside = false;
+    Helped helped;
+    pool.run(Helped::kCount, Helped::range, &helped);
+    EXPECT_EQ(helped.indices, Helped::kCount);
+    asked += helped.by_helper > 0;
+  }
+  EXPECT_EQ(asked, 3) << "a loop with help takes 22 ms by this clock, and some 80 without follow, of 1 ms each";
 }
 
 TEST(Dot, HasTheSameBitsForAnyThreadCount) {

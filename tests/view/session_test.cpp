@@ -249,44 +249,40 @@ TEST(Session, KeepsRealTimeAndCanBePaused) {
   EXPECT_EQ(wait_for_step(session, stopped + 1).step, stopped + 1);
 }
 
-TEST(Session, KeepsAStatedFractionOfRealTime) {
-  for (const double speed : {0.25, 4.0}) {
-    Played played;
-    Session session(played.subject(), hand);
-    session.set_pace(Pace::kRealTime, speed);
-    const auto begin = std::chrono::steady_clock::now();
-    session.run();
-    wait_for(session, [](const Snapshot& now) { return now.step >= 8; });
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    EXPECT_GE(seconds, 7 * 0.01 / speed) << "eight steps of 10 ms";
-    if (speed < 1) continue;
-    EXPECT_LT(seconds, 7 * 0.01 * 3) << "a machine that does nothing else takes a twelfth of it";
+// On a clock that the test moves.
+TEST(Pacing, KeepsAStatedFractionOfRealTime) {
+  using std::chrono::milliseconds;
+  const Pacing::Clock::time_point begin{milliseconds(5000)};
+  for (const int lasts : {40, 2}) {  // [ms] of steps of 10 ms
+    Pacing pacing;
+    pacing.set_step(1e-3 * lasts, begin);
+    for (int step = 0; step < 8; ++step) {
+      const Pacing::Clock::time_point due = begin + step * milliseconds(lasts);
+      EXPECT_FALSE(pacing.is_due(due - milliseconds(1)));
+      EXPECT_TRUE(pacing.is_due(due));
+      pacing.end_step(due + milliseconds(lasts / 2));  // what a step takes does not add up
+    }
   }
 }
 
-// Steps that take longer than they last: few snapshots, so that no time is lost for steps.
-TEST(Session, SnapshotsAreDroppedBeforeSteps) {
-  Played played;
-  Subject subject = played.subject();
-  subject.step = [&]() -> const output::StepRecord& {
-    std::this_thread::sleep_for(std::chrono::milliseconds(14));
-    return played.step();
-  };
-  Session session(subject, hand);
-  session.run();
-  Snapshot now;
-  int num_snapshots = 0;
-  bool was_late = false;
-  const auto begin = std::chrono::steady_clock::now();
-  while (std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(1000)) {
-    num_snapshots += session.take(now);
-    was_late = was_late || now.is_late;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+// Steps that take longer than they last: few snapshots, so that no time is lost for steps, and none is made up for.
+TEST(Pacing, SnapshotsAreDroppedBeforeSteps) {
+  using std::chrono::milliseconds;
+  Pacing::Clock::time_point now{milliseconds(5000)};
+  Pacing pacing;
+  pacing.set_step(0.01, now);
+  pacing.show(now);
+  int num_shown = 0, num_late = 0;
+  for (; now < Pacing::Clock::time_point(milliseconds(6000)); now += milliseconds(14)) {
+    ASSERT_TRUE(pacing.is_due(now));
+    pacing.end_step(now + milliseconds(14));
+    num_late += pacing.is_late(now + milliseconds(14));
+    if (!pacing.is_show_due(now)) continue;
+    ++num_shown;
+    pacing.show(now);
   }
-  session.stop();
-  EXPECT_TRUE(was_late);
-  EXPECT_LE(num_snapshots, 9) << "five a second, and the first ones";
-  EXPECT_GE(num_snapshots, 3);
+  EXPECT_GT(num_late, 60) << "of 72";
+  EXPECT_EQ(num_shown, 4) << "five a second at most";
 }
 
 // A step that cannot be made ends the motion, not the session.
