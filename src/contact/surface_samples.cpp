@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/memory.hpp"
 #include "base/require.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/geometry/embed.hpp"
@@ -36,6 +37,15 @@ constexpr double kRounding = 1e-9;  // of a part: an edge of exactly two parts i
 
 int parts_of(double longest_edge, double wanted, int max_parts) {
   return std::clamp(static_cast<int>(std::min(std::ceil(longest_edge / wanted - kRounding), 1e9)), 1, max_parts);
+}
+
+/// [byte] of a sample, what contact keeps for it, and what finding it takes.
+constexpr double kBytesPerSample = 400;
+
+/// `per_face` of each face of a surface, or of each triangle.
+void check_memory(std::size_t num_faces, double per_face, int parts) {
+  require_memory_for(fmt::format("contact at points of {} faces, edges in {} parts,", num_faces, parts),
+                     static_cast<double>(num_faces) * per_face * kBytesPerSample);
 }
 
 /// A point of a face by its nodes and the fractions that it has of them, in parts of the edges, ascending: the same
@@ -72,7 +82,9 @@ SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned 
 
   SurfaceSamples found;
   found.spacing = longest / parts;
-  std::map<FaceWeights<4>, std::size_t> known;
+  check_memory(faces.size(), 1.0 * parts * parts, parts);
+  found.samples.reserve(faces.size() * static_cast<std::size_t>(parts) * static_cast<std::size_t>(parts) + 2);
+  std::map<FaceWeights<4>, std::size_t> known;  // on the edges of faces
   for (std::size_t f = 0; f < faces.size(); ++f) {
     for (int j = 0; j <= parts; ++j)
       for (int i = 0; i <= parts; ++i) {
@@ -84,8 +96,10 @@ SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned 
               area += patches[f].area((i + di) * step, (j + dj) * step, step, step) / 4;
 
         const std::array<int, 4> weights = {(parts - i) * (parts - j), i * (parts - j), i * j, (parts - i) * j};
-        const auto [at, is_new] = known.emplace(key_of(faces[f], weights), found.samples.size());
-        if (is_new) {
+        std::size_t at = found.samples.size();
+        if (i == 0 || i == parts || j == 0 || j == parts)
+          at = known.emplace(key_of(faces[f], weights), at).first->second;
+        if (at == found.samples.size()) {
           SurfaceSamples::Sample& sample = found.samples.emplace_back();
           for (int a = 0; a < 4; ++a) {
             if (weights[a] == 0) continue;
@@ -93,7 +107,7 @@ SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned 
             sample.weights[sample.num_nodes++] = weights[a] / (1.0 * parts * parts);
           }
         }
-        found.samples[at->second].area += area;
+        found.samples[at].area += area;
       }
   }
   return found;
@@ -113,6 +127,7 @@ SurfaceSamples SurfaceSamples::on_embedded(const HexMesh& mesh, std::span<const 
 
   SurfaceSamples found;
   found.spacing = longest / parts;
+  check_memory(triangles.size(), 0.5 * parts * parts, parts);
   std::map<FaceWeights<3>, std::size_t> known;
   std::vector<Vec3> points;
   std::vector<std::pair<std::size_t, double>> of_triangle;  // its points and their areas, triangle by triangle

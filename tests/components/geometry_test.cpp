@@ -100,7 +100,8 @@ TEST(Grid, TakesItsSizeInEveryFormOfSofa) {
 
 // Hexahedra that would fill the machine are refused before they are made.
 TEST(Grid, WhoseBodyIsTooLargeForTheMachineIsRefused) {
-  const std::uint64_t layers = physical_memory() / (256 * 256 * static_cast<std::uint64_t>(kMinBytesPerHexahedron)) + 1;
+  const std::uint64_t layers =
+      available_memory() / (256 * 256 * static_cast<std::uint64_t>(kMinBytesPerHexahedron)) + 1;
   if (layers > 256) GTEST_SKIP() << "the largest grid fits into this machine";
   const std::string refusal =
       errors_of("<Node><RegularGridTopology n='257 257 " + std::to_string(layers + 1) + "'/></Node>");
