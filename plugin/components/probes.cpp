@@ -25,14 +25,16 @@ class Probe final : public scene::Probe {
     if (!is_given("value")) reject("value", "is not given: there is nothing to record");
     if (is_given("points")) embed();
     probe_.emplace(read_options<parts::ProbeOptions>(*this), holds_vectors() ? 3 : 1);
-    read();
+    scene::Readings readings;
+    read(readings);
   }
   bool looks_by_itself() const override { return true; }
 
-  double read() override {
+  double read(scene::Readings& readings) override {
     probe_->set_options(read_options<parts::ProbeOptions>(*this));
+    const std::vector<double>& values = readings.reals(*this, "value");
     return accepted(*this, [&] {
-      return points_ ? probe_->read(at_points()) : probe_->read(reals("value"), alive(reals("value").size()));
+      return points_ ? probe_->read(at_points(values)) : probe_->read(values, alive(values.size()));
     });
   }
   std::string_view unit() override { return source().attribute().unit; }
@@ -57,8 +59,7 @@ class Probe final : public scene::Probe {
                          points_->num_outside(), points_->num_points(), points_->greatest_distance()));
   }
 
-  const std::vector<double>& at_points() {
-    const std::vector<double>& nodes = reals("value");
+  const std::vector<double>& at_points(const std::vector<double>& nodes) {
     const auto& state = needed_ready<scene::MechanicalState>();
     const Eigen::Index num_nodes = state.rest_positions().rows();
     if (static_cast<Eigen::Index>(nodes.size()) != 3 * num_nodes)

@@ -11,8 +11,8 @@
 
 namespace hexaplast::parts {
 
-double Probe::component_of(const double* entry) const {
-  if (width_ == 1) return *entry;
+double Probe::component_of(const std::array<double, 3>& entry) const {
+  if (width_ == 1) return entry[0];
   switch (options_.component) {
     case ProbeOptions::Component::kX:
       return entry[0];
@@ -41,19 +41,24 @@ double Probe::read(std::span<const double> values, std::span<const unsigned char
     if (entry < 0 || entry >= count)
       throw OptionError("indices", fmt::format("holds {}, must lie in [0, {})", entry, count));
 
-  std::vector<double> changed;
   if (options_.change) {
     if (first_.empty()) first_.assign(values.begin(), values.end());
     if (first_.size() != values.size())
       throw OptionError("value", fmt::format("holds {} numbers, {} at first: there is no change of that", values.size(),
                                              first_.size()));
-    for (std::size_t k = 0; k < values.size(); ++k) changed.push_back(values[k] - first_[k]);
-    values = changed;
   }
   if (!alive.empty()) std::erase_if(entries, [&](int entry) { return alive[static_cast<std::size_t>(entry)] == 0; });
   if (entries.empty()) return 0;
 
-  const auto entry_at = [&](int entry) { return values.data() + static_cast<std::size_t>(entry) * width_; };
+  const auto entry_at = [&](int entry) {
+    std::array<double, 3> numbers{};
+    for (int i = 0; i < width_; ++i) {
+      const std::size_t k =
+          static_cast<std::size_t>(entry) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(i);
+      numbers[static_cast<std::size_t>(i)] = options_.change ? values[k] - first_[k] : values[k];
+    }
+    return numbers;
+  };
   if (options_.statistic == Statistic::kMin || options_.statistic == Statistic::kMax) {
     double found = component_of(entry_at(entries.front()));
     for (const int entry : entries) {
@@ -63,11 +68,13 @@ double Probe::read(std::span<const double> values, std::span<const unsigned char
     return found;
   }
   std::array<double, 3> sum{};
-  for (const int entry : entries)
-    for (int i = 0; i < width_; ++i) sum[static_cast<std::size_t>(i)] += entry_at(entry)[i];
+  for (const int entry : entries) {
+    const std::array<double, 3> numbers = entry_at(entry);
+    for (std::size_t i = 0; i < 3; ++i) sum[i] += numbers[i];
+  }
   if (options_.statistic == Statistic::kMean)
     for (double& component : sum) component /= static_cast<double>(entries.size());
-  return component_of(sum.data());
+  return component_of(sum);
 }
 
 }  // namespace hexaplast::parts

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -42,7 +43,7 @@ class Probe {
   double read(std::span<const double> values, std::span<const unsigned char> alive = {});
 
  private:
-  double component_of(const double* entry) const;
+  double component_of(const std::array<double, 3>& entry) const;
 
   int width_;
   ProbeOptions options_;

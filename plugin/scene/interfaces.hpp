@@ -340,14 +340,28 @@ class Engine : public Component {
   std::set<const Data*> computed_;  // outputs that were found from these
 };
 
+/// Lists of numbers at one moment: each output is computed once, however many follow it.
+class Readings {
+ public:
+  /// What Object::reals gives.
+  const std::vector<double>& reals(Object& reader, std::string_view name) {
+    const Data* source = reader.find_data(name);
+    while (source->source()) source = source->source();
+    return known_.insert(source).second ? reader.reals(name) : std::get<std::vector<double>>(source->latest());
+  }
+
+ private:
+  std::set<const Data*> known_;
+};
+
 /// A number that is recorded after every step, under the name of the component.
 class Probe : public Component {
  public:
   static constexpr std::string_view kCategory = "Probe";
   using Component::Component;
 
-  virtual double read() = 0;            ///< at accepted positions; from init on
-  virtual std::string_view unit() = 0;  ///< empty: none
+  virtual double read(Readings& readings) = 0;  ///< at accepted positions; from init on
+  virtual std::string_view unit() = 0;          ///< empty: none
 };
 
 /// The order of events of a time step.

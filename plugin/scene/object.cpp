@@ -72,24 +72,28 @@ void Data::set(Value value) {
   ++version_;
 }
 
-const Value& Data::value() {
-  if (source_) return source_->value();
+void Data::compute() {
+  if (source_) return source_->compute();
   if (is_computed(attribute_)) owner_.provide(*this);
-  return value_;
+}
+
+const Value& Data::value() {
+  compute();
+  return latest();
 }
 
 long Data::version() {
   if (source_) return source_->version();
-  if (is_computed(attribute_)) owner_.provide(*this);
+  compute();
   return version_;
 }
 
-void Data::check_source() {
-  if (!source_) return;
+const Value& Data::checked() {
+  if (!source_) return value();
   const long version_of_source = version();
-  if (version_of_source == checked_version_) return;
-  check_value(attribute_, value());
+  if (version_of_source != checked_version_) check_value(attribute_, latest());
   checked_version_ = version_of_source;
+  return latest();
 }
 
 Object::Object(const attributes::Description& description) : description_(description) {
@@ -121,14 +125,14 @@ Data& Object::data(std::string_view name) {
 template <class T>
 const T& Object::get(std::string_view name) {
   Data& source = data(name);
+  const Value* value = nullptr;
   try {
-    source.check_source();
+    value = &source.checked();
   } catch (const InputError& error) {
     reject(name, fmt::format("link '{}': {}", source.link(), error.what()));
   }
-  const Value& value = source.value();
-  if (const T* content = std::get_if<T>(&value)) return *content;
-  if (std::holds_alternative<std::monostate>(value)) reject(name, "is not given");
+  if (const T* content = std::get_if<T>(value)) return *content;
+  if (std::holds_alternative<std::monostate>(*value)) reject(name, "is not given");
   throw std::logic_error(fmt::format("{}.{} is of another type", class_name(), name));
 }
 

@@ -68,13 +68,18 @@ class Data {
   /// The present value: that of the source, or the own one, which the owner brings up to date first if it computes it.
   const Value& value();
 
+  /// What it was when it was asked for last; nothing is computed.
+  const Value& latest() const { return source_ ? source_->latest() : value_; }
+
   /// Changes whenever the value changes.
   long version();
 
-  /// Throws InputError where the source's value is not admissible here.
-  void check_source();
+  /// The present value. Throws InputError where it is that of a source and not admissible here.
+  const Value& checked();
 
  private:
+  void compute();
+
   Object& owner_;
   const attributes::Attribute& attribute_;
   Place place_;

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <set>
+#include <vector>
 
 #include "attributes/admissible.hpp"
 #include "attributes/hexaplast.hpp"
+#include "attributes/parts.hpp"
 #include "attributes/stock.hpp"
 #include "hexaplast/base/error.hpp"
+#include "scene/interfaces.hpp"
 #include "scene/value.hpp"
 #include "support/german_locale.hpp"
 #include "support/scene.hpp"
@@ -115,6 +119,37 @@ TEST(AttributeTable, DefaultsCanBeReadAndNamesAreUnique) {
       }
     }
     EXPECT_EQ(support::factory().make(description->class_name)->class_name(), description->class_name);
+  }
+}
+
+/// Counts how often its output is computed.
+class Counting final : public scene::Object {
+ public:
+  Counting() : Object(kDescription) {}
+  void provide(scene::Data& output) override { output.set(std::vector<double>{1.0 * ++computed, 2}); }
+  scene::Data& numbers() { return *find_data("numbers"); }
+
+  int computed = 0;
+
+ private:
+  static constexpr Attribute kOutput[] = {
+      {.name = "numbers", .type = Type::kReals, .access = attributes::Access::kOutput}};
+  static constexpr attributes::Description kDescription{.class_name = "Counting", .attributes = kOutput};
+};
+
+// As probes of one array are; each moment has readings of its own.
+TEST(Readings, AnOutputIsComputedOnceHoweverManyFollowIt) {
+  Counting source;
+  std::vector<std::unique_ptr<scene::Object>> readers;
+  for (int k = 0; k < 100; ++k) {
+    readers.push_back(std::make_unique<scene::Object>(attributes::kProbe));
+    readers.back()->find_data("value")->follow(source.numbers(), "@source.numbers");
+  }
+  for (int moment = 1; moment <= 3; ++moment) {
+    scene::Readings readings;
+    for (const auto& reader : readers)
+      EXPECT_EQ(readings.reals(*reader, "value"), (std::vector<double>{1.0 * moment, 2}));
+    EXPECT_EQ(source.computed, moment);
   }
 }
 

@@ -15,9 +15,9 @@ namespace hexaplast::runner {
 
 namespace {
 
-double reading_of(scene::Probe& probe) {
+double reading_of(scene::Probe& probe, scene::Readings& readings) {
   try {
-    return probe.read();
+    return probe.read(readings);
   } catch (const scene::Rejection& rejection) {
     throw scene::SceneError(rejection.what());
   }
@@ -172,7 +172,8 @@ output::StepRecord Simulation::record_of(long step, const SolveReport& solve, do
   record.solver_iterations = solve.iterations;
   record.residual = solve.residual;
   record.step_ms = step_ms;
-  for (scene::Probe* probe : probes_) record.probes.push_back(reading_of(*probe));
+  scene::Readings readings;
+  for (scene::Probe* probe : probes_) record.probes.push_back(reading_of(*probe, readings));
   return record;
 }
 
