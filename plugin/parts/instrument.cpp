@@ -97,7 +97,6 @@ Instrument::Instrument(InstrumentOptions options, const Body& body) : body_(body
 
 void Instrument::set_options(InstrumentOptions options) {
   check(options);
-  const Solid solid = solid_of(options);
   const bool has_same_shape = contact_ && options.shape == options_.shape && options.radius == options_.radius &&
                               options.length == options_.length && options.size == options_.size &&
                               options.contact.max_subdivision == options_.contact.max_subdivision &&
@@ -105,12 +104,14 @@ void Instrument::set_options(InstrumentOptions options) {
                               options.embedded_triangles == options_.embedded_triangles &&
                               options.embedded_positions == options_.embedded_positions &&
                               options.surface_positions == options_.surface_positions;
-  options_ = std::move(options);
-  const ContactSettings settings = options_.contact.settings(default_contact_stiffness(body_));
   if (has_same_shape) {
-    contact_->set_settings(settings);
+    options_ = std::move(options);
+    contact_->set_settings(options_.contact.settings(default_contact_stiffness(body_)));
     return;
   }
+  const Solid solid = solid_of(options);
+  options_ = std::move(options);
+  const ContactSettings settings = options_.contact.settings(default_contact_stiffness(body_));
   SurfaceSamples samples = samples_of(solid);
   const double wanted = kPerRadius * solid.smallest_radius();
   if (samples.spacing > (1 + 1e-6) * wanted)
@@ -125,10 +126,14 @@ void Instrument::set_options(InstrumentOptions options) {
 
 SurfaceSamples Instrument::samples_of(const Solid& solid) const {
   const double wanted = kPerRadius * solid.smallest_radius();
-  if (options_.embedded_triangles.empty())
-    return SurfaceSamples::on(body_.mesh(), body_.alive(), wanted, options_.contact.max_subdivision);
-  return SurfaceSamples::on_embedded(body_.mesh(), body_.alive(), options_.embedded_positions,
-                                     options_.embedded_triangles, wanted, options_.contact.max_subdivision);
+  const int max_parts = options_.contact.max_subdivision;
+  try {
+    if (options_.embedded_triangles.empty()) return SurfaceSamples::on(body_.mesh(), body_.alive(), wanted, max_parts);
+    return SurfaceSamples::on_embedded(body_.mesh(), body_.alive(), options_.embedded_positions,
+                                       options_.embedded_triangles, wanted, max_parts);
+  } catch (const InputError& error) {  // too many for the memory
+    throw OptionError("max_subdivision", error.what());
+  }
 }
 
 void Instrument::look_at_start(const Pose& pose, ConstPoints x) {
@@ -136,13 +141,15 @@ void Instrument::look_at_start(const Pose& pose, ConstPoints x) {
   const Solid& solid = contact_->solid();
   const Eigen::Quaterniond to_frame = pose.orientation.conjugate();
   double depth = 0;
-  for (const SurfaceSamples::Sample& sample : samples_of(solid).samples)
+  for (const SurfaceSamples::Sample& sample : contact_->samples().samples)
     depth = std::max(depth, -solid.distance(to_frame * (sample.at(x) - pose.position)).value);
   const char* option = options_.is_prescribed ? "rigid" : "positions";
   if (depth > kDeep * solid.smallest_radius()) {
     warnings_.push_back({option, fmt::format("it begins {:.3g} m deep in the body, which is pushed out", depth)});
   } else if (depth == 0 && options_.embedded_triangles.empty()) {  // the cage of an embedded surface reaches beyond it
     const PointArray place = pose.position.transpose();
+    const auto beyond = (x.rowwise() - place.row(0)).array();
+    if ((beyond.colwise().minCoeff() > 0).any() || (beyond.colwise().maxCoeff() < 0).any()) return;
     if (Embedding(x, body_.mesh().hexahedra(), place).num_outside() == 0)
       warnings_.push_back(
           {option, "it begins within the body and reaches no point of its surface: nothing pushes it out"});

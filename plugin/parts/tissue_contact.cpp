@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "attributes/contact.hpp"
+#include "hexaplast/base/error.hpp"
 #include "parts/option.hpp"
 
 namespace hexaplast::parts {
@@ -25,7 +26,11 @@ void Tissues::set_options(const ContactOptions& options) {
       options.settings(std::min(default_contact_stiffness(*bodies_[0]), default_contact_stiffness(*bodies_[1])));
   std::optional<TissueContact> other;
   if (!contact_ || options.max_subdivision != options_.max_subdivision) {
-    other.emplace(bodies_[0]->mesh(), bodies_[1]->mesh(), settings, options.max_subdivision);
+    try {
+      other.emplace(bodies_[0]->mesh(), bodies_[1]->mesh(), settings, options.max_subdivision);
+    } catch (const InputError& error) {  // too many samples for the memory
+      throw OptionError("max_subdivision", error.what());
+    }
     set_surface(*other);
   }
   // contact is looked for in the cells around a point

@@ -14,14 +14,38 @@ namespace hexaplast {
 namespace {
 
 constexpr double kFarthestPerCheck = 0.5;  // of the smallest radius that a sample may move against the instrument
-constexpr int kMaxChecks = 64;             // within a step
+constexpr double kMaxChecks = 1e15;        // within a step: they are counted
 constexpr double kOnTheSameSide = 0.7;     // cosine, from which a surface that turned is the one that was touched
+constexpr double kMarginOfBox = 1e-6;      // of a body's size, by which its box is larger
 
 }  // namespace
 
 InstrumentContact::InstrumentContact(Solid solid, ContactSettings settings, SurfaceSamples samples)
-    : solid_(std::move(solid)), samples_(std::move(samples)), states_(samples_.samples.size()) {
+    : solid_(std::move(solid)) {
+  take_samples(std::move(samples));
   set_settings(settings);
+}
+
+void InstrumentContact::take_samples(SurfaceSamples samples) {
+  samples_ = std::move(samples);
+  states_.assign(samples_.samples.size(), {});
+  found_.assign(samples_.samples.size(), {});
+  has_touching_ = false;
+  nodes_.clear();
+  spread_ = 1;
+  std::vector<unsigned char> is_known;
+  for (const SurfaceSamples::Sample& sample : samples_.samples) {
+    double spread = 0;
+    for (int a = 0; a < sample.num_nodes; ++a) {
+      const auto node = static_cast<std::size_t>(sample.nodes[a]);
+      spread += std::abs(sample.weights[a]);
+      if (node >= is_known.size()) is_known.resize(node + 1, 0);
+      if (!is_known[node]) nodes_.push_back(sample.nodes[a]);
+      is_known[node] = 1;
+    }
+    spread_ = std::max(spread_, spread);
+  }
+  std::ranges::sort(nodes_);
 }
 
 void InstrumentContact::set_settings(ContactSettings settings) {
@@ -33,11 +57,41 @@ void InstrumentContact::set_samples(SurfaceSamples samples) {
   std::map<decltype(SurfaceSamples::Sample().key()), SampleState> before;
   for (std::size_t i = 0; i < states_.size(); ++i)
     if (states_[i].normal_force > 0) before.emplace(samples_.samples[i].key(), states_[i]);
-  samples_ = std::move(samples);
-  states_.assign(samples_.samples.size(), {});
+  take_samples(std::move(samples));
+  has_touching_ = !before.empty();
   for (std::size_t i = 0; i < states_.size(); ++i)
     if (const auto at = before.find(samples_.samples[i].key()); at != before.end()) states_[i] = at->second;
   terms_.terms.clear();
+}
+
+void InstrumentContact::forget_touching() {
+  if (has_touching_)
+    for (SampleState& state : states_) state.normal_force = 0;
+  has_touching_ = false;
+}
+
+// By the box of the places that samples have relative to the instrument on their straight ways. As the instrument
+// turns, they lie beside it by no more than a point of the body does that turns with it.
+bool InstrumentContact::can_touch(ConstPoints x, ConstPoints v, double h, const Pose& begin, const Pose& end) const {
+  if (!settings_.is_active || nodes_.empty()) return false;
+  Eigen::AlignedBox3d first, last;
+  for (const int node : nodes_) {
+    const Vec3 p = x.row(node).transpose();
+    first.extend(p);
+    last.extend(Vec3(p + h * v.row(node).transpose()));
+  }
+  for (Eigen::AlignedBox3d* box : {&first, &last}) {
+    const Vec3 margin = ((spread_ - 1) / 2 + kMarginOfBox) * box->sizes();
+    box->min() -= margin;
+    box->max() += margin;
+  }
+  first.translate(-begin.position);
+  last.translate(-end.position);
+  const double farthest = last.min().cwiseAbs().cwiseMax(last.max().cwiseAbs()).norm();
+  const double turned = 2 * (begin.orientation.conjugate() * end.orientation).vec().norm() * farthest;
+  const Eigen::AlignedBox3d all = first.merged(last);
+  return !(all.exteriorDistance(Vec3::Zero().eval()) >
+           (1 + kMarginOfBox) * (solid_.reach() + settings_.distance + turned));
 }
 
 void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const Pose& begin, const Pose& end) {
@@ -45,32 +99,43 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
   pose_ = end;
   terms_.terms.clear();
   loaded_ = {};
+  num_examined_ = 0;
+  if (!can_touch(x, v, h, begin, end)) return forget_touching();
+
   const auto num_samples = static_cast<int>(samples_.samples.size());
+  num_examined_ = num_samples;
   found_.assign(samples_.samples.size(), {});
   const double distance = settings_.distance, near = solid_.reach() + distance;
 
-  parallel_for(settings_.is_active ? num_samples : 0, [&](int i) {
+  parallel_for(num_samples, [&](int i) {
     const SurfaceSamples::Sample& sample = samples_.samples[i];
     const Vec3 p = sample.at(x), expected = p + h * sample.at(v);
     // against the instrument, in its own frame
     const Vec3 from = begin.to_own(p), to = end.to_own(expected);
     const double way = (to - from).norm();
-    if (!(std::min(from.norm(), to.norm()) <= near + way)) return;
+    if (!(std::min(from.norm(), to.norm()) <= near + way) || !std::isfinite(way)) return;
 
     // the first check that finds it within: it cannot be past the middle of the instrument yet
-    const int num_checks = static_cast<int>(
-        std::clamp(std::ceil(way / (kFarthestPerCheck * solid_.smallest_radius())), 1.0, double{kMaxChecks}));
+    const double num_checks =
+        std::clamp(std::ceil(way / (kFarthestPerCheck * solid_.smallest_radius())), 1.0, kMaxChecks);
+    const auto place_at = [&](double check) -> Vec3 { return from + check / num_checks * (to - from); };
     const SignedDistance at_begin = solid_.distance(from);
-    double before = at_begin.value;
-    const bool touched = before < distance;
-    for (int k = 1; k <= num_checks; ++k) {
-      const Vec3 at = from + static_cast<double>(k) / num_checks * (to - from);
+    double before = at_begin.value, check_before = 0;
+    bool touched = before < distance;
+    for (double check = 1;;) {
+      const Vec3 at = place_at(check);
       const SignedDistance now = solid_.distance(at);
       // what touched stays a contact until it would pull, unless it slid over an edge
       if (now.value >= distance && !(touched && now.normal.dot(at_begin.normal) > kOnTheSameSide)) {
+        if (check == num_checks) return;
+        touched = false;
         before = now.value;
+        check_before = check;
+        // the surface is no nearer: what lies between finds nothing
+        check = std::min(check + std::max(std::floor((now.value - distance) / way * num_checks), 1.0), num_checks);
         continue;
       }
+      if (check_before < check - 1) before = solid_.distance(place_at(check - 1)).value;
       const double since = !touched ? (distance - now.value) / (before - now.value) / num_checks : 0;
       found_[i] = {.touches = true,
                    .place = at - now.value * now.normal,
@@ -104,6 +169,8 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
     term.friction = settings_.friction;
     term.normal_before = state.normal_force;
   }
+  has_touching_ = !terms_.empty();
+  if (terms_.empty()) return;
   expected_ = x + h * v;
   terms_.set_friction({expected_, expected_});
 }
@@ -112,7 +179,8 @@ void InstrumentContact::end_step(ConstPoints x, ConstPoints v) {
   force_.setZero();
   torque_.setZero();
   depth_ = energy_ = 0;
-  for (SampleState& state : states_) state.normal_force = 0;
+  forget_touching();
+  has_touching_ = !terms_.empty();
   for (const ContactTerm& term : terms_.terms) {
     const Vec3 p = term.at(x), u = term.displacement(p);
     const double N = term.normal_force(p, term.at(v)), g = term.gap(p);
@@ -137,6 +205,7 @@ void InstrumentContact::end_step(ConstPoints x, ConstPoints v) {
 
 void InstrumentContact::reset() {
   states_.assign(states_.size(), {});
+  has_touching_ = false;
   terms_.terms.clear();
   loaded_ = {};
   force_.setZero();
@@ -163,6 +232,7 @@ void InstrumentContact::serialize(Archive& archive) {
   counts.require_of(states_.size());
   for (std::size_t i = 0; i < states_.size(); ++i)
     states_[i] = {{numbers[4 * i], numbers[4 * i + 1], numbers[4 * i + 2]}, std::max(numbers[4 * i + 3], 0.0)};
+  has_touching_ = true;
   terms_.terms.clear();
   loaded_ = counts;
   force_ = force;

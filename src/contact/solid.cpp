@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -110,6 +111,7 @@ class SurfaceShape final : public Solid::Shape {
         reach_ = std::max(reach_, p.norm());
       }
     smallest_radius_ = (max - min).minCoeff() / 2;
+    for (const Facet& facet : triangles_) smallest_radius_ = std::min(smallest_radius_, thickness_at(facet) / 2);
   }
 
   SignedDistance distance(const Vec3& point) const override {
@@ -167,6 +169,30 @@ class SurfaceShape final : public Solid::Shape {
 
   static Vec3 normal_of(const Facet& facet) {
     return (facet.corners[1] - facet.corners[0]).cross(facet.corners[2] - facet.corners[0]);
+  }
+
+  /// From the middle of a triangle straight inwards to where the surface is left again.
+  double thickness_at(const Facet& facet) const {
+    constexpr double kRounding = 1e-9;  // a ray must not pass between two triangles
+    const Vec3 middle = (facet.corners[0] + facet.corners[1] + facet.corners[2]) / 3,
+               inwards = -facet.normals[TrianglePlace::kFace];
+    double thickness = std::numeric_limits<double>::infinity();
+    tree_.for_each_along(middle, inwards, [&](int t) {
+      const Facet& other = triangles_[t];
+      const Vec3& normal = other.normals[TrianglePlace::kFace];
+      const double along = normal.dot(inwards);
+      if (!(along > 0)) return thickness;
+      const double length = normal.dot(other.corners[0] - middle) / along;
+      if (!(length > 0 && length < thickness)) return thickness;
+      const Vec3 place = middle + length * inwards;
+      for (int k = 0; k < 3; ++k) {
+        const Vec3 edge = other.corners[(k + 1) % 3] - other.corners[k];
+        if (normal.dot(edge.cross(place - other.corners[k])) < -kRounding * edge.squaredNorm()) return thickness;
+      }
+      thickness = length;
+      return thickness;
+    });
+    return thickness;
   }
 
   // Each edge is that of two triangles, which run along it in opposite directions.

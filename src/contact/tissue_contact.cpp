@@ -15,11 +15,12 @@
 namespace hexaplast {
 namespace {
 
-constexpr double kEdgesPerCheck = 0.5;  // of an edge that bodies may move against each other between two checks
-constexpr int kMaxTissueChecks = 16;    // within a step
-constexpr double kKept = 0.5;           // of an edge that what touched may be expected in front of the surface
-constexpr double kFraction = 0.5;       // of the stiffness, for each of the two sides
-constexpr double kPerEdge = 0.5;        // distance of samples, in edges of the other body
+constexpr double kEdgesPerCheck = 0.5;   // of an edge that bodies may move against each other between two checks
+constexpr int kMaxTissueChecks = 1000;   // within a step: what moves more has blown up
+constexpr double kMarginOfBoxes = 1e-6;  // of the size of boxes
+constexpr double kKept = 0.5;            // of an edge that what touched may be expected in front of the surface
+constexpr double kFraction = 0.5;        // of the stiffness, for each of the two sides
+constexpr double kPerEdge = 0.5;         // distance of samples, in edges of the other body
 
 /// What stays of a sample from step to step.
 struct SampleState {
@@ -35,11 +36,33 @@ double greatest_speed(ConstPoints v, const Vec3& mean) {
   return std::sqrt(squared);
 }
 
+/// Of x + fraction v.
+Eigen::AlignedBox3d box_of(ConstPoints x, ConstPoints v, double fraction) {
+  Eigen::AlignedBox3d box;
+  for (Eigen::Index n = 0; n < x.rows(); ++n) box.extend(Vec3((x.row(n) + fraction * v.row(n)).transpose()));
+  return box;
+}
+
 Eigen::AlignedBox3d box_of(ConstPoints x, double margin) {
   Eigen::AlignedBox3d box(Vec3(x.colwise().minCoeff().transpose()), Vec3(x.colwise().maxCoeff().transpose()));
   box.min().array() -= margin;
   box.max().array() += margin;
   return box;
+}
+
+/// A box at the beginning of a step and at its end, and one that holds what moves straight between them.
+struct MovingBox {
+  Eigen::AlignedBox3d begin, end;
+
+  Eigen::AlignedBox3d at(double fraction) const {
+    return {Vec3((1 - fraction) * begin.min() + fraction * end.min()),
+            Vec3((1 - fraction) * begin.max() + fraction * end.max())};
+  }
+};
+
+/// Whether boxes come as near as this. Rounding must not decide it.
+bool are_near(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b, double distance) {
+  return !(a.exteriorDistance(b) > distance + kMarginOfBoxes * (distance + a.sizes().norm() + b.sizes().norm()));
 }
 
 Vec3 point_of(ConstPoints x, const Hexahedron& corners, const CornerWeights& weights) {
@@ -98,6 +121,7 @@ void TissueContact::set_alive(std::span<const unsigned char> first, std::span<co
     SurfaceSamples samples = SurfaceSamples::on(*meshes_[from], alive[from], wanted_[from], max_parts_);
     auto side = std::make_unique<Side>(Side{from, to, std::move(samples), std::move(surface), {}, {}});
     side->states.resize(side->samples.samples.size());
+    side->found.resize(side->samples.samples.size());
     if (!sides_.empty()) {
       std::map<decltype(SurfaceSamples::Sample().key()), SampleState> before;
       const Side& old = *sides_[from];
@@ -113,34 +137,61 @@ void TissueContact::set_alive(std::span<const unsigned char> first, std::span<co
     }
     sides.push_back(std::move(side));
   }
+  has_touching_ = !sides_.empty();
   sides_ = std::move(sides);
   terms_.terms.clear();
+}
+
+/// As many that bodies move by half of an edge against each other from one to the next.
+int TissueContact::num_checks(const OfTwo<ConstPoints>& v, double h) const {
+  const Vec3 mean = (v.first.colwise().sum() + v.second.colwise().sum()).transpose() /
+                    static_cast<double>(v.first.rows() + v.second.rows());
+  const double way = h * (greatest_speed(v.first, mean) + greatest_speed(v.second, mean)), edge = this->edge();
+  if (!(edge > 0 && way > 0 && std::isfinite(way))) return 1;
+  const double checks = std::max(std::ceil(way / (kEdgesPerCheck * edge)), 1.0);
+  if (checks > kMaxTissueChecks)
+    throw NumericalError(
+        fmt::format("contact of bodies: they move by {:.3g} m against each other in a step, which may be at most {:g} "
+                    "edges ({:.3g} m): the time step must be shorter",
+                    way, kEdgesPerCheck * kMaxTissueChecks, kEdgesPerCheck * kMaxTissueChecks * edge));
+  return static_cast<int>(checks);
 }
 
 void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, double h) {
   terms_.terms.clear();
   loaded_ = {};
   first_sample_.clear();
+  num_examined_ = 0;
   const bool with_itself = meshes_[0] == meshes_[1];
   const std::array<const ConstPoints*, 2> xs = {&x.first, &x.second}, vs = {&v.first, &v.second};
 
-  const double edge = this->edge();
-  const Vec3 mean = (v.first.colwise().sum() + v.second.colwise().sum()).transpose() /
-                    static_cast<double>(v.first.rows() + v.second.rows());
-  const double way = h * (greatest_speed(v.first, mean) + greatest_speed(v.second, mean));
-  const int num_checks =
-      !settings_.is_active ? 0
-      : edge > 0 && way > 0
-          ? static_cast<int>(std::clamp(std::ceil(way / (kEdgesPerCheck * edge)), 1.0, double{kMaxTissueChecks}))
-          : 1;
+  // boxes first: bodies that are far from each other cost nothing else
+  const double edge = this->edge(),
+               nearest = has_touching_ ? std::max(kKept * edge, settings_.distance) : settings_.distance;
+  std::array<MovingBox, 2> boxes;
+  if (settings_.is_active && !with_itself)
+    for (int body = 0; body < 2; ++body)
+      boxes[body] = {box_of(*xs[body], *vs[body], 0), box_of(*xs[body], *vs[body], h)};
+  const auto may_meet = [&](const Eigen::AlignedBox3d& first, const Eigen::AlignedBox3d& second) {
+    return with_itself || are_near(first, second, nearest);
+  };
+  if (!settings_.is_active || !may_meet(boxes[0].begin.merged(boxes[0].end), boxes[1].begin.merged(boxes[1].end))) {
+    if (has_touching_)
+      for (const auto& side : sides_) side->states.assign(side->states.size(), {});
+    has_touching_ = false;
+    return;
+  }
+  const int num_checks = this->num_checks(v, h);
   for (const auto& side : sides_) side->found.assign(side->states.size(), {});
 
   for (int check = 1; check <= num_checks; ++check) {
     const double fraction = static_cast<double>(check) / num_checks;
+    if (!may_meet(boxes[0].at(fraction), boxes[1].at(fraction))) continue;
     for (int body = 0; body < (with_itself ? 1 : 2); ++body) expected_[body] = *xs[body] + fraction * h * *vs[body];
     for (const auto& of : sides_) {
       Side& side = *of;
       const PointArray &own = expected_[side.from], &others = expected_[with_itself ? 0 : side.to];
+      num_examined_ += static_cast<long>(side.states.size());
       side.surface.look_at(others, box_of(own, settings_.distance), settings_.distance);
       parallel_for(static_cast<int>(side.states.size()), [&](int i) {
         Side::Found& found = side.found[i];
@@ -220,14 +271,18 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
     first_sample_.push_back(first);
     first += static_cast<int>(side.states.size());
   }
+  has_touching_ = !terms_.empty();
+  if (terms_.empty()) return;
+  for (int body = 0; body < (with_itself ? 1 : 2); ++body) expected_[body] = *xs[body] + h * *vs[body];
   terms_.set_friction({expected_[0], expected_[with_itself ? 0 : 1]});
 }
 
 void TissueContact::end_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) {
   force_.setZero();
   depth_ = energy_ = 0;
-  for (const auto& side : sides_)
-    for (SampleState& state : side->states) state.normal_force = 0;
+  if (has_touching_)
+    for (const auto& side : sides_)
+      for (SampleState& state : side->states) state.normal_force = 0;
   for (const ContactTerm& term : terms_.terms) {
     const Vec3 r = term.at(x), change = term.at(v), u = term.displacement(r);
     const double N = term.normal_force(r, change), g = term.gap(r);
@@ -259,6 +314,7 @@ void TissueContact::end_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoint
 
 void TissueContact::reset() {
   for (const auto& side : sides_) side->states.assign(side->states.size(), {});
+  has_touching_ = false;
   terms_.terms.clear();
   loaded_ = {};
   force_.setZero();
@@ -313,6 +369,7 @@ void TissueContact::serialize(Archive& archive) {
         throw InputError(fmt::format("contact is saved with hexahedron {} and face {}, which are not there",
                                      state.hexahedron, state.face));
     }
+  has_touching_ = true;
   terms_.terms.clear();
   loaded_ = counts;
   force_ = force;

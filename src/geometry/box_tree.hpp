@@ -32,6 +32,14 @@ class BoxTree {
     descend(0, point, reach, visit);
   }
 
+  /// Calls visit(e) for boxes e that a ray meets nearer to its origin than what visit returned last, in multiples of
+  /// the direction's length.
+  template <class Visit>
+  void for_each_along(const Vec3& origin, const Vec3& direction, const Visit& visit) const {
+    double reach = std::numeric_limits<double>::infinity();
+    descend_along(0, origin, direction, reach, visit);
+  }
+
  private:
   struct Branch {
     Eigen::AlignedBox3d box;
@@ -76,6 +84,36 @@ class BoxTree {
     if (children[1].first < children[0].first) std::swap(children[0], children[1]);
     for (const auto& [distance_squared, child] : children)
       if (distance_squared < reach * reach) descend(child, point, reach, visit);
+  }
+
+  /// Where a ray enters a box; infinite where it does not. Rounding must not let it pass between two boxes.
+  static double entry(const Eigen::AlignedBox3d& box, const Vec3& origin, const Vec3& direction) {
+    constexpr double kRounding = 1e-9;
+    const Vec3 margin = Vec3::Constant(kRounding * box.sizes().norm());
+    const Vec3 low = box.min() - margin - origin, high = box.max() + margin - origin;
+    double first = 0, last = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 3; ++i) {
+      if (direction[i] == 0) {
+        if (low[i] > 0 || high[i] < 0) return std::numeric_limits<double>::infinity();
+        continue;
+      }
+      const double a = low[i] / direction[i], b = high[i] / direction[i];
+      first = std::max(first, std::min(a, b));
+      last = std::min(last, std::max(a, b));
+    }
+    return first <= last ? first : std::numeric_limits<double>::infinity();
+  }
+
+  template <class Visit>
+  void descend_along(int at, const Vec3& origin, const Vec3& direction, double& reach, const Visit& visit) const {
+    const Branch& branch = branches_[at];
+    if (!(entry(branch.box, origin, direction) < reach)) return;
+    if (branch.item >= 0) {
+      reach = visit(branch.item);
+      return;
+    }
+    descend_along(at + 1, origin, direction, reach, visit);
+    descend_along(branch.second, origin, direction, reach, visit);
   }
 
   std::vector<Branch> branches_;

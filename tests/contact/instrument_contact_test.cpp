@@ -41,6 +41,14 @@ TEST(SurfaceSamples, ShareTheSurfaceAmongThem) {
     EXPECT_NEAR(area, 2 * (0.2 * 0.2 + 2 * 0.2 * 0.1), 1e-14);
   }
   EXPECT_EQ(SurfaceSamples::on(mesh, {}, 1e-9, 4).spacing, 0.025);
+  // some 4e13 of them
+  EXPECT_TRUE(support::refuses<InputError>([&] { SurfaceSamples::on(mesh, {}, 1e-9, 1'500'000); },
+                                           {"contact at points of 16 faces, edges in 1500000 parts, needs about"}));
+  EXPECT_TRUE(support::refuses<InputError>(
+      [&] {
+        SurfaceSamples::on_embedded(mesh, {}, mesh.positions(), {{0, 1, 3}}, 1e-9, 9'000'000);
+      },
+      {"contact at points of 1 faces, edges in 9000000 parts, needs about"}));
   EXPECT_THROW(SurfaceSamples::on(mesh, {}, 0, 4), InputError);
   EXPECT_THROW(SurfaceSamples::on(mesh, {}, 0.1, 0), InputError);
 }
@@ -191,6 +199,59 @@ TEST(InstrumentContact, NothingIsMissedInAStep) {
     contact.terms().add_force(x, v, f);
     EXPECT_LT(f.col(2).sum(), 0) << "downwards";
   }
+}
+
+// The same of one that is thin as a hair and moves by hundreds of its radii in a step.
+TEST(InstrumentContact, NothingIsMissedHoweverThinAndFast) {
+  const HexMesh mesh = block();
+  const PointArray x = mesh.positions(), v = PointArray::Zero(mesh.num_nodes(), 3);
+  const double r = 1e-4;
+  InstrumentContact contact(Solid::sphere(r), {.stiffness = 1e5}, SurfaceSamples::on(mesh, {}, 0.02, 64));
+  support::Random random(4);
+  int aimed = 0;
+  for (const SurfaceSamples::Sample& sample : contact.samples().samples) {
+    const Vec3 p = sample.at(x), off(random.uniform(-r, r) / 2, random.uniform(-r, r) / 2, random.uniform(0.01, 0.03));
+    if (p.z() < 0.0999 || std::min(p.x(), p.y()) < 0.01 || std::max(p.x(), p.y()) > 0.19) continue;
+    ++aimed;
+    contact.begin_step(x, v, 0.01, {.position = p + off}, {.position = p + off - Vec3(0, 0, 0.05)});
+    ASSERT_EQ(contact.num_touching(), 1) << p.transpose();
+    EXPECT_LT(contact.terms().terms[0].normal.z(), 0) << "from above, where it comes from";
+  }
+  EXPECT_GT(aimed, 50);
+}
+
+// Boxes only leave out what cannot touch: poses that turn and go through each other at random, against samples looked
+// at all the way.
+TEST(InstrumentContact, SamplesAreLookedAtWhereTheBodyIsNear) {
+  const HexMesh mesh = block();
+  const Solid solid = Solid::box({0.05, 0.02, 0.3});
+  InstrumentContact contact(solid, {.stiffness = 1e5, .distance = 0.01}, SurfaceSamples::on(mesh, {}, 0.05, 64));
+  const auto num_samples = static_cast<int>(contact.samples().samples.size());
+  support::Random random(5);
+  int left_out = 0;
+  for (int k = 0; k < 300; ++k) {
+    const auto pose = [&](double size) {
+      const Eigen::AngleAxisd turn(random.uniform(-0.4, 0.4), random.vector(1).normalized());
+      return Pose{.position = Vec3(0.1, 0.1, 0.05) + random.vector(size), .orientation = Eigen::Quaterniond(turn)};
+    };
+    const Pose begin = pose(1), end = pose(1);
+    const PointArray v = random_field(mesh, 6 + k, 5);
+    contact.begin_step(mesh.positions(), v, 0.01, begin, end);
+    EXPECT_TRUE(contact.num_examined() == num_samples || contact.num_examined() == 0);
+    if (contact.num_examined() > 0) continue;
+    ++left_out;
+    for (const SurfaceSamples::Sample& sample : contact.samples().samples) {
+      const Vec3 p = sample.at(mesh.positions()), from = begin.to_own(p), to = end.to_own(p + 0.01 * sample.at(v));
+      for (int check = 0; check <= 50; ++check)
+        ASSERT_GT(solid.distance(from + check / 50.0 * (to - from)).value, 0.01) << k;
+    }
+  }
+  EXPECT_GT(left_out, 30);
+  EXPECT_LT(left_out, 270);
+
+  InstrumentContact inactive(solid, {.stiffness = 1e5, .is_active = false}, SurfaceSamples::on(mesh, {}, 0.05, 64));
+  inactive.begin_step(mesh.positions(), PointArray::Zero(mesh.num_nodes(), 3), 0.01, {}, {});
+  EXPECT_EQ(inactive.num_examined(), 0);
 }
 
 // A point that sticks is pulled back to where it came to stick; one that slips, by mu N.

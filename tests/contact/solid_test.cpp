@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
 
@@ -88,6 +89,37 @@ TEST(Solid, ASurfaceOfABoxIsTheBox) {
   }
   EXPECT_EQ(solid.smallest_radius(), box.smallest_radius());
   EXPECT_NEAR(solid.reach(), box.reach(), 1e-15);
+}
+
+// A ring around z, of this radius, and round like a wire.
+Surface ring(double radius, double wire) {
+  constexpr int kAlong = 60, kAround = 12;
+  Surface surface{PointArray(kAlong * kAround, 3), {}};
+  const auto node = [](int i, int j) { return i % kAlong * kAround + j % kAround; };
+  for (int i = 0; i < kAlong; ++i)
+    for (int j = 0; j < kAround; ++j) {
+      const double along = 2 * std::numbers::pi * i / kAlong, around = 2 * std::numbers::pi * j / kAround;
+      const double r = radius + wire * std::cos(around);
+      surface.positions.row(node(i, j)) << r * std::cos(along), r * std::sin(along), wire * std::sin(around);
+      surface.triangles.push_back({node(i, j), node(i + 1, j), node(i + 1, j + 1)});
+      surface.triangles.push_back({node(i, j), node(i + 1, j + 1), node(i, j + 1)});
+    }
+  return surface;
+}
+
+// However it is turned, and whatever it reaches around.
+TEST(Solid, TheSmallestRadiusOfASurfaceIsThatOfItsThinnestPart) {
+  const Surface plate = box_surface({0.04, 0.04, 0.001});
+  support::Random random(13);
+  for (int k = 0; k < 20; ++k) {
+    const Eigen::AngleAxisd turn(k == 0 ? std::numbers::pi / 4 : 3 * k, random.vector(1).normalized());
+    const PointArray turned = plate.positions * turn.toRotationMatrix().transpose();
+    EXPECT_NEAR(Solid::closed_surface(turned, plate.triangles).smallest_radius(), 0.0005, 1e-12);
+  }
+  const Surface wire = ring(0.02, 0.001);
+  const double radius = Solid::closed_surface(wire.positions, wire.triangles).smallest_radius();
+  EXPECT_LE(radius, 0.001);
+  EXPECT_GT(radius, 0.0009);
 }
 
 // A star with deep notches: whether a point is inside is asked by counting the triangles above it.

@@ -286,6 +286,28 @@ TEST(TissueContact, WithoutHexahedra) {
   EXPECT_EQ(stacked.contact.num_touching(), before);
 }
 
+// Two sheets of one cell of 1 cm, which pass each other within a step: at any of some fifty places of it.
+TEST(TissueContact, NothingIsMissedInAStep) {
+  const HexMesh below = regular_grid({4, 4, 1}, Vec3::Zero(), {0.04, 0.04, 0.01});
+  const PointArray rest = PointArray::Zero(below.num_nodes(), 3);
+  support::Random random(8);
+  for (int k = 0; k < 50; ++k) {
+    const double begin = random.uniform(0.03, 0.6);
+    const HexMesh above = regular_grid({2, 2, 1}, {0.013, 0.013, begin}, {0.033, 0.033, begin + 0.01});
+    PointArray v = PointArray::Zero(above.num_nodes(), 3);
+    v.col(2).array() = -70;
+    TissueContact contact(below, above, kSettings, 2);
+    contact.begin_step({below.positions(), above.positions()}, {rest, v}, 0.01);
+    ASSERT_GT(contact.num_touching(), 0) << begin;
+    const long all = contact.num_examined();
+    EXPECT_LT(all, 4000) << "not at each of 140 places, as long as boxes are apart";
+    v *= 10;
+    EXPECT_THROW(contact.begin_step({below.positions(), above.positions()}, {rest, v}, 0.01), NumericalError);
+    contact.begin_step({below.positions(), above.positions()}, {rest, -v}, 0.01);
+    EXPECT_EQ(contact.num_examined(), 0) << "it moves away";
+  }
+}
+
 TEST(TissueContact, RefusesBadSettings) {
   const HexMesh block = regular_grid({1, 1, 1}, Vec3::Zero(), Vec3::Ones());
   EXPECT_THROW(TissueContact(block, {.stiffness = 0}, 8), InputError);

@@ -42,7 +42,8 @@ struct Pose {
 /// solved again. When a step is accepted, the anchors of samples that slip
 /// follow them until k_t A |u| = mu N.
 ///
-/// A sample that passes the instrument within a step is found by poses in between.
+/// A sample that passes the instrument within a step is found by poses in between. Where boxes tell that nothing can
+/// touch, samples are not looked at.
 ///
 /// State: per sample its anchor, in the frame of the instrument, and N.
 class InstrumentContact {
@@ -80,6 +81,9 @@ class InstrumentContact {
   int num_touching() const { return terms_.empty() ? loaded_.touching : static_cast<int>(terms_.terms.size()); }
   int num_slipping() const { return terms_.empty() ? loaded_.slipping : terms_.num_slipping(); }
 
+  /// Samples that were looked at in the present step; 0: the body is too far away.
+  int num_examined() const { return num_examined_; }
+
   /// On the instrument, at the end of the latest step.
   const Vec3& force() const { return force_; }    ///< [N]
   const Vec3& torque() const { return torque_; }  ///< [N m] about the origin of its frame
@@ -99,10 +103,17 @@ class InstrumentContact {
     double normal_force = 0;     // N [N] at the end of the latest step; 0: does not touch, and has no anchor
   };
 
+  void take_samples(SurfaceSamples samples);
+  bool can_touch(ConstPoints x, ConstPoints v, double h, const Pose& begin, const Pose& end) const;
+  void forget_touching();  // no sample has an anchor
+
   Solid solid_;
   ContactSettings settings_;
   SurfaceSamples samples_;
+  std::vector<int> nodes_;           // that move samples
+  double spread_ = 1;                // greatest sum of |weights| of a sample: more than 1 of one outside of its nodes
   std::vector<SampleState> states_;  // per sample
+  bool has_touching_ = false;        // some N may be greater than 0
   Pose pose_before_, pose_;          // at the beginning and at the end of the present step
 
   struct Found {
@@ -111,6 +122,7 @@ class InstrumentContact {
     Vec3 first;          // where the sample was, in that frame, when it came to touch
   };
   std::vector<Found> found_;  // scratch, per sample
+  int num_examined_ = 0;
   ContactTerms terms_;
   ContactCounts loaded_;
   PointArray expected_;  // scratch

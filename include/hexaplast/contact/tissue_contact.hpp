@@ -25,6 +25,9 @@ namespace hexaplast {
 ///
 /// A body does not touch itself within two hexahedra, counted through faces.
 ///
+/// Bodies that move by more than half of an edge against each other in a step are looked at in between as well. Where
+/// their boxes are apart, samples are not looked at.
+///
 /// State: per sample its anchor, a place in a hexahedron of the other body, N, and the face that is nearest.
 class TissueContact {
  public:
@@ -43,6 +46,7 @@ class TissueContact {
   void set_alive(std::span<const unsigned char> first, std::span<const unsigned char> second);
 
   /// Finds the contacts of the step to come, of h [s]. x, v: at its beginning. Of one body: give it twice, in OfTwo.
+  /// Throws NumericalError where bodies that may meet move by more than 500 edges against each other in the step.
   void begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, double h);
 
   /// The contacts of the present step.
@@ -63,6 +67,8 @@ class TissueContact {
   /// In the present step; of a state that was just loaded, in the step before it.
   int num_touching() const { return terms_.empty() ? loaded_.touching : static_cast<int>(terms_.terms.size()); }
   int num_slipping() const { return terms_.empty() ? loaded_.slipping : terms_.num_slipping(); }
+  /// Samples that were looked at in the present step, in all checks; 0: the bodies are too far from each other.
+  long num_examined() const { return num_examined_; }
   double edge() const;     ///< [m] the smaller one of the mean edges of the two surfaces; 0: there is none
   double spacing() const;  ///< [m] the largest distance between neighbouring samples
 
@@ -74,12 +80,15 @@ class TissueContact {
 
  private:
   struct Side;
+  int num_checks(const OfTwo<ConstPoints>& v, double h) const;
 
   std::array<const HexMesh*, 2> meshes_;  // the same twice: with itself
   ContactSettings settings_;
   int max_parts_;
   std::array<double, 2> wanted_ = {};         // [m] between the samples of each surface
   std::vector<std::unique_ptr<Side>> sides_;  // samples of the first body in the second one, and the other way round
+  bool has_touching_ = false;                 // some sample may have a state
+  long num_examined_ = 0;
   ContactTerms terms_;
   ContactCounts loaded_;
   std::vector<int> first_sample_;  // per side, in ContactTerm::sample
