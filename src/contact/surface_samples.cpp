@@ -33,10 +33,10 @@ void check(double wanted, int max_parts) {
   if (max_parts < 1) throw InputError(fmt::format("SurfaceSamples: {} parts of an edge must be at least 1", max_parts));
 }
 
-constexpr double kRounding = 1e-9;  // of a part: an edge of exactly two parts is not three
+constexpr double kRoundingOfParts = 1e-9;  // of a part: an edge of exactly two parts is not three
 
 int parts_of(double longest_edge, double wanted, int max_parts) {
-  return std::clamp(static_cast<int>(std::min(std::ceil(longest_edge / wanted - kRounding), 1e9)), 1, max_parts);
+  return std::clamp(static_cast<int>(std::min(std::ceil(longest_edge / wanted - kRoundingOfParts), 1e9)), 1, max_parts);
 }
 
 /// [byte] of a sample, what contact keeps for it, and what finding it takes.
