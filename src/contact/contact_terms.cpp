@@ -15,6 +15,7 @@ constexpr double kWrongFriction = 0.01;    // of mu N, from which the friction o
 constexpr double kMaxGrowth = 2;           // of normal forces in a step
 constexpr double kSteady = 0.05;           // growth that is none: what is expected is no better than what was
 constexpr double kAllWrongFriction = 0.1;  // of all mu N, from which the step is solved again for it
+constexpr int kMaxCorrections = 4;         // of friction in a step: it may turn to and fro, what pulls goes once
 
 void add(const ContactTerm& term, const Vec3& force, OfTwo<Points>& f) {
   for (int a = 0; a < term.num_first; ++a) f.first.row(term.nodes[a]) += term.weights[a] * force.transpose();
@@ -105,6 +106,7 @@ void ContactTerms::add_damping_blocks(double factor, BlockMatrix& A, std::array<
 // Each contact has about its part of the normal force that it had, and all together about the one that is expected:
 // bodies that land press more from step to step.
 void ContactTerms::set_friction(const OfTwo<ConstPoints>& expected) {
+  num_tries_ = 0;
   const auto pressing = [&](const ContactTerm& term) {
     return std::max(-term.stiffness * term.gap(term.at(expected)), 0.0);
   };
@@ -122,9 +124,11 @@ void ContactTerms::set_friction(const OfTwo<ConstPoints>& expected) {
 }
 
 bool ContactTerms::release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) {
+  const bool corrects_friction = num_tries_++ < kMaxCorrections;
   const std::size_t before = terms.size();
   std::erase_if(terms, [&](const ContactTerm& term) { return term.normal_force(term.at(x), term.at(v)) < 0; });
   if (terms.size() < before) return true;  // where some pulled, the others do not feel what they will
+  if (!corrects_friction) return false;
   double wrong = 0, all = 0;
   corrected_ = terms;
   for (ContactTerm& term : corrected_) {

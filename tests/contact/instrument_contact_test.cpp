@@ -7,6 +7,8 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/geometry/grid.hpp"
+#include "hexaplast/solve/cholesky.hpp"
+#include "hexaplast/solve/implicit_euler.hpp"
 #include "support/compare.hpp"
 #include "support/random.hpp"
 
@@ -181,6 +183,88 @@ TEST(InstrumentContact, NothingPulls) {
   x.col(2).array() -= 1;
   EXPECT_TRUE(pressed.contact.release(x, pressed.v));
   EXPECT_EQ(pressed.contact.num_touching(), 0);
+}
+
+// A chain of nodes that lies in contact and is lifted at one end: what is released leaves its load to the next contact.
+class Peeling final : public MechanicalSystem {
+ public:
+  static constexpr int kNodes = 20;
+  static constexpr double kMass = 1e-3, kWeight = 1, kLift = 10.5, kBetween = 100, kContact = 1e5;
+
+  Peeling() {
+    for (int n = 0; n < kNodes; ++n) {
+      ContactTerm& term = contact.terms.emplace_back();
+      term.add_node(n, 1);
+      term.num_first = 1;
+      term.stiffness = kContact;
+    }
+  }
+  int num_nodes() const override { return kNodes; }
+  void compute_force(double, ConstPoints x, ConstPoints v, Points f) override {
+    f.setZero();
+    f.col(2).array() -= kWeight;
+    f(kNodes - 1, 2) += kLift;
+    add_between(1, x, f);
+    contact.add_force(x, v, f);
+  }
+  void add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override {
+    df += factors.mass * kMass * dx;
+    add_between(factors.stiffness, dx, df);
+    contact.add_stiffness_product(factors.stiffness, dx, df);
+  }
+  void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const override {
+    const Mat3 K = factors.stiffness * kBetween * Mat3::Identity();
+    for (int n = 0; n < kNodes; ++n) A.add(n, n, factors.mass * kMass * Mat3::Identity());
+    for (int n = 1; n < kNodes; ++n)
+      for (const int a : {n - 1, n})
+        for (const int b : {n - 1, n}) A.add(a, b, a == b ? Mat3(-K) : K);
+    contact.add_stiffness_blocks(factors.stiffness, A);
+  }
+  bool release(double, ConstPoints x, ConstPoints v, ConstPoints x_end, ConstPoints v_end, Points force,
+               Points product) override {
+    const auto add = [&](double sign) {
+      PointArray change = PointArray::Zero(kNodes, 3);
+      contact.add_force(x, v, change);
+      force += sign * change;
+      contact.add_stiffness_product(sign, v, product);
+    };
+    ++num_tries;
+    add(-1);
+    const bool has_released = contact.release(x_end, v_end);
+    add(1);
+    return has_released;
+  }
+  void project(Points) const override {}
+  void pin(BlockMatrix&) const override {}
+
+  ContactTerms contact;
+  int num_tries = 0;
+
+ private:
+  static void add_between(double factor, ConstPoints x, Points f) {
+    for (int n = 1; n < kNodes; ++n) {
+      const Eigen::RowVector3d pull = factor * kBetween * (x.row(n) - x.row(n - 1));
+      f.row(n - 1) += pull;
+      f.row(n) -= pull;
+    }
+  }
+};
+
+// However often that has to be done: about ten nodes are lifted by ten times their weight, one after the other.
+TEST(ContactTerms, NothingPullsAfterAStep) {
+  Peeling chain;
+  CholeskySolver solver;
+  PointArray x = PointArray::Zero(Peeling::kNodes, 3), v = x;
+  x.col(2).array() -= Peeling::kWeight / Peeling::kContact;
+  ImplicitEuler({}).step(chain, solver, 0, 1, x, v);
+  EXPECT_GT(chain.num_tries, 5);
+  std::vector<bool> touches(Peeling::kNodes);
+  for (const ContactTerm& term : chain.contact.terms) {
+    EXPECT_GT(term.normal_force(term.at(x), term.at(v)), 0) << "node " << term.nodes[0];
+    touches[term.nodes[0]] = true;
+  }
+  for (int n = 0; n < Peeling::kNodes; ++n) EXPECT_EQ(x(n, 2) < 0, touches[n]) << "node " << n;
+  EXPECT_NEAR(static_cast<double>(chain.contact.terms.size()), Peeling::kNodes - 10, 1);
 }
 
 // A needle that goes through the body within a step is held up where it comes from.

@@ -132,14 +132,15 @@ class ContactTerms {
   void add_damping_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes = {}) const;
 
   /// Takes out the contacts that would pull at x and v. If there are none, corrects the friction that is not what N and
-  /// the displacements there stand for, if it is more than 10 % of all. Returns whether anything was done: the step is
-  /// to be solved again.
+  /// the displacements there stand for, if it is more than 10 % of all; the first four calls of a step do that. Returns
+  /// whether anything was done: the step is to be solved again.
   bool release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v);
 
  private:
   template <class Block>
   void add_blocks(BlockMatrix& A, std::array<int, 2> first_nodes, const Block& block_of) const;
 
+  int num_tries_ = 0;                   // calls of release in the step
   std::vector<ContactTerm> corrected_;  // scratch
 };
 

@@ -40,7 +40,8 @@ class MechanicalSystem {
 
   /// Lets go of one-sided forces that would pull at the end of a step that goes from (x, v) to (x_end, v_end), and adds
   /// what that changes: force += the change of compute_force(time, x, v), product += that of K v. Returns whether there
-  /// were any: the step is then solved again. The default has no such forces.
+  /// were any: the step is then solved again, and this is called again, so that it must come to an end. The default has
+  /// no such forces.
   virtual bool release(double /*time*/, ConstPoints /*x*/, ConstPoints /*v*/, ConstPoints /*x_end*/,
                        ConstPoints /*v_end*/, Points /*force*/, Points /*product*/) {
     return false;
@@ -83,8 +84,6 @@ double stable_phase_per_step(const EulerSettings& settings, double dt);
 /// (MechanicalSystem::release).
 class ImplicitEuler {
  public:
-  static constexpr int kMaxReleases = 4;  ///< of a step
-
   explicit ImplicitEuler(EulerSettings settings) : settings_(settings) {}
 
   /// Advances x [m] and v [m/s] by dt [s]. Throws NumericalError naming the first node that left the finite numbers,
@@ -92,12 +91,12 @@ class ImplicitEuler {
   SolveReport step(MechanicalSystem& system, LinearSolver& solver, double time, double dt, Points x, Points v);
 
   /// A dv = b of a step, and again while `release(dv, b)` has let go of what would pull at the end of the step that dv
-  /// leads to, and has added to b what that changes.
+  /// leads to, and has added to b what that changes. At the end nothing pulls.
   template <class Release>
   static SolveReport solve(LinearSolver& solver, const LinearSystem& A, PointArray& b, PointArray& dv,
                            SolverMemory& memory, const Release& release) {
     SolveReport report = solver.solve_next(A, b, dv, memory);
-    for (int k = 0; k < kMaxReleases && release(dv, b); ++k) report.add(solver.solve_from_guess(A, b, dv));
+    while (release(dv, b)) report.add(solver.solve_from_guess(A, b, dv));
     return report;
   }
 
