@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <tuple>
 
 #include "contact/tissue_surface.hpp"
 #include "hexaplast/base/error.hpp"
@@ -155,6 +156,19 @@ int TissueContact::num_checks(const OfTwo<ConstPoints>& v, double h) const {
                     "edges ({:.3g} m): the time step must be shorter",
                     way, kEdgesPerCheck * kMaxTissueChecks, kEdgesPerCheck * kMaxTissueChecks * edge));
   return static_cast<int>(checks);
+}
+
+double TissueContact::depth_at(const OfTwo<ConstPoints>& x) {
+  const bool with_itself = meshes_[0] == meshes_[1];
+  double depth = 0;
+  for (const auto& side : sides_) {
+    const auto& [own, others] = side->from == 0 ? std::tie(x.first, x.second) : std::tie(x.second, x.first);
+    side->surface.look_at(others, box_of(own, 0), 0);
+    for (const SurfaceSamples::Sample& sample : side->samples.samples)
+      if (const auto place = side->surface.find(sample.at(own), -1, 0, side->own(sample, with_itself)))
+        depth = std::max(depth, -place->distance);
+  }
+  return depth;
 }
 
 void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, double h) {
@@ -355,20 +369,27 @@ void TissueContact::serialize(Archive& archive) {
                          force.allFinite() && std::isfinite(depth) && std::isfinite(energy);
   if (!is_finite) throw InputError("contact is saved with numbers that are not finite");
   counts.require_of(count);
-  std::size_t k = 0;
+  std::vector<SampleState> states;
   for (const auto& side : sides_)
-    for (SampleState& state : side->states) {
-      state.normal_force = std::max(numbers[(1 + kCorners) * k], 0.0);
-      state.anchor = CornerWeights::Map(&numbers[(1 + kCorners) * k + 1]);
-      state.hexahedron = places[2 * k];
-      state.face = places[2 * k + 1];
-      ++k;
-      const bool has_place = state.hexahedron >= 0 && state.hexahedron < meshes_[side->to]->num_elements() &&
-                             state.face >= -1 && state.face < side->surface.num_faces();
+    for (std::size_t i = 0; i < side->states.size(); ++i) {
+      const std::size_t k = states.size();
+      const SampleState& state = states.emplace_back(SampleState{
+          .normal_force = std::max(numbers[(1 + kCorners) * k], 0.0),
+          .face = places[2 * k + 1],
+          .hexahedron = places[2 * k],
+          .anchor = CornerWeights::Map(&numbers[(1 + kCorners) * k + 1]),
+      });
+      const bool has_place =
+          side->surface.has_hexahedron(state.hexahedron) && state.face >= -1 && state.face < side->surface.num_faces();
       if (state.normal_force > 0 && !has_place)
         throw InputError(fmt::format("contact is saved with hexahedron {} and face {}, which are not there",
                                      state.hexahedron, state.face));
     }
+  auto from = states.begin();
+  for (const auto& side : sides_) {
+    std::copy_n(from, side->states.size(), side->states.begin());
+    from += std::ssize(side->states);
+  }
   has_touching_ = true;
   terms_.terms.clear();
   loaded_ = counts;

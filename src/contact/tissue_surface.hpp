@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <vector>
@@ -24,6 +25,7 @@ class TissueSurface {
   TissueSurface(const HexMesh& mesh, std::span<const unsigned char> alive, bool touches_itself);
 
   int num_faces() const { return static_cast<int>(faces_.size()); }
+  bool has_hexahedron(int e) const { return std::ranges::binary_search(hexahedra_, e); }
   double mean_edge() const { return mean_edge_; }  ///< [m] of its faces
   const Eigen::AlignedBox3d& box() const { return box_; }
 

@@ -273,6 +273,55 @@ TEST(TissueContact, KeepsItsState) {
   EXPECT_THROW(fewer.serialize(archive), InputError);
 }
 
+// Neither does a state that cannot be leave anything behind.
+TEST(TissueContact, RefusesAnchorsInHexahedraThatAreGone) {
+  const auto bytes_of = [](TissueContact& contact) {
+    std::vector<std::byte> bytes;
+    Archive archive([&](const void* data, std::size_t size) {
+      const auto* first = static_cast<const std::byte*>(data);
+      bytes.insert(bytes.end(), first, first + size);
+    });
+    contact.serialize(archive);
+    return bytes;
+  };
+  // corners of the lower body, at the same number of samples: one that nothing touches, and one that is touched
+  const auto without = [](TissueContact& contact, int hexahedron) {
+    std::vector<unsigned char> alive(32, 1);
+    alive[hexahedron] = 0;
+    contact.set_alive(alive, {});
+  };
+  constexpr int kFar = 19, kTouched = 28;
+  Stacked stacked;
+  without(stacked.contact, kFar);
+  stacked.contact.begin_step({stacked.x0, stacked.x1}, {stacked.v0, stacked.v1}, 0.01);
+  stacked.contact.end_step({stacked.end0(), stacked.end1()}, {stacked.v0, stacked.v1});
+  const std::vector<std::byte> saved = bytes_of(stacked.contact);
+  TissueContact torn(stacked.below, stacked.above, kSettings, 8);
+  without(torn, kTouched);
+  const std::vector<std::byte> before = bytes_of(torn);
+  EXPECT_TRUE(support::refuses<InputError>(
+      [&] {
+        Archive reads{std::span<const std::byte>(saved)};
+        torn.serialize(reads);
+      },
+      {"hexahedron 28", "which are not there"}));
+  EXPECT_EQ(bytes_of(torn), before);
+}
+
+TEST(TissueContact, KnowsHowDeepBodiesOverlap) {
+  const HexMesh below = regular_grid({4, 4, 2}, Vec3::Zero(), {0.2, 0.2, 0.1});
+  const HexMesh above = regular_grid({2, 2, 2}, {0.053, 0.057, 0.02}, {0.103, 0.107, 0.12});
+  TissueContact contact(below, above, {.stiffness = 1e5}, 8);
+  const auto depth_at = [&](double raised) {
+    PointArray x = above.positions();
+    x.col(2).array() += raised;
+    return contact.depth_at({below.positions(), x});
+  };
+  EXPECT_NEAR(depth_at(0.07), 0.01, 1e-12);
+  EXPECT_NEAR(depth_at(0.04), 0.04, 1e-12);
+  EXPECT_EQ(depth_at(0.09), 0);
+}
+
 // Where hexahedra have gone nothing is touched, and what touches elsewhere goes on.
 TEST(TissueContact, WithoutHexahedra) {
   Stacked stacked;

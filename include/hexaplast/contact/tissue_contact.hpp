@@ -45,6 +45,9 @@ class TissueContact {
   /// Which hexahedra are left of each body; empty: all. Samples that were there before keep their state.
   void set_alive(std::span<const unsigned char> first, std::span<const unsigned char> second);
 
+  /// [m] How deep a sample lies in the other body at x, at most; 0: none does.
+  double depth_at(const OfTwo<ConstPoints>& x);
+
   /// Finds the contacts of the step to come, of h [s]. x, v: at its beginning. Of one body: give it twice, in OfTwo.
   /// Throws NumericalError where bodies that may meet move by more than 500 edges against each other in the step.
   void begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, double h);
@@ -61,7 +64,7 @@ class TissueContact {
   /// As it was made: nothing has touched yet.
   void reset();
 
-  /// Throws InputError for the state of other samples or hexahedra.
+  /// Throws InputError for the state of other samples, or of hexahedra that are not there; it is then as before.
   void serialize(Archive& archive);
 
   /// In the present step; of a state that was just loaded, in the step before it.
