@@ -3,9 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <set>
+#include <span>
 
 #include "attributes/stock.hpp"
 #include "components/between_states.hpp"
@@ -62,15 +64,21 @@ class SpringForceField final : public SpringField, public scene::Interaction, pu
 
   // When both states have their nodes, which may stand behind it.
   void bwd_init() override {
-    if (!states_[0]) return;
-    require_one_integrator(*this, states_);
-    make_springs();
+    if (states_[0]) {
+      require_one_integrator(*this, states_);
+      make_springs();
+    }
+    warn_of_damping();
   }
 
   void refresh() override {
-    if (!states_[0]) return SpringField::refresh();
-    rayleigh_stiffness_ = real("rayleighStiffness");
-    make_springs();
+    if (states_[0]) {
+      rayleigh_stiffness_ = real("rayleighStiffness");
+      make_springs();
+    } else {
+      SpringField::refresh();
+    }
+    warn_of_damping();
   }
 
   using SpringField::add_force;
@@ -100,6 +108,7 @@ class SpringForceField final : public SpringField, public scene::Interaction, pu
   }
 
  private:
+  static constexpr double kHeld = 0.25;  // of the stiffness around a node: its neighbours give way
   static constexpr double kTaut = 1e-6;  // of the rest length: rounding does not make a spring slack
 
   scene::MechanicalState& state_at(std::string_view object) {
@@ -110,6 +119,62 @@ class SpringForceField final : public SpringField, public scene::Interaction, pu
   void make_springs() {
     const std::array num_nodes = {states_[0]->num_nodes(), states_[1]->num_nodes()};
     springs_ = Springs(make(num_nodes), num_nodes);
+  }
+
+  /// Of dampers that may stop a node and throw it back within a step. The inertia against which they work is that of
+  /// the step: mass, and stiffness of a body.
+  void warn_of_damping() {
+    auto* own = node().nearest<scene::MechanicalState>();
+    const std::array ends = {states_[0] ? states_[0] : own, states_[1] ? states_[1] : own};
+    const double h = node().clock().dt;
+    for (scene::MechanicalState* state : std::span(ends).first(ends[0] == ends[1] ? 1 : 2)) {
+      std::vector<double> damping(static_cast<std::size_t>(state->num_nodes()));
+      for (const Spring& spring : springs_.springs()) {
+        if (state == ends[0]) damping[spring.a] += spring.damping;
+        if (state == ends[1]) damping[spring.b] += spring.damping;
+      }
+      PointArray mass = PointArray::Zero(state->num_nodes(), 3);
+      for (const scene::MassMatrix* part : scene::masses_of(node().root(), *state)) part->add_diagonal(1, mass);
+      int worst = 0;  // the lightest one for its dampers
+      for (int n = 1; n < state->num_nodes(); ++n)
+        if (damping[n] * mass(worst, 0) > damping[worst] * mass(n, 0)) worst = n;
+      if (mass(worst, 0) == 0 || h * damping[worst] <= mass(worst, 0)) continue;
+      const double inertia =
+          mass(worst, 0) + kHeld * h * (h + rayleigh_stiffness_of(*state)) * stiffness_at(*state, worst);
+      if (h * damping[worst] <= inertia) continue;
+      remark(scene::Severity::kWarning, is_given("spring") ? "spring" : "damping",
+             fmt::format("springs damp node {} of '{}' with {:.3g} N s/m: they may throw it back within a step, as "
+                         "damping acts by the velocities at the beginning of a step. About {:.2g} N s/m are safe there",
+                         worst, state->name(), damping[worst], inertia / h));
+    }
+  }
+
+  static double rayleigh_stiffness_of(scene::MechanicalState& state) {
+    auto* integrator = state.node().nearest<scene::OdeSolver>();
+    return integrator && integrator->find_data("rayleighStiffness") ? integrator->real("rayleighStiffness") : 0;
+  }
+
+  /// [N/m] of the bodies of a state, against a motion of a node along an axis, the least one.
+  static double stiffness_at(scene::MechanicalState& state, int n) {
+    constexpr double kShift = 1e-7;  // of the size: as a difference quotient
+    const PointArray v = PointArray::Zero(state.num_nodes(), 3);
+    PointArray x = state.positions();
+    const double shift = kShift * (x.colwise().maxCoeff() - x.colwise().minCoeff()).norm();
+    const auto force = [&] {
+      PointArray f = v;
+      for (scene::ForceField* field : state.node().root().all<scene::ForceField>())
+        if (field->body() && scene::acts_on(*field, state)) field->add_force(0, x, v, f);
+      return Vec3(f.row(n).transpose());
+    };
+    Vec3 stiffness;
+    for (int axis = 0; axis < 3; ++axis) {
+      x(n, axis) = state.positions()(n, axis) + shift;
+      const double ahead = force()[axis];
+      x(n, axis) = state.positions()(n, axis) - shift;
+      stiffness[axis] = (force()[axis] - ahead) / (2 * shift);
+      x(n, axis) = state.positions()(n, axis);
+    }
+    return std::max(stiffness.minCoeff(), 0.0);
   }
 
   std::vector<Spring> make(scene::MechanicalState& state) override {

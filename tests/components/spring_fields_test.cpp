@@ -28,6 +28,35 @@ TEST(SpringForceField, TakesWholeSpringsOrLists) {
   }
 }
 
+// Damping that takes more than the momentum of a node in a step, as the default of SOFA does of light nodes.
+TEST(SpringForceField, WarnsOfDampingThatThrowsNodesBack) {
+  const auto warnings_of = [](const std::string& springs) {
+    scene::Scene scene = read_and_init(four_nodes("<SpringForceField " + springs + "/>"));
+    std::string said;
+    for (const scene::Message& warning : scene.diagnostics().take_warnings()) said += warning.text;
+    return said;
+  };
+  EXPECT_EQ(warnings_of("spring='0 1 10 1 2  1 2 10 1 2'"), "") << "1 kg / .5 s";
+  EXPECT_EQ(warnings_of("spring='0 1 10 1.25 2  1 2 10 1.25 2'"),
+            "SpringForceField.spring: springs damp node 1 of 'nodes' with 2.5 N s/m: they may throw it back within a "
+            "step, as damping acts by the velocities at the beginning of a step. About 2 N s/m are safe there");
+  EXPECT_NE(warnings_of("indices1='0' indices2='1'").find("SpringForceField.damping: springs damp node 0"),
+            std::string::npos);
+  // of a body, whose stiffness holds a node back too: E = 3000 Pa, cells of 1 cm, nodes of at least 1/8 g
+  const auto body = [](const std::string& damping) {
+    scene::Scene scene = read_and_init(
+        support::in_root("dt='.01'",
+                         "<RegularGridTopology n='9 5 3' min='-.04 -.02 0' max='.04 .02 .02'/><MechanicalObject/>"
+                         "<DiagonalMass massDensity='1000'/><HexahedronElastoplasticFEMForceField youngModulus='3000'/>"
+                         "<SpringForceField indices1='120' indices2='95' stiffness='5' length='.01' " +
+                             damping + "/>"));
+    return scene.diagnostics().take_warnings().size();
+  };
+  EXPECT_EQ(body(""), 1U) << "5 N s/m";
+  EXPECT_EQ(body("damping='.2'"), 1U) << "ends in the fourth step";
+  EXPECT_EQ(body("damping='.05'"), 0U) << ".5 g";
+}
+
 TEST(SpringForceField, MistakesAreNamed) {
   EXPECT_NE(errors_of(four_nodes("<SpringForceField spring='0 1 10 0'/>")).find("4 numbers given, must be groups of 5"),
             std::string::npos);

@@ -72,7 +72,7 @@ inline constexpr Description kSpringForceField{
     .category = "ForceField",
     .help =
         "Springs between nodes of one state, or of two: a ligament. Damping acts along a spring and has no part in "
-        "the matrix, as in SOFA.",
+        "the matrix, as in SOFA: it may throw light nodes to and fro, and a warning says so.",
     .templates = kVec3Templates,
     .attributes = kSpringForceFieldAttributes};
 
