@@ -6,12 +6,14 @@
 /// Contact, the same in every host.
 namespace hexaplast::attributes {
 
-inline constexpr Attribute kTangentialStiffness{
-    .name = "tangentialStiffness",
-    .type = Type::kReal,
-    .unit = "Pa/m",
-    .range = kNotNegative,
-    .help = "Shear stress per displacement of tissue that sticks. Default: contactStiffness."};
+inline constexpr Attribute kTangentialStiffness{.name = "tangentialStiffness",
+                                                .type = Type::kReal,
+                                                .unit = "Pa/m",
+                                                .range = kNotNegative,
+                                                .help =
+                                                    "Shear stress per displacement of tissue that sticks. Default: "
+                                                    "contactStiffness. At most a thousand times the default "
+                                                    "of contactStiffness."};
 inline constexpr Attribute kFriction{
     .name = "friction",
     .type = Type::kReal,
@@ -23,7 +25,9 @@ inline constexpr Attribute kContactDistance{.name = "contactDistance",
                                             .initial = "0",
                                             .unit = "m",
                                             .range = kNotNegative,
-                                            .help = "Contact begins at this distance from the surface."};
+                                            .help =
+                                                "Contact begins at this distance from the surface; at most half of the "
+                                                "mean edge."};
 inline constexpr Attribute kContactDamping{.name = "damping",
                                            .type = Type::kReal,
                                            .initial = "0",
@@ -94,7 +98,8 @@ inline constexpr Attribute kInstrumentContactAttributes[] = {
      .unit = "Pa/m",
      .range = kPositive,
      .help = "Pressure per depth of penetration. Default: 30 E / edge length of the body's hexahedra (the greatest "
-             "Young's modulus, the mean edge): a pressure of .3 E is held at a hundredth of an edge."},
+             "Young's modulus, the mean edge): a pressure of .3 E is held at a hundredth of an edge. It follows a "
+             "modulus that changes, in the same step. At most a thousand times the default."},
     kTangentialStiffness,
     kFriction,
     kContactDistance,
@@ -145,7 +150,8 @@ inline constexpr Attribute kTissueContactAttributes[] = {
      .unit = "Pa/m",
      .range = kPositive,
      .help = "Pressure per depth of penetration. Default: 30 E / edge length (the greatest Young's modulus, the mean "
-             "edge) of that body for which it is less."},
+             "edge) of that body for which it is less. It follows a modulus that changes, in the same step. At most a "
+             "thousand times the default."},
     kTangentialStiffness,
     kFriction,
     kContactDistance,

@@ -51,11 +51,13 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
   void begin_step() override {
     const scene::Clock& clock = node().clock();
     const double rayleigh_stiffness = integrator_->real("rayleighStiffness");
-    if (prescribing_)
-      instrument_->begin_step(pose_after(0), pose_after(clock.dt), clock.dt, rayleigh_stiffness, state_->positions(),
-                              state_->velocities());
-    else
-      instrument_->begin_step(clock.time, clock.dt, rayleigh_stiffness, state_->positions(), state_->velocities());
+    accepted(*this, [&] {
+      if (prescribing_)
+        instrument_->begin_step(pose_after(0), pose_after(clock.dt), clock.dt, rayleigh_stiffness, state_->positions(),
+                                state_->velocities());
+      else
+        instrument_->begin_step(clock.time, clock.dt, rayleigh_stiffness, state_->positions(), state_->velocities());
+    });
   }
   void end_step(double) override { instrument_->end_step(state_->positions(), state_->velocities()); }
   void reset() override { instrument_->reset(); }

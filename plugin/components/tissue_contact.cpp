@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "attributes/contact.hpp"
 #include "components/components.hpp"
 #include "components/part.hpp"
@@ -49,6 +51,8 @@ class TissueContactForceField final : public scene::OneSidedInteraction {
       if (integrator_->boolean(scheme))
         reject(fmt::format("its EulerImplicitSolver has {}: contact needs implicit Euler", scheme));
     accepted(*this, [&] { tissues_.emplace(options(), *body_fields_[0]->body(), *body_fields_[1]->body()); });
+    pass_on(*this, tissues_->look_at_start(positions()));
+    warn_of_same_pair();
   }
 
   void refresh() override {
@@ -56,7 +60,9 @@ class TissueContactForceField final : public scene::OneSidedInteraction {
   }
 
   void begin_step() override {
-    tissues_->begin_step(node().clock().dt, integrator_->real("rayleighStiffness"), positions(), velocities());
+    accepted(*this, [&] {
+      tissues_->begin_step(node().clock().dt, integrator_->real("rayleighStiffness"), positions(), velocities());
+    });
   }
   void end_step(double) override { tissues_->end_step(positions(), velocities()); }
   void reset() override { tissues_->reset(); }
@@ -94,6 +100,15 @@ class TissueContactForceField final : public scene::OneSidedInteraction {
   }
 
  private:
+  /// Of another contact before it between the same bodies.
+  void warn_of_same_pair() {
+    for (auto* other : node().root().all<TissueContactForceField>()) {
+      if (other == this) return;
+      if (boolean("active") && other->boolean("active") && std::ranges::is_permutation(states_, other->states_))
+        pass_on(*this, {parts::same_pair(other->name())});
+    }
+  }
+
   OfTwo<ConstPoints> positions() const {
     return {ConstPoints(states_[0]->positions()), ConstPoints(states_[1]->positions())};
   }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include "hexaplast/body.hpp"
@@ -31,23 +29,19 @@ struct ContactOptions {
     HEXAPLAST_OPTION(active);
   }
 
-  /// default_stiffness [Pa/m]: of contact, where there is no contact_stiffness.
-  ContactSettings settings(double default_stiffness) const {
-    const double stiffness = contact_stiffness.value_or(default_stiffness);
-    return {.stiffness = stiffness,
-            .tangential_stiffness = tangential_stiffness.value_or(stiffness),
-            .friction = friction,
-            .distance = contact_distance,
-            .damping = damping,
-            .is_active = active};
-  }
+  /// default_stiffness [Pa/m]: of contact, where there is no contact_stiffness. Throws OptionError for a stiffness far
+  /// beyond it.
+  ContactSettings settings(double default_stiffness) const;
+
+  /// Throws OptionError for a contact_distance above half of a mean edge [m] of hexahedra.
+  void check_distance(double edge) const;
 };
 
-/// [Pa/m] of contact by default: 30 E / edge length, with the greatest Young's modulus and the mean edge, so that a
-/// pressure of .3 E is held at a hundredth of an edge.
-inline double default_contact_stiffness(const Body& body) {
-  const double edge = std::cbrt(body.initial_volume() / body.mesh().num_elements());
-  return 30 * std::ranges::max(body.materials(), {}, &Material::young_modulus).young_modulus / edge;
-}
+/// [m] of the hexahedra of a body, those that have gone among them.
+double mean_edge(const Body& body);
+
+/// [Pa/m] of contact by default: 30 E / edge, with the greatest Young's modulus of the body as it is and its mean edge,
+/// so that a pressure of .3 E is held at a hundredth of an edge.
+double default_contact_stiffness(const Body& body, double edge);
 
 }  // namespace hexaplast::parts

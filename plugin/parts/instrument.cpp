@@ -93,10 +93,15 @@ Pose moved(const Pose& pose, const Vec3& velocity, const Vec3& angular_velocity,
   return {pose.position + duration * velocity, Eigen::Quaterniond(turn) * pose.orientation};
 }
 
-Instrument::Instrument(InstrumentOptions options, const Body& body) : body_(body) { set_options(std::move(options)); }
+Instrument::Instrument(InstrumentOptions options, const Body& body) : body_(body), edge_(mean_edge(body)) {
+  set_options(std::move(options));
+}
 
 void Instrument::set_options(InstrumentOptions options) {
   check(options);
+  const double stiffness = default_contact_stiffness(body_, edge_);
+  const ContactSettings settings = options.contact.settings(stiffness);
+  options.contact.check_distance(edge_);
   const bool has_same_shape = contact_ && options.shape == options_.shape && options.radius == options_.radius &&
                               options.length == options_.length && options.size == options_.size &&
                               options.contact.max_subdivision == options_.contact.max_subdivision &&
@@ -106,12 +111,13 @@ void Instrument::set_options(InstrumentOptions options) {
                               options.surface_positions == options_.surface_positions;
   if (has_same_shape) {
     options_ = std::move(options);
-    contact_->set_settings(options_.contact.settings(default_contact_stiffness(body_)));
+    default_stiffness_ = stiffness;
+    contact_->set_settings(settings);
     return;
   }
   const Solid solid = solid_of(options);
   options_ = std::move(options);
-  const ContactSettings settings = options_.contact.settings(default_contact_stiffness(body_));
+  default_stiffness_ = stiffness;
   SurfaceSamples samples = samples_of(solid);
   const double wanted = kPerRadius * solid.smallest_radius();
   if (samples.spacing > (1 + 1e-6) * wanted)
@@ -183,6 +189,8 @@ void Instrument::begin_step(double time, double dt, double rayleigh_stiffness, C
 void Instrument::begin_step(const Pose& from, const Pose& to, double dt, double rayleigh_stiffness, ConstPoints x,
                             ConstPoints v) {
   follow_surface();
+  default_stiffness_ = default_contact_stiffness(body_, edge_);
+  contact_->set_settings(options_.contact.settings(default_stiffness_));
   rayleigh_stiffness_ = rayleigh_stiffness;
   contact_->begin_step(x, v, dt, from, to);
 }

@@ -66,8 +66,9 @@ class Instrument {
   /// What it remarked on the way here.
   std::vector<Remark> take_warnings() { return std::exchange(warnings_, {}); }
 
-  /// Finds the contacts of a step from `time` that lasts dt [s]. rayleigh_stiffness [s]: that of the time integrator,
-  /// which does not act on contact.
+  /// Finds the contacts of a step from `time` that lasts dt [s], by what the body is at present. rayleigh_stiffness
+  /// [s]: that of the time integrator, which does not act on contact. Throws OptionError for a stiffness far beyond
+  /// that of the body.
   void begin_step(double time, double dt, double rayleigh_stiffness, ConstPoints x, ConstPoints v);
 
   /// The same for one with prescribed poses: its poses at the beginning and at the end of the step.
@@ -84,6 +85,9 @@ class Instrument {
   const InstrumentContact& contact() const { return *contact_; }
   InstrumentContact& contact() { return *contact_; }
 
+  /// Whether the body has the stiffness that the latest step began with.
+  bool is_of_present_bodies() const { return default_contact_stiffness(body_, edge_) == default_stiffness_; }
+
   /// To be given for this force field to the system matrix: it takes back what the integrator adds.
   double rayleigh_stiffness() const { return -rayleigh_stiffness_; }
 
@@ -94,6 +98,8 @@ class Instrument {
   void follow_surface();  // where hexahedra have gone since the last call
 
   const Body& body_;
+  double edge_;                   // [m] of its hexahedra
+  double default_stiffness_ = 0;  // [Pa/m] in the settings of the contact
   std::size_t num_removed_ = 0;
   InstrumentOptions options_;
   std::optional<InstrumentContact> contact_;

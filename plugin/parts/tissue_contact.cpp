@@ -12,18 +12,23 @@
 namespace hexaplast::parts {
 namespace {
 
-constexpr double kMaxDistance = 0.5;  // of contact, in edges
+constexpr double kOverlap = 0.1;  // of an edge: bodies may overlap at the beginning
 
 }  // namespace
 
-Tissues::Tissues(const ContactOptions& options, const Body& first, const Body& second) : bodies_{&first, &second} {
+Remark same_pair(std::string_view other) {
+  return {"object2", fmt::format("'{}' is between the same bodies: both act, and their stiffnesses add up", other)};
+}
+
+Tissues::Tissues(const ContactOptions& options, const Body& first, const Body& second)
+    : bodies_{&first, &second}, edges_{mean_edge(first), mean_edge(second)} {
   set_options(options);
 }
 
 void Tissues::set_options(const ContactOptions& options) {
   OptionRanges(attributes::kTissueContactForceField, options).throw_all();
-  const ContactSettings settings =
-      options.settings(std::min(default_contact_stiffness(*bodies_[0]), default_contact_stiffness(*bodies_[1])));
+  const double stiffness = default_stiffness();
+  const ContactSettings settings = options.settings(stiffness);
   std::optional<TissueContact> other;
   if (!contact_ || options.max_subdivision != options_.max_subdivision) {
     try {
@@ -34,11 +39,9 @@ void Tissues::set_options(const ContactOptions& options) {
     set_surface(*other);
   }
   // contact is looked for in the cells around a point
-  if (const double max = kMaxDistance * (other ? *other : *contact_).edge(); max > 0 && options.contact_distance > max)
-    throw OptionError("contact_distance",
-                      fmt::format("= {:.6g}: must be at most {:.3g} m, half of the mean edge of the surfaces",
-                                  options.contact_distance, max));
+  if (const double edge = (other ? *other : *contact_).edge(); edge > 0) options.check_distance(edge);
   options_ = options;
+  default_stiffness_ = stiffness;
   if (other) {
     contact_ = std::move(other);
     num_removed_ = num_removed();
@@ -47,15 +50,30 @@ void Tissues::set_options(const ContactOptions& options) {
   }
 }
 
+double Tissues::default_stiffness() const {
+  return std::min(default_contact_stiffness(*bodies_[0], edges_[0]), default_contact_stiffness(*bodies_[1], edges_[1]));
+}
+
 void Tissues::follow_surface() {
   if (num_removed() == num_removed_) return;
   num_removed_ = num_removed();
   set_surface(*contact_);
 }
 
+std::vector<Remark> Tissues::look_at_start(const OfTwo<ConstPoints>& x) {
+  if (!options_.active) return {};
+  const double depth = contact_->depth_at(x);
+  if (!(depth > kOverlap * contact_->edge())) return {};
+  if (bodies_[0] == bodies_[1])
+    return {{"object1", fmt::format("the body begins {:.3g} m deep in itself, and is pushed apart", depth)}};
+  return {{"object2", fmt::format("the bodies begin {:.3g} m deep in each other, and are pushed apart", depth)}};
+}
+
 void Tissues::begin_step(double dt, double rayleigh_stiffness, const OfTwo<ConstPoints>& x,
                          const OfTwo<ConstPoints>& v) {
   follow_surface();
+  default_stiffness_ = default_stiffness();
+  contact_->set_settings(options_.settings(default_stiffness_));
   rayleigh_stiffness_ = rayleigh_stiffness;
   contact_->begin_step(x, v, dt);
 }

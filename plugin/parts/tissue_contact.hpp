@@ -3,12 +3,18 @@
 
 #include <array>
 #include <optional>
+#include <string_view>
+#include <vector>
 
 #include "hexaplast/body.hpp"
 #include "hexaplast/contact/tissue_contact.hpp"
 #include "parts/contact_options.hpp"
+#include "parts/option.hpp"
 
 namespace hexaplast::parts {
+
+/// A warning of another contact between the same bodies.
+Remark same_pair(std::string_view other);
 
 /// Two bodies that touch, or one that touches itself. In scenes: TissueContactForceField.
 class Tissues {
@@ -20,8 +26,11 @@ class Tissues {
   /// OptionError.
   void set_options(const ContactOptions& options);
 
-  /// Finds the contacts of a step of dt [s]. rayleigh_stiffness [s]: that of the time integrator, which does not act on
-  /// contact.
+  /// Warnings of bodies that overlap at the beginning. x [m].
+  std::vector<Remark> look_at_start(const OfTwo<ConstPoints>& x);
+
+  /// Finds the contacts of a step of dt [s], by what the bodies are at present. rayleigh_stiffness [s]: that of the
+  /// time integrator, which does not act on contact. Throws OptionError for a stiffness far beyond that of the bodies.
   void begin_step(double dt, double rayleigh_stiffness, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v);
 
   void end_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) { contact_->end_step(x, v); }
@@ -35,6 +44,9 @@ class Tissues {
   const TissueContact& contact() const { return *contact_; }
   TissueContact& contact() { return *contact_; }
 
+  /// Whether the bodies have the stiffness that the latest step began with.
+  bool is_of_present_bodies() const { return default_stiffness() == default_stiffness_; }
+
   /// To be given for this force field to the system matrix: it takes back what the integrator adds.
   double rayleigh_stiffness() const { return -rayleigh_stiffness_; }
 
@@ -44,8 +56,11 @@ class Tissues {
     return {bodies_[0]->removed().size(), bodies_[1]->removed().size()};
   }
   void follow_surface();  // where hexahedra have gone since the last call
+  double default_stiffness() const;
 
   std::array<const Body*, 2> bodies_;
+  std::array<double, 2> edges_;   // [m] of their hexahedra
+  double default_stiffness_ = 0;  // [Pa/m] in the settings of the contact
   std::array<std::size_t, 2> num_removed_ = {};
   ContactOptions options_;
   std::optional<TissueContact> contact_;

@@ -204,10 +204,17 @@ void Scene::restore(Archive& archive) {
 }
 
 void begin_step(Node& node) {
-  node.for_each<Component>([](Component& component) {
-    component.follow_inputs();
-    component.begin_step();
-  });
+  const auto is_contact = [](const Component& component) {
+    const auto* field = dynamic_cast<const ForceField*>(&component);
+    return (field && field->is_one_sided()) || dynamic_cast<const OneSidedInteraction*>(&component);
+  };
+  // contacts last: they follow from bodies, which may stand behind them
+  for (const bool of_contacts : {false, true})
+    node.for_each<Component>([&](Component& component) {
+      if (is_contact(component) != of_contacts) return;
+      component.follow_inputs();
+      component.begin_step();
+    });
 }
 
 void end_step(Node& node, double dt) {

@@ -13,6 +13,7 @@ namespace hexaplast::scene {
 ///
 /// One step, in SOFA's order:
 ///   1. refresh of components whose inputs changed, begin_step of all            at t_n
+///      contacts after all others, as they follow from bodies
 ///   2. every OdeSolver solves: forces at (x_n, v_n, t_n), one linear solve, x_{n+1} and v_{n+1}; prescribed motion at
 ///   t_n
 ///   3. time becomes t_n + dt

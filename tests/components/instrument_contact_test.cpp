@@ -8,6 +8,7 @@
 #include "hexaplast/body.hpp"
 #include "support/compare.hpp"
 #include "support/scene.hpp"
+#include "support/two_states.hpp"
 
 namespace {
 
@@ -255,6 +256,58 @@ TEST(InstrumentContactForceField, ContinuesWhereItSticks) {
   EXPECT_EQ(nodes(straight), nodes(second));
 }
 
+// The default stiffness is that of the body as it is: with a body whose modulus changes in the first step everything is
+// as with one that had that modulus, also where the contact stands before both the change and the body.
+TEST(InstrumentContactForceField, TheDefaultStiffnessFollowsTheBody) {
+  const auto text = [](const std::string& modulus, const std::string& change) {
+    return support::in_root("gravity='0 0 0' dt='.01'",
+                            "<RegularGridTopology n='7 7 4' max='.06 .06 .03'/><MechanicalObject name='nodes'/>"
+                            "<UniformMass totalMass='.1'/><FixedProjectiveConstraint indices='0-48'/>" +
+                                std::string(kPoke) + change +
+                                "<HexahedronElastoplasticFEMForceField name='body' poissonRatio='.3' youngModulus='" +
+                                modulus + "'/>");
+  };
+  scene::Scene given = read_and_init(text("50000", "")),
+               changed = read_and_init(text("5000",
+                                            "<AttributeChange component='@body' attribute='youngModulus' keyTimes='0' "
+                                            "values='50000'/>"));
+  support::run(given, 30);
+  support::run(changed, 30);
+  EXPECT_GT(force_on(given, "probe").z(), 0.5);
+  EXPECT_EQ(force_on(changed, "probe"), force_on(given, "probe"));
+  EXPECT_EQ(nodes(changed), nodes(given));
+}
+
+// So does a state that goes on from a checkpoint: after a change of the instrument before one of the body, and after
+// hexahedra have torn away.
+TEST(InstrumentContactForceField, ContinuesAfterChangesOfBoth) {
+  const auto text = [](const std::string& change, const std::string& attributes, const std::string& depth) {
+    return support::in_root(
+        "gravity='0 0 -9.81' dt='.01'",
+        "<AttributeChange component='@ball' attribute='friction' keyTimes='0.05' values='0.8'/>" + change +
+            "<RegularGridTopology n='9 5 3' min='-.04 -.02 0' max='.04 .02 .02'/><MechanicalObject name='nodes'/>"
+            "<DiagonalMass massDensity='1000'/><HexahedronElastoplasticFEMForceField name='body' youngModulus='3000' "
+            "yieldStress='100' plasticFlowRate='5' hardening='.3' " +
+            attributes +
+            "/><FixedProjectiveConstraint indices='0-44'/><InstrumentContactForceField name='ball' radius='.01' "
+            "friction='.3' keyTimes='0 .25' positions='-.03 0 .028  -.01 0 " +
+            depth +
+            "'/><GraspForceField radius='.012' keyTimes='0 .2' positions='.03 0 .02  .04 0 .05' stiffness='300'/>");
+  };
+  const std::string modulus =
+      "<AttributeChange component='@body' attribute='youngModulus' keyTimes='.1' values='9000'/>";
+  for (const std::string& one : {text(modulus, "", ".018"), text("", "fractureStretch='1.05'", ".024")}) {
+    scene::Scene straight = read_and_init(one), second = read_and_init(one);
+    support::run(straight, 12);
+    const bool has_torn = !at<scene::ForceField>(straight, "body").body()->removed().empty();
+    EXPECT_EQ(has_torn, one.find("fracture") != std::string::npos);
+    support::go_on_in(straight, second);
+    support::run(straight, 14);
+    support::run(second, 14);
+    EXPECT_EQ(nodes(straight), nodes(second)) << one;
+  }
+}
+
 // Hexahedra that tear away leave a surface that is touched as well.
 TEST(InstrumentContactForceField, FollowsTheSurfaceOfWhatIsLeft) {
   std::string text = block(
@@ -317,6 +370,13 @@ TEST(InstrumentContactForceField, SaysWhatIsWrong) {
   EXPECT_EQ(errors("radius='1' embeddedPositions='0 0 0'"),
             prefix + ".embeddedPositions: given without embeddedTriangles, which make a surface of them");
   EXPECT_NE(errors("shape='ball' radius='1'").find("'ball'"), std::string::npos);
+  EXPECT_EQ(errors("radius='1' contactDistance='.006'"),
+            prefix + ".contactDistance: = 0.006: must be at most 0.005 m, half of the mean edge");
+  for (const char* stiffness : {"contactStiffness", "tangentialStiffness"})
+    EXPECT_EQ(errors("radius='1' " + std::string(stiffness) + "='1e14'"),
+              prefix + "." + stiffness +
+                  ": = 1e+14: must be at most 1.5e+10 Pa/m, a thousand times the default of contactStiffness, 30 E / "
+                  "edge length");
   EXPECT_EQ(errors_of("<Node><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject "
                       "position='0 0 0'/><UniformMass totalMass='1'/><InstrumentContactForceField radius='1' "
                       "keyTimes='0' positions='0 0 0'/></Node>"),

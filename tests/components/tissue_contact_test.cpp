@@ -292,12 +292,54 @@ TEST(TissueContactForceField, ContinuesOnABodyThatHasTorn) {
   for (const char* body : {"lower", "upper"}) EXPECT_EQ(positions(straight, body), positions(second, body)) << body;
 }
 
+// The softer body's stiffness as it is, also where the contact stands before it.
+TEST(TissueContactForceField, TheDefaultStiffnessFollowsTheBodies) {
+  std::string changed = Stack{}.text();
+  changed.insert(changed.find("<HexahedronElasto"),
+                 "<AttributeChange component='@body' attribute='youngModulus' keyTimes='0' values='1000'/>");
+  std::string given = Stack{}.text();
+  const std::string modulus = "youngModulus='10000'";
+  given.replace(given.find(modulus), modulus.size(), "youngModulus='1000'");
+  changed.insert(changed.find(modulus), "name='body' ");
+  scene::Scene first = read_and_init(given), second = read_and_init(changed);
+  support::run(first, 30);
+  support::run(second, 30);
+  EXPECT_LT(at<scene::Component>(first, "contact").reals("force")[2], -0.05);
+  EXPECT_EQ(positions(first, "upper"), positions(second, "upper"));
+}
+
+// One that lies deep in another, and a pair that touches twice.
+TEST(TissueContactForceField, WarnsOfWhatIsHardlyMeant) {
+  const auto warnings_of = [](const std::string& text) {
+    scene::Scene scene = read_and_init(text);
+    std::string said;
+    for (const scene::Message& warning : scene.diagnostics().take_warnings()) said += warning.text + "\n";
+    return said;
+  };
+  EXPECT_EQ(warnings_of(Stack{}.text()), "");
+  Stack deep;
+  deep.upper = "n='3 3 3' min='.0113 .013 .005' max='.0213 .023 .015'";
+  EXPECT_EQ(warnings_of(deep.text()),
+            "TissueContactForceField.object2: the bodies begin 0.01 m deep in each other, and are pushed apart\n");
+  deep.contact = "active='false'";
+  EXPECT_EQ(warnings_of(deep.text()), "");
+
+  std::string twice = Stack{}.text();
+  twice.insert(twice.find("<TissueContact"),
+               "<TissueContactForceField name='other' object1='@upper/state' object2='@lower/state'/>");
+  EXPECT_EQ(warnings_of(twice),
+            "TissueContactForceField.object2: 'other' is between the same bodies: both act, and their stiffnesses add "
+            "up\n");
+}
+
 TEST(TissueContactForceField, RefusesWhatCannotBe) {
   Stack two;
   two.above_solver = "<EulerImplicitSolver/><SparseLDLSolver/>";
   EXPECT_NE(errors_of(two.text()).find("need one EulerImplicitSolver"), std::string::npos) << errors_of(two.text());
   for (const auto& [contact, message] :
        {std::pair("friction='-1'", "friction"), std::pair("contactStiffness='0'", "contactStiffness"),
+        std::pair("contactStiffness='1e14'", "contactStiffness"),
+        std::pair("tangentialStiffness='1e14'", "tangentialStiffness"),
         std::pair("maxSubdivision='0'", "maxSubdivision"), std::pair("contactDistance='.006'", "contactDistance")})
     EXPECT_NE(errors_of(Stack{.contact = contact}.text()).find(message), std::string::npos) << contact;
   EXPECT_NE(

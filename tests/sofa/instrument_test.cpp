@@ -218,6 +218,20 @@ TEST_F(InstrumentAdapter, DrawsWhereItTouchesAndTheForces) {
   EXPECT_GT(contact.f_bbox.getValue().max[2], mesh.positions().col(2).maxCoeff() + 0.04);
 }
 
+// Of a body that hears of the step, and takes its Data, after the instrument.
+TEST_F(InstrumentAdapter, TheDefaultStiffnessFollowsABodyBehindIt) {
+  integrate();
+  auto& contact = dynamic_cast<Contact&>(make("InstrumentContactForceField", box()));
+  Elastoplastic& body = make_body({{"youngModulus", "5000"}});
+  contact.init();
+  contact.bwdInit();
+  tell<AnimateBeginEvent>();
+  const PointArray before = force(contact, mesh.positions());
+  ASSERT_TRUE(body.findData("youngModulus")->read("50000"));
+  tell<AnimateBeginEvent>();
+  EXPECT_TRUE(support::agrees(force(contact, mesh.positions()), PointArray(10 * before), 1e-12));
+}
+
 TEST_F(InstrumentAdapter, LetsGoOfWhatWouldPullUntilItIsSettled) {
   integrate();
   make_body({});

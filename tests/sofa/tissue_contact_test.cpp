@@ -32,8 +32,7 @@ class TissueAdapter : public Adapter {
       field.resize(static_cast<std::size_t>(mesh.num_nodes()));
     view(other_nodes.writeRestPositions().wref()) = above;
     view(other_nodes.writePositions().wref()) = above;
-    auto& body = upper.add(factory().entries.at("HexahedronElastoplasticFEMForceField").make(), "body");
-    body.init();
+    upper_body.init();
   }
   void integrate(BaseContext& node) { node.add(New<EulerImplicitSolver>::make(), "euler"); }
   Contact& make_contact(const Attributes& attributes) {
@@ -62,6 +61,7 @@ class TissueAdapter : public Adapter {
   BaseContext& upper = tissue.add_child("upper");
   MeshTopology& other_cells = upper.add(New<MeshTopology>::make(), "cells");
   MechanicalState& other_nodes = upper.add(New<MechanicalState>::make(), "nodes");
+  BaseComponent& upper_body = upper.add(factory().entries.at("HexahedronElastoplasticFEMForceField").make(), "body");
 };
 
 TEST_F(TissueAdapter, PressesBothBodiesAndShowsIt) {
@@ -118,9 +118,34 @@ TEST_F(TissueAdapter, ProductsAndMatricesAreTheChangeOfTheForce) {
   EXPECT_TRUE(support::agrees(sum, expected, 1e-9));
 }
 
+// Of a body that hears of the step, and takes its Data, after the contact.
+TEST_F(TissueAdapter, TheDefaultStiffnessFollowsABodyBehindIt) {
+  integrate(tissue);
+  Contact& contact = make_contact({});
+  const PointArray x2 = view(other_nodes.readPositions().ref());
+  tell<AnimateBeginEvent>();
+  const auto before = force(contact, mesh.positions(), x2);
+  ASSERT_TRUE(upper_body.findData("youngModulus")
+                  ->read(std::to_string(value<vector<SReal>>(upper_body, "youngModulus").at(0) / 10)));
+  tell<AnimateBeginEvent>();
+  const auto after = force(contact, mesh.positions(), x2);
+  EXPECT_TRUE(support::agrees(after.first, PointArray(before.first / 10), 1e-12));
+  EXPECT_TRUE(support::agrees(after.second, PointArray(before.second / 10), 1e-12));
+}
+
+TEST_F(TissueAdapter, WarnsOfAPairThatTouchesTwice) {
+  integrate(tissue);
+  make_contact({});
+  sofa_standin::messages().clear();
+  make_contact({});
+  EXPECT_NE(said().find("is between the same bodies"), std::string::npos) << said();
+}
+
 TEST_F(TissueAdapter, LetsGoOfWhatWouldPullUntilItIsSettled) {
   integrate(tissue);
   Contact& contact = make_contact({});
+  EXPECT_NE(said().find("deep in each other"), std::string::npos) << said();
+  sofa_standin::messages().clear();
   tell<AnimateBeginEvent>();
   ASSERT_TRUE(contact.isOneSided());
   const PointArray x2 = view(other_nodes.readPositions().ref());

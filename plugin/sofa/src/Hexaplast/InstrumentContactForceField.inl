@@ -102,7 +102,7 @@ void InstrumentContactForceField<TDataTypes>::beginStep(SReal time, SReal dt)
         m_instrument->begin_step(poseAfter(0), poseAfter(dt), dt, ofIntegrator, x, v);
     else
         m_instrument->begin_step(time, dt, ofIntegrator, x, v);
-    this->openStep(m_instrument->rayleigh_stiffness());
+    this->openStep(dt, m_instrument->rayleigh_stiffness());
 }
 
 template <class TDataTypes>
@@ -123,6 +123,7 @@ void InstrumentContactForceField<TDataTypes>::showOutputs()
 template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::addPartForce(SReal, ConstPoints x, ConstPoints v, Points f)
 {
+    this->followBodies(*m_instrument);
     m_instrument->add_force(x, v, f);
 }
 

@@ -72,6 +72,7 @@ protected:
 private:
     OfTwo<ConstPoints> positions() const;
     OfTwo<ConstPoints> velocities() const;
+    void warnOfSamePair() const;  ///< of another contact before it between the same bodies
     bool isWithItself() const { return this->mstate1.get() == this->mstate2.get(); }
 
     template <class OfPair>

@@ -6,6 +6,8 @@
 #include <Hexaplast/matrices.h>
 #include <sofa/core/MechanicalParams.h>
 
+#include <algorithm>
+
 #include "attributes/contact.hpp"
 
 namespace hexaplast::sofa_plugin
@@ -33,6 +35,26 @@ void TissueContactForceField<TDataTypes>::bwdInit()
 {
     Inherit::bwdInit();
     this->initPart();
+    if (!this->works()) return;
+    attempt(*this, [&] { pass_on(*this, m_tissues->look_at_start(positions())); });
+    warnOfSamePair();
+}
+
+template <class TDataTypes>
+void TissueContactForceField<TDataTypes>::warnOfSamePair() const
+{
+    std::vector<TissueContactForceField*> all;
+    this->getContext()->getRootContext()->template get<TissueContactForceField>(
+        &all, sofa::core::objectmodel::BaseContext::SearchDown);
+    const std::array own = {this->mstate1.get(), this->mstate2.get()};
+    for (const TissueContactForceField* other : all)
+    {
+        if (other == this) return;
+        const std::array states = {other->mstate1.get(), other->mstate2.get()};
+        if (this->d_active.getValue() && other->d_active.getValue() &&
+            std::is_permutation(own.begin(), own.end(), states.begin()))
+            pass_on(*this, {parts::same_pair(other->getName())});
+    }
 }
 
 template <class TDataTypes>
@@ -101,7 +123,7 @@ template <class TDataTypes>
 void TissueContactForceField<TDataTypes>::beginStep(SReal, SReal dt)
 {
     m_tissues->begin_step(dt, this->rayleighStiffnessOfIntegrator(), positions(), velocities());
-    this->openStep(m_tissues->rayleigh_stiffness());
+    this->openStep(dt, m_tissues->rayleigh_stiffness());
 }
 
 template <class TDataTypes>
@@ -124,6 +146,7 @@ void TissueContactForceField<TDataTypes>::addForce(const MechanicalParams*, Data
     attempt(*this,
             [&]
             {
+                this->followBodies(*m_tissues);
                 addOwnForce({view(x1.getValue()), view(x2.getValue())}, {view(v1.getValue()), view(v2.getValue())},
                             {view(first.wref()), view(second.wref())});
             });

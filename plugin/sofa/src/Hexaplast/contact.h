@@ -88,16 +88,28 @@ protected:
 
     /// A step begins, for which the part has found its contacts. ownStiffness [s]: the Rayleigh stiffness that takes
     /// back the integrator's, since SOFA multiplies the stiffness by it.
-    void openStep(SReal ownStiffness)
+    void openStep(SReal dt, SReal ownStiffness)
     {
+        m_dt = dt;
+        m_isOpen = true;
         m_ownRayleighStiffness = ownStiffness;
         this->rayleighStiffness.setValue(ownStiffness);
         m_isAccepted = false;
     }
 
+    /// Finds the contacts of the present step anew if a body has changed since they were found: a body may stand behind
+    /// them.
+    template <class Part>
+    void followBodies(const Part& part)
+    {
+        if (m_isOpen && !this->othersHaveChanged() && !part.is_of_present_bodies())
+            this->beginStep(this->getContext()->getTime(), m_dt);
+    }
+
     /// It ends.
     void closeStep()
     {
+        m_isOpen = false;
         if (!isOneSided() || m_isWarned) return;
         m_isWarned = true;
         msg_warning(this) << "its linear solver is not a MultigridCGLinearSolver: contacts that pull at the end of a "
@@ -114,6 +126,8 @@ protected:
     }
 
 private:
+    SReal m_dt = 0;         // of the present step
+    bool m_isOpen = false;  // it has begun and not ended
     SReal m_ownRayleighStiffness = 0;
     bool m_isAccepted = true;  // nothing pulls at the end of the present step
     bool m_isWarned = false;   // of a linear solver that does not accept its steps
