@@ -7,6 +7,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
+#include "hexaplast/contact/surface_samples.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "support/compare.hpp"
 #include "support/random.hpp"
