@@ -194,8 +194,14 @@ void advance(Simulation& simulation, long num_steps, Files& files, const RunOpti
       simulation.step();
       record();
       require_supplied(simulation);
-    } catch (const NumericalError&) {
-      if (recorder) complete(*recorder, simulation, options);
+    } catch (const output::OutputError&) {
+      throw;  // nothing more can be written
+    } catch (...) {
+      try {
+        if (recorder) complete(*recorder, simulation, options);
+      } catch (const output::OutputError& error) {
+        spdlog::warn("warning: {}", error.what());
+      }
       throw;
     }
     const output::StepRecord& latest = simulation.latest();

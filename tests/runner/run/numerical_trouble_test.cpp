@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Numbers beyond all bounds end a run in the step that makes them, and no file ever holds one; a solver that comes to
-// no end is stopped, counted and reported.
+// Numbers beyond all bounds end a run in the step that makes them, and no file ever holds one; so does what a component
+// refuses; a solver that comes to no end is stopped, counted and reported.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -49,6 +49,24 @@ TEST_F(Overflow, LeavesACheckpointOfTheLastGoodStep) {
   const support::Outcome resumed = hexaplast("resume run --quiet");
   EXPECT_EQ(resumed.code, 4);
   EXPECT_NE(resumed.err.find(failed), std::string::npos) << resumed.err << outcome.err;
+}
+
+class Refusal : public support::Command {};
+
+// A component refuses an attribute that changes at the beginning of the third step.
+TEST_F(Refusal, LeavesTheStateOfTheLastGoodStep) {
+  write("refuses.scn", R"(<Node dt="0.1" gravity="0 0 -5"><DefaultAnimationLoop/>
+  <EulerImplicitSolver/><SparseLDLSolver/>
+  <AttributeChange component="@body" attribute="plasticFlowRate" keyTimes="0.2" values="1000"/>
+  <RegularGridTopology n="4 2 2" max="3 1 1"/><MechanicalObject/><DiagonalMass massDensity="10"/>
+  <HexahedronElastoplasticFEMForceField name="body" youngModulus="5000" yieldStress="10" plasticFlowRate="1"/>
+  <FixedProjectiveConstraint indices="0 4 8 12"/>
+</Node>)");
+  const support::Outcome outcome = hexaplast("run refuses.scn --steps 6 --out run --frames 0 --quiet");
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_NE(outcome.err.find("plasticFlowRate"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(exists(directory_ / "run/mesh_000002.vtu"));
+  EXPECT_TRUE(exists(directory_ / "run/plot.svg"));
 }
 
 class Stall : public support::Command {};
