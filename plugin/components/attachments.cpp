@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "attributes/stock.hpp"
 #include "components/between_states.hpp"
@@ -47,15 +48,17 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
 
   void refresh() override {
     init();
-    has_pairs_ = false;
+    has_pairs_ = has_failed_ = false;
     pairs();
   }
 
   void serialize(Archive& archive) override {
+    if (archive.reads()) has_pairs_ = false;  // an AttributeChange before it has put other nodes
+    pairs();
     std::vector<unsigned char> saved = is_released_;
     archive(saved);
-    if (saved.size() != pairs().size())
-      throw InputError(fmt::format("{} tied nodes are saved, there are {}", saved.size(), pairs().size()));
+    if (saved.size() != pairs_.size())
+      throw InputError(fmt::format("{} tied nodes are saved, there are {}", saved.size(), pairs_.size()));
     is_released_ = std::move(saved);
   }
 
@@ -151,9 +154,10 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
           reject("constraintFactor", fmt::format("{} must be 0 or 1 with twoWay", factor));
     }
     require_once("indices2", second);
-    pairs_.clear();
+    const std::vector<Pair> before = std::exchange(pairs_, {});
     for (std::size_t i = 0; i < first.size(); ++i) pairs_.push_back({first[i], second[i], factors[i]});
-    is_released_.resize(pairs_.size(), 0);
+    const auto same_nodes = [](const Pair& a, const Pair& b) { return a.first == b.first && a.second == b.second; };
+    if (!std::ranges::equal(before, pairs_, same_nodes)) is_released_.assign(pairs_.size(), 0);
     has_pairs_ = true;
     has_failed_ = false;
   }

@@ -74,12 +74,6 @@ class NodeConstraint : public scene::ProjectiveConstraint {
     for (int axis = 0; axis < 3; ++axis) held_[axis] = given[axis] == 1;
   }
 
-  /// Throws InputError where a checkpoint has the positions of other nodes.
-  void require_own_nodes(const PointArray& saved) {
-    if (saved.rows() != num_nodes())
-      throw InputError(fmt::format("a movement is saved of {} nodes, there are {}", saved.rows(), num_nodes()));
-  }
-
   std::vector<int> nodes_;
   std::array<bool, 3> held_{true, true, true};
 };
@@ -109,17 +103,17 @@ class KeyedMotion final : public NodeConstraint {
   using NodeConstraint::NodeConstraint;
 
   void init() override {
+    first_ = needed_ready<scene::MechanicalState>().positions();
+    KeyedMotion::refresh();
+  }
+
+  // It goes on from where the nodes began.
+  void refresh() override {
     take_nodes();
     if (find_data("movedDirections")) take_directions("movedDirections");
     is_relative_ = !find_data("relativeMovements") || boolean("relativeMovements");
     movements_ = vectors3("movements");
     times_ = key_times(*this, "keyTimes", "movements", static_cast<std::size_t>(movements_.rows()));
-    first_ = needed_ready<scene::MechanicalState>().positions();
-  }
-
-  void serialize(Archive& archive) override {
-    archive(first_);
-    require_own_nodes(first_);
   }
 
   void project_motion(double time, Points x, Points v) const override {
@@ -151,6 +145,11 @@ class AffineMotion final : public NodeConstraint {
   AffineMotion() : NodeConstraint(attributes::kAffineMovementProjectiveConstraint) {}
 
   void init() override {
+    first_ = needed_ready<scene::MechanicalState>().positions();
+    AffineMotion::refresh();
+  }
+
+  void refresh() override {
     take_nodes();
     begin_ = real("beginConstraintTime");
     end_ = real("endConstraintTime");
@@ -159,14 +158,7 @@ class AffineMotion final : public NodeConstraint {
     const std::vector<double>& rows = reals("rotation");
     if (rows.size() != 9) reject("rotation", fmt::format("{} numbers given, must be nine", rows.size()));
     const Mat3 A = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
-    first_ = needed_ready<scene::MechanicalState>().positions();
     last_ = (first_ * A.transpose()).rowwise() + vector3("translation").transpose();
-  }
-
-  void serialize(Archive& archive) override {
-    archive(first_, last_);
-    require_own_nodes(first_);
-    require_own_nodes(last_);
   }
 
   void project_motion(double time, Points x, Points v) const override {

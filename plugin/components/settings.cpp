@@ -34,19 +34,22 @@ class AttributeChange final : public scene::Component {
       reject("component",
              fmt::format("leads to {} '{}', must lead to a component", target->class_name(), target->name()));
     require_order();
+    if (std::ranges::count(kReadOnce, component_->description().category) > 0)
+      reject("component", fmt::format("leads to {} '{}', which reads its attributes once, when the scene begins",
+                                      component_->class_name(), component_->name()));
     data_ = component_->find_data(text("attribute"));
-    if (!data_ || data_->attribute().access != attributes::Access::kInput) {
+    if (!data_ || !may_change(*data_)) {
       std::vector<std::string_view> known;
       for (const auto& data : component_->all_data())
-        if (data->attribute().access == attributes::Access::kInput) known.push_back(data->attribute().name);
+        if (may_change(*data)) known.push_back(data->attribute().name);
       reject("attribute",
-             fmt::format("{} '{}' has no attribute '{}' that a scene gives", component_->class_name(),
-                         component_->name(), text("attribute")),
+             fmt::format("{} '{}' has no attribute '{}' that may change", component_->class_name(), component_->name(),
+                         text("attribute")),
              scene::did_you_mean(text("attribute"), known));
     }
     values_ = values();
     times_ = key_times(*this, "keyTimes", "values", values_.size());
-    if (data_->is_given()) before_ = {.value = data_->value(), .source = data_->source(), .link = data_->link()};
+    before_ = data_->given();
   }
 
   void begin_step() override {
@@ -76,8 +79,8 @@ class AttributeChange final : public scene::Component {
       data_->set(scene::read_value(data_->attribute(), value), place());
     else if (present == Present::kNotGiven)
       data_->unset();
-    else if (before_ && before_->source)
-      put_back();
+    else if (before_.source)
+      data_->put_back(before_);
     else
       throw InputError("the attribute followed another one when it was saved");
   }
@@ -86,12 +89,18 @@ class AttributeChange final : public scene::Component {
   /// What the attribute is at present: others may have changed it too.
   enum class Present : std::uint8_t { kNotGiven, kGiven, kFollows };
 
-  struct Given {
-    scene::Value value;
-    scene::Data* source;
-    std::string link;
-  };
   using Change = std::optional<scene::Value>;  // none: not given
+
+  /// Categories whose components take no changes.
+  static constexpr std::string_view kReadOnce[] = {
+      "AnimationLoop", "Exporter",  "LinearSolver", "LinearSystem",       "Mapping",  "Mass",   "MechanicalState",
+      "MeshLoader",    "OdeSolver", "Settings",     "TopologicalMapping", "Topology", "Visual", "NewtonRaphsonSolver"};
+
+  static bool may_change(const scene::Data& data) {
+    const attributes::Attribute& attribute = data.attribute();
+    return attribute.access == attributes::Access::kInput && attribute.type != attributes::Type::kLink &&
+           attribute.name != "name";
+  }
 
   std::vector<Change> values() {
     std::vector<Change> all;
@@ -120,16 +129,7 @@ class AttributeChange final : public scene::Component {
       else
         data_->unset();
     } else {
-      put_back();
-    }
-  }
-
-  void put_back() {
-    if (!before_) {
-      data_->unset();
-    } else {
-      data_->set(before_->value, place());
-      if (before_->source) data_->follow(*before_->source, before_->link);
+      data_->put_back(before_);
     }
   }
 
@@ -137,7 +137,7 @@ class AttributeChange final : public scene::Component {
   scene::Data* data_ = nullptr;
   std::vector<Change> values_;
   std::vector<double> times_;  // [s]
-  std::optional<Given> before_;
+  scene::Data::Given before_;
   std::int64_t num_done_ = 0;
 };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "hexaplast/base/error.hpp"
+#include "scene/component.hpp"
 
 namespace hexaplast::scene {
 namespace {
@@ -27,6 +28,20 @@ bool is_computed(const Attribute& attribute) {
   return attribute.access == Access::kOutput || attribute.access == Access::kState;
 }
 
+/// Where its value comes from.
+const Data& end_of(const Data& data) {
+  const Data* end = &data;
+  while (end->source()) end = end->source();
+  return *end;
+}
+
+/// What a component that has failed would tell is not there, and why has been said.
+void require_told(const Data& end) {
+  if (!is_computed(end.attribute())) return;
+  const auto* component = dynamic_cast<const Component*>(&end.owner());
+  if (component && component->stage() == Component::Stage::kFailed) throw DependencyFailure();
+}
+
 }  // namespace
 
 Data::Data(Object& owner, const Attribute& attribute)
@@ -37,12 +52,11 @@ void Data::read(std::string_view text, Place place) {
   is_given_ = true;
   if (attribute_.access == Access::kOutput) throw InputError("is computed, and cannot be set");
 
-  source_ = nullptr;  // what is given anew follows nothing that was given before
+  drop_link();
   const bool is_link = attribute_.type != Type::kText && !text.empty() && text[0] == '@';
   if (is_link) {
     link_ = text;
   } else {
-    link_.clear();
     value_ = read_value(attribute_, text);
     ++version_;
   }
@@ -53,17 +67,43 @@ void Data::set(Value value, Place place) {
   check_value(attribute_, value);
   place_ = std::move(place);
   is_given_ = true;
-  source_ = nullptr;
-  link_.clear();
+  drop_link();
   set(std::move(value));
 }
 
 void Data::unset() {
   is_given_ = false;
-  source_ = nullptr;
-  link_.clear();
+  drop_link();
   place_ = owner_.place();
   set(initial_value(attribute_));
+}
+
+void Data::follow(Data& source, const std::string& link) {
+  source_ = &source;
+  source_version_ = -1;
+  link_ = link;
+  is_given_ = true;
+}
+
+// The own value counts again, which may be the one of before.
+void Data::drop_link() {
+  if (source_) ++version_;
+  source_ = nullptr;
+  link_.clear();
+}
+
+Data::Given Data::given() {
+  if (!is_given_) return {};
+  return {.value = value(), .source = source_, .link = link_, .place = place_};
+}
+
+void Data::put_back(const Given& given) {
+  if (!given.value) return unset();
+  if (given.source)
+    follow(*given.source, given.link);
+  else
+    set(*given.value, given.place);
+  place_ = given.place;
 }
 
 void Data::set(Value value) {
@@ -82,17 +122,22 @@ const Value& Data::value() {
   return latest();
 }
 
+// Its own count, and not that of the source, which a value in place of the link might have too.
 long Data::version() {
-  if (source_) return source_->version();
-  compute();
+  if (!source_) {
+    compute();
+  } else if (const long of_source = source_->version(); of_source != source_version_) {
+    source_version_ = of_source;
+    ++version_;
+  }
   return version_;
 }
 
 const Value& Data::checked() {
   if (!source_) return value();
-  const long version_of_source = version();
-  if (version_of_source != checked_version_) check_value(attribute_, latest());
-  checked_version_ = version_of_source;
+  const long present = version();
+  if (present != checked_version_) check_value(attribute_, latest());
+  checked_version_ = present;
   return latest();
 }
 
@@ -125,6 +170,7 @@ Data& Object::data(std::string_view name) {
 template <class T>
 const T& Object::get(std::string_view name) {
   Data& source = data(name);
+  if (source.source()) require_told(end_of(source));
   const Value* value = nullptr;
   try {
     value = &source.checked();
@@ -144,9 +190,8 @@ template const std::vector<std::int64_t>& Object::get(std::string_view);
 template const std::vector<double>& Object::get(std::string_view);
 
 bool Object::has_value(std::string_view name) {
-  const Data* end = &data(name);
-  while (end->source()) end = end->source();
-  return end->is_given() || !end->attribute().initial.empty() || is_computed(end->attribute());
+  const Data& end = end_of(data(name));
+  return end.is_given() || !end.attribute().initial.empty() || is_computed(end.attribute());
 }
 
 std::optional<double> Object::real_if_given(std::string_view name) {

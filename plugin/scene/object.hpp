@@ -43,12 +43,18 @@ class Data {
   const std::string& link() const { return link_; }
 
   /// Follows another attribute of the same kind from now on, and counts as given. `link`: as the scene writes it.
-  void follow(Data& source, const std::string& link) {
-    source_ = &source;
-    link_ = link;
-    is_given_ = true;
-  }
+  void follow(Data& source, const std::string& link);
   Data* source() const { return source_; }
+
+  /// What stands here: a value, a link and what it leads to at present, or neither.
+  struct Given {
+    std::optional<Value> value;  ///< absent: not given
+    Data* source = nullptr;
+    std::string link;
+    Place place;
+  };
+  Given given();
+  void put_back(const Given& given);
 
   /// The object that an attribute of type kLink leads to; null: not given.
   void point_to(Object& target) { target_ = &target; }
@@ -71,7 +77,7 @@ class Data {
   /// What it was when it was asked for last; nothing is computed.
   const Value& latest() const { return source_ ? source_->latest() : value_; }
 
-  /// Changes whenever the value changes.
+  /// Grows whenever the value changes, also where it comes from somewhere else than before.
   long version();
 
   /// The present value. Throws InputError where it is that of a source and not admissible here.
@@ -79,13 +85,15 @@ class Data {
 
  private:
   void compute();
+  void drop_link();
 
   Object& owner_;
   const attributes::Attribute& attribute_;
   Place place_;
   Value value_;
   long version_ = 0;
-  long checked_version_ = -1;  // of the source
+  long source_version_ = -1;   // of the source, when it was last looked at
+  long checked_version_ = -1;  // at which the source's value was admissible
   bool is_given_ = false;
   bool is_made_ = false;  // by set_once
   std::string link_;
@@ -142,7 +150,7 @@ class Object {
   /// Called before an output or a state is read: brings it up to date with Data::set.
   virtual void provide(Data&) {}
 
-  /// Changes whenever an input changes.
+  /// Grows whenever an input changes.
   long inputs_version();
 
  private:

@@ -74,13 +74,28 @@ Component& Scene::add(Node& node, std::unique_ptr<Component> component, std::str
 }
 
 void Scene::reset() {
+  trouble_ = "a reset has failed";
   root_->clock().time = 0;
+  const auto reset_parts = [&] {
+    root_->for_each<Component>([](Component& component) {
+      if (!dynamic_cast<OdeSolver*>(&component)) component.reset();
+    });
+  };
+  // attributes that go back have their effect now, and the memory of components begins with them
+  reset_parts();
+  follow_all_inputs();
+  reset_parts();
   // integrators last: they prescribe the motion of states, which have their first positions by then
-  root_->for_each<Component>([](Component& component) {
-    if (!dynamic_cast<OdeSolver*>(&component)) component.reset();
-  });
   root_->for_each<OdeSolver>([](OdeSolver& solver) { solver.reset(); });
   trouble_ = nullptr;
+}
+
+void Scene::follow_all_inputs() {
+  try {
+    root_->for_each<Component>([](Component& component) { component.follow_inputs(); });
+  } catch (const Rejection& rejection) {
+    throw SceneError(rejection.what());
+  }
 }
 
 SolveReport Scene::step() {
@@ -190,11 +205,7 @@ void Scene::restore(Archive& archive) {
   };
   // what follows others is made anew from their state, and its own memory comes on top of that
   read_all();
-  try {
-    for (const Saved& saved : all) saved.component.follow_inputs();
-  } catch (const Rejection& rejection) {
-    throw SceneError(rejection.what());
-  }
+  follow_all_inputs();
   read_all();
   for (const Saved& saved : all) {
     saved.component.mark_inputs_seen();

@@ -33,7 +33,7 @@ class Scene {
   /// then of no more use.
   Component& add(Node& node, std::unique_ptr<Component> component, std::string name);
 
-  /// Back to the state after init, at time 0.
+  /// Back to the state after init, at time 0. Throws SceneError where a component refuses its first attributes.
   void reset();
 
   /// One time step. Throws SceneError, InputError, NumericalError, and what exporters throw: positions, velocities and
@@ -54,6 +54,7 @@ class Scene {
   void init(Component& component);
   void bwd_init(Node& node);
   void restore(Archive& archive);
+  void follow_all_inputs();
   void require_whole() const;
   void keep_motion();
   void restore_motion();

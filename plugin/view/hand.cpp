@@ -120,15 +120,12 @@ void for_each_given(scene::Component& component, const Visit& visit) {
 bool change(scene::Component& component, std::string_view attribute, std::optional<scene::Value> value,
             std::vector<std::string>& messages) {
   scene::Data& data = *component.find_data(attribute);
-  const auto put = [&](std::optional<scene::Value> one) {
-    if (one)
-      data.set(std::move(*one), kWindow);
+  const scene::Data::Given before = data.given();
+  try {
+    if (value)
+      data.set(std::move(*value), kWindow);
     else
       data.unset();
-  };
-  const auto before = data.is_given() ? std::optional(data.value()) : std::nullopt;
-  try {
-    put(std::move(value));
   } catch (const InputError& error) {
     messages.push_back(fmt::format("{}: {}", attribute, error.what()));
     return false;
@@ -138,7 +135,7 @@ bool change(scene::Component& component, std::string_view attribute, std::option
     return true;
   } catch (const std::exception& error) {
     messages.emplace_back(error.what());
-    put(before);
+    data.put_back(before);
     component.follow_inputs();
     return false;
   }

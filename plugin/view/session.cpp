@@ -27,8 +27,6 @@ constexpr double kSliderReach = 100;  // a slider reaches from a hundredth of it
 constexpr double kHandDelay = 0.05;   // [s] within which the hand's dashpot lets tissue follow its spring
 constexpr double kToolSize = 0.12;    // diameter of what touches, in sizes of the bodies
 
-const scene::Place kSliders{.file = "window"};
-
 /// Several components may have one name: theirs begin with the path of the node, or else end with a number.
 void make_names_unique(std::vector<Parameter>& parameters) {
   const auto count = [&](const std::string& name) { return std::ranges::count(parameters, name, &Parameter::name); };
@@ -78,6 +76,8 @@ std::optional<double> factor_of(scene::Data& data, const std::vector<double>& of
   const auto greatest = std::ranges::max_element(of_hexahedra);
   return *greatest > 0 ? (*reals)[static_cast<std::size_t>(greatest - of_hexahedra.begin())] / *greatest : 1;
 }
+
+scene::Data& data_of(const Parameter& parameter) { return *parameter.component->find_data(parameter.attribute->name); }
 
 std::optional<double> value_of(scene::Data& data, const Parameter& parameter) {
   return parameter.of_hexahedra.empty() ? first_value(data) : factor_of(data, parameter.of_hexahedra);
@@ -227,7 +227,7 @@ void Session::reset() {
     steps_asked_ = 0;
     attempt([this] {
       hand_.reset();
-      const std::vector<Given> given = given_parameters();
+      const std::vector<scene::Data::Given> given = given_parameters();
       subject_.reset();
       latest_ = {};
       failure_.clear();
@@ -239,7 +239,7 @@ void Session::reset() {
           return change.component == parameters_[k].component && change.attribute == parameters_[k].attribute->name;
         });
         if (!is_moved || given[k].value == first_parameters_[k].value) continue;
-        put(parameters_[k], given[k]);  // what the scene itself changes has gone back
+        data_of(parameters_[k]).put_back(given[k]);  // what the scene itself changes has gone back
         note_change(parameters_[k]);
       }
     });
@@ -373,13 +373,9 @@ void Session::step() {
   pacing_.end_step(Clock::now());
 }
 
-std::vector<Session::Given> Session::given_parameters() const {
-  std::vector<Given> all;
-  for (const Parameter& parameter : parameters_) {
-    scene::Data& data = *parameter.component->find_data(parameter.attribute->name);
-    Given& given = all.emplace_back();
-    if (data.is_given()) given = {.value = data.value(), .source = data.source(), .link = data.link()};
-  }
+std::vector<scene::Data::Given> Session::given_parameters() const {
+  std::vector<scene::Data::Given> all;
+  for (const Parameter& parameter : parameters_) all.push_back(data_of(parameter).given());
   return all;
 }
 
@@ -400,7 +396,8 @@ void Session::save() {
 
 void Session::restore(const Saved& saved) {
   hand_.restore(saved.hand);
-  for (std::size_t k = 0; k < parameters_.size(); ++k) put(parameters_[k], saved.parameters[k]);
+  // components follow when they begin the next step
+  for (std::size_t k = 0; k < parameters_.size(); ++k) data_of(parameters_[k]).put_back(saved.parameters[k]);
   Archive archive(saved.bytes);
   subject_.serialize(archive);
   latest_ = saved.latest;
@@ -408,19 +405,9 @@ void Session::restore(const Saved& saved) {
   changes_ = saved.changes;
 }
 
-/// The component follows when it begins the next step.
-void Session::put(const Parameter& parameter, const Given& given) {
-  scene::Data& data = *parameter.component->find_data(parameter.attribute->name);
-  if (given.value)
-    data.set(*given.value, kSliders);
-  else
-    data.unset();
-  if (given.source) data.follow(*given.source, given.link);
-}
-
 /// Its present value, from the present time on.
 void Session::note_change(const Parameter& parameter) {
-  scene::Data& data = *parameter.component->find_data(parameter.attribute->name);
+  scene::Data& data = data_of(parameter);
   const double time = subject_.scene.time();
   std::erase_if(changes_, [&](const Change& earlier) {
     return earlier.time == time && earlier.component == parameter.component &&
@@ -484,7 +471,7 @@ void Session::publish() {
   publish_values(fields);
   back_.parameter_values.clear();
   for (const Parameter& parameter : parameters_)
-    back_.parameter_values.push_back(value_of(*parameter.component->find_data(parameter.attribute->name), parameter));
+    back_.parameter_values.push_back(value_of(data_of(parameter), parameter));
   back_.held = hand_.held();
   for (int& node : back_.held) node += shown_.all()[static_cast<std::size_t>(hand_.held_body())].first_node;
   back_.hand_force = hand_.force();

@@ -100,19 +100,12 @@ class Session final : public Source {
  private:
   using Clock = Pacing::Clock;
 
-  /// A value of a parameter as the scene has it.
-  struct Given {
-    std::optional<scene::Value> value;  // none: not given
-    scene::Data* source = nullptr;
-    std::string link = {};
-  };
-
   /// The state before a hold.
   struct Saved {
     std::vector<std::byte> bytes;
     output::StepRecord latest;
     Hand::Saved hand;
-    std::vector<Given> parameters;
+    std::vector<scene::Data::Given> parameters;
     std::vector<Change> changes;
   };
 
@@ -127,9 +120,8 @@ class Session final : public Source {
   void attempt(const Call& call);
   void save();
   void restore(const Saved& saved);
-  static void put(const Parameter& parameter, const Given& given);
   void note_change(const Parameter& parameter);
-  std::vector<Given> given_parameters() const;
+  std::vector<scene::Data::Given> given_parameters() const;
   const PointArray& gather(PointArray& (scene::MechanicalState::*field)(), PointArray& all) const;
   void publish();
   void publish_values(const ElementFields& fields);
@@ -140,7 +132,7 @@ class Session final : public Source {
   output::Bodies shown_;
   double dt_ = 0;
   std::vector<Parameter> parameters_;
-  std::vector<Given> first_parameters_;  // as the scene gives them
+  std::vector<scene::Data::Given> first_parameters_;  // as the scene gives them
   HandSettings suggested_hand_;
   Hand hand_;
 

@@ -80,12 +80,7 @@ TEST(AttributeChange, ThoseOfOneTimeHappenTogether) {
 void expect_to_go_on(const std::string& text) {
   scene::Scene straight = read_and_init(text), resumed = read_and_init(text);
   run(straight, 4);
-  std::vector<std::byte> bytes;
-  Archive out([&](const void* data, std::size_t size) {
-    const auto* first = static_cast<const std::byte*>(data);
-    bytes.insert(bytes.end(), first, first + size);
-  });
-  straight.serialize(out);
+  const std::vector<std::byte> bytes = support::saved(straight);
   Archive in{std::span<const std::byte>(bytes)};
   resumed.serialize(in);
   EXPECT_EQ(at<scene::ForceField>(resumed, "body").reals("youngModulus"), std::vector<double>{900});
@@ -105,6 +100,64 @@ TEST(AttributeChange, ACheckpointHasTheValueThatIsThere) {
            "<AttributeChange component='@body' attribute='youngModulus' keyTimes='0.9' values='7000'/>"));
 }
 
+// The number of changes of what it follows is that of its own: one.
+TEST(AttributeChange, TakesThePlaceOfALink) {
+  scene::Scene scene =
+      read_and_init(beam("<AttributeChange component='@body' attribute='youngModulus' keyTimes='0.2' values='90000'/>"
+                         "<AttributeChange component='@pull' attribute='indices' keyTimes='0.2' values='3'/>"
+                         "<IndexValueMapper name='map' indices='0 1 2' value='5000'/>",
+                         "youngModulus='@map.outputValues'/><BoxROI name='end' box='2.9 -1 -1 3.1 2 2'/>"
+                         "<ConstantForceField name='pull' indices='@end.indices' totalForce='0 0 8'"));
+  const auto modulus = [&] { return at<scene::ForceField>(scene, "body").body()->material(1).young_modulus; };
+  const auto pull = [&](int node) { return support::force_of(scene, "pull", 0)(node, 2); };
+  for (int round = 0; round < 2; ++round) {
+    run(scene, 2);
+    EXPECT_EQ(modulus(), 5000) << "round " << round;
+    EXPECT_EQ(pull(3), 2) << "round " << round;
+    EXPECT_EQ(pull(7), 2) << "round " << round;
+    run(scene, 1);
+    EXPECT_EQ(modulus(), 90000) << "round " << round;
+    EXPECT_EQ(pull(3), 8) << "round " << round;
+    EXPECT_EQ(pull(7), 0) << "round " << round;
+    scene.reset();
+    EXPECT_EQ(modulus(), 5000) << "what goes back has its effect at once";
+  }
+}
+
+// A motion is that of its key times from where its nodes began, whichever attribute changes on the way, and when.
+TEST(AttributeChange, APrescribedMotionGoesOnFromItsBeginning) {
+  const auto expect = [](const std::string& motion, const std::string& changes, std::initializer_list<double> places) {
+    scene::Scene scene =
+        read_and_init(in_root("gravity='0 0 0' dt='0.1'", changes +
+                                                              "<MechanicalObject name='nodes' position='3 1 0  5 1 0'/>"
+                                                              "<UniformMass vertexMass='1'/>" +
+                                                              motion));
+    for (int round = 0; round < 2; ++round) {
+      int step = 0;
+      for (const double x : places) {
+        run(scene, 1);
+        EXPECT_NEAR(support::nodes(scene)(0, 0), x, 1e-12) << motion << ", step " << ++step << ", round " << round;
+      }
+      scene.reset();
+      EXPECT_EQ(support::nodes(scene)(0, 0), places.begin()[0]) << motion;
+    }
+  };
+  const auto change = [](const std::string& attribute, const std::string& values) {
+    return "<AttributeChange component='@move' attribute='" + attribute + "' keyTimes='0.25' values='" + values + "'/>";
+  };
+  for (const std::string name : {"LinearMovementProjectiveConstraint", "PartialLinearMovementProjectiveConstraint"}) {
+    const std::string motion = "<" + name + " name='move' indices='0' keyTimes='0 1' movements='0 0 0  1 0 0'/>";
+    expect(motion, change("movements", "0 0 0  1 0 4"), {3, 3.1, 3.2, 3.3, 3.4});
+    expect(motion, change("movements", "0 0 0  2 0 0"), {3, 3.1, 3.2, 3.6, 3.8});
+    expect(motion, change("indices", "0 1"), {3, 3.1, 3.2, 3.3, 3.4});
+  }
+  const std::string motion =
+      "<AffineMovementProjectiveConstraint name='move' indices='0' beginConstraintTime='0' endConstraintTime='1' "
+      "rotation='1 0 0 0 1 0 0 0 1' translation='1 0 0'/>";
+  expect(motion, change("translation", "1 0 4"), {3, 3.1, 3.2, 3.3, 3.4});
+  expect(motion, change("indices", "0 1"), {3, 3.1, 3.2, 3.3, 3.4});
+}
+
 TEST(AttributeChange, RefusesWhatItCannotChange) {
   const auto expect = [](const std::string& text, const std::string& error) {
     const std::string said = errors_of(text);
@@ -112,8 +165,13 @@ TEST(AttributeChange, RefusesWhatItCannotChange) {
   };
   expect(beam("<AttributeChange attribute='youngModulus'/>"), "component: is not given, must lead to a component");
   expect(beam("<AttributeChange component='@/' attribute='dt'/>"), "component: ");
+  expect(beam("<AttributeChange component='@grid' attribute='max' keyTimes='1' values='1 2 3'/>"),
+         "component: leads to RegularGridTopology 'grid', which reads its attributes once, when the scene begins");
+  expect(beam("<AttributeChange component='@nodes' attribute='translation' keyTimes='1' values='1 2 3'/>"),
+         "component: leads to MechanicalObject 'nodes', which reads its attributes once");
   expect(change("attribute='youngsModulus' keyTimes='1' values='2'"),
-         "attribute: HexahedronElastoplasticFEMForceField 'body' has no attribute 'youngsModulus' that a scene gives");
+         "attribute: HexahedronElastoplasticFEMForceField 'body' has no attribute 'youngsModulus' that may change");
+  expect(change("attribute='topology' keyTimes='1' values='@grid'"), "attribute: ");
   expect(change("attribute='plasticStrain' keyTimes='1' values='2'"), "attribute: ");
   expect(change("attribute='poissonRatio' keyTimes='1 2' values='0.3; 0.7'"),
          "values: HexahedronElastoplasticFEMForceField.poissonRatio: 0.7 must lie in [0, 0.5)");

@@ -21,16 +21,7 @@ using namespace hexaplast;
 using support::at;
 using support::read_and_init;
 using support::run;
-
-std::vector<std::byte> saved(scene::Scene& scene) {
-  std::vector<std::byte> bytes;
-  Archive archive([&](const void* data, std::size_t size) {
-    const auto* first = static_cast<const std::byte*>(data);
-    bytes.insert(bytes.end(), first, first + size);
-  });
-  scene.serialize(archive);
-  return bytes;
-}
+using support::saved;
 
 void take_up(scene::Scene& scene, const std::vector<std::byte>& bytes) {
   Archive archive{std::span<const std::byte>(bytes)};
@@ -379,18 +370,6 @@ void expect_lists_of_another_length_refused(const std::string& text, int num_ste
 }
 
 TEST(SceneCheckpoint, ListsOfAnotherLengthAreRefused) {
-  expect_lists_of_another_length_refused(
-      tearing_bar(
-          "<LinearMovementProjectiveConstraint name='lift' indices='24-29' keyTimes='0 9' movements='0 0 0  0 0 1'/>"),
-      2, "/lift (LinearMovementProjectiveConstraint)");
-  expect_lists_of_another_length_refused(
-      tearing_bar("<PartialLinearMovementProjectiveConstraint name='lift' indices='24-29' keyTimes='0 9' "
-                  "movements='0 0 0  0 0 1' movedDirections='1 1 1'/>"),
-      2, "/lift (PartialLinearMovementProjectiveConstraint)");
-  expect_lists_of_another_length_refused(
-      tearing_bar("<AffineMovementProjectiveConstraint name='turn' indices='24-29' endConstraintTime='0.2' "
-                  "rotation='0 -1 0 1 0 0 0 0 1' translation='.1 0 .1'/>"),
-      2, "/turn (AffineMovementProjectiveConstraint)");
   expect_lists_of_another_length_refused(
       tearing_bar(kHeld + "<GraspForceField name='grasp' radius='0.12' keyTimes='0' positions='.1 .05 0' "
                           "stiffness='300'/>"),

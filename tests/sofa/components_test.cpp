@@ -312,6 +312,24 @@ TEST_F(AttributeChangeAdapter, PutsBackAllDigitsAndTheDefault) {
   EXPECT_TRUE(stiffness->isSet());
 }
 
+TEST_F(AttributeChangeAdapter, TakesThePlaceOfALink) {
+  auto& grasp = make("GraspForceField", {});
+  auto* stiffness = dynamic_cast<Data<SReal>*>(grasp.findData("stiffness"));
+  Data<SReal> source;
+  source.setValue(300);
+  stiffness->setParent(&source);
+  auto& change = dynamic_cast<AttributeChange&>(make("AttributeChange", {{"attribute", "stiffness"}, {"values", "7"}}));
+  change.d_keyTimes.setValue({0});
+  change.l_component.set(&grasp);
+  change.bwdInit();
+  EXPECT_EQ(stiffness->getValue(), 300);
+  tell<AnimateBeginEvent>();
+  source.setValue(400);
+  EXPECT_EQ(stiffness->getValue(), 7);
+  change.reset();
+  EXPECT_EQ(stiffness->getValue(), 400);
+}
+
 TEST_F(AttributeChangeAdapter, RefusesADataThatIsNotThere) {
   auto& settings = make("RunSettings", {});
   auto& change = dynamic_cast<AttributeChange&>(make("AttributeChange", {{"attribute", "stepps"}, {"values", "5"}}));

@@ -3,7 +3,9 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "hexaplast/base/archive.hpp"
 #include "scene/reader.hpp"
 
 namespace hexaplast::support {
@@ -69,6 +71,17 @@ inline const PointArray& nodes(scene::Scene& scene) { return at<scene::Mechanica
 
 inline void run(scene::Scene& scene, int steps) {
   for (int k = 0; k < steps; ++k) scene.step();
+}
+
+/// All that a scene would write into a checkpoint.
+inline std::vector<std::byte> saved(scene::Scene& scene) {
+  std::vector<std::byte> bytes;
+  Archive archive([&](const void* data, std::size_t size) {
+    const auto* first = static_cast<const std::byte*>(data);
+    bytes.insert(bytes.end(), first, first + size);
+  });
+  scene.serialize(archive);
+  return bytes;
 }
 
 /// A scene with solvers and the given components.

@@ -27,12 +27,7 @@ inline PointArray both(scene::Scene& scene) {
 
 /// Puts a scene where another one is, by way of a checkpoint.
 inline void go_on_in(scene::Scene& from, scene::Scene& into) {
-  std::vector<std::byte> bytes;
-  Archive out([&](const void* data, std::size_t size) {
-    const auto* begin = static_cast<const std::byte*>(data);
-    bytes.insert(bytes.end(), begin, begin + size);
-  });
-  from.serialize(out);
+  const std::vector<std::byte> bytes = saved(from);
   Archive in{std::span<const std::byte>(bytes)};
   into.serialize(in);
 }

@@ -59,6 +59,7 @@ void AttributeChange::bwdInit()
                 m_times.assign(times.begin(), times.end());
                 parts::check_key_times("key_times", m_times, "values", m_values.size());
                 using sofa::type::Vec3, sofa::type::vector;
+                m_parent = m_data->getParent();
                 m_putBack = keep<SReal, vector<SReal>, Vec3, vector<Vec3>>(*m_data);
                 m_wasSet = m_data->isSet();
             });
@@ -69,6 +70,7 @@ void AttributeChange::reset()
     if (m_numDone == 0) return;
     m_numDone = 0;
     m_putBack();
+    if (m_parent) m_data->setParent(m_parent);
     if (!m_wasSet) m_data->unset();
 }
 
@@ -81,12 +83,14 @@ void AttributeChange::handleEvent(sofa::core::objectmodel::Event* event)
     put(m_values[static_cast<std::size_t>(due - 1)]);
 }
 
-// Its counter tells those who look at the Data that it has changed, also where it is not given any more.
+// Its counter tells those who look at the Data that it has changed, also where it is not given any more. If it went on
+// following another Data, it would take the value of that one again.
 void AttributeChange::put(const std::optional<std::string>& value)
 {
     attempt(*this,
             [&]
             {
+                m_data->setParent(nullptr);
                 if (!value) return put_default();
                 if (!m_data->read(*value))
                     throw parts::OptionError("values",

@@ -45,6 +45,7 @@ private:
     sofa::core::BaseData* m_data = nullptr;
     std::vector<std::optional<std::string>> m_values;  // none: not given
     std::vector<double> m_times;                       // [s]
+    sofa::core::BaseData* m_parent = nullptr;          // that it followed before; null: none
     std::function<void()> m_putBack;                   // the value that it had before, to the last bit
     bool m_wasSet = false;
     std::ptrdiff_t m_numDone = 0;

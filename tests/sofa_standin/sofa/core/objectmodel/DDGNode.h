@@ -20,10 +20,14 @@ class DDGNode {
     output->inputs_.push_back(this);
     output->setDirtyValue();
   }
+  void delInput(DDGNode* input) {
+    std::erase(input->outputs_, this);
+    std::erase(inputs_, input);
+  }
   void setDirtyValue() {
     if (is_dirty_) return;
     is_dirty_ = true;
-    for (DDGNode* output : outputs_) output->setDirtyValue();
+    set_outputs_dirty();
   }
   void cleanDirty() { is_dirty_ = false; }
   void updateIfDirty() const {
@@ -31,6 +35,9 @@ class DDGNode {
   }
 
  protected:
+  void set_outputs_dirty() {
+    for (DDGNode* output : outputs_) output->setDirtyValue();
+  }
   void update_inputs() const {
     for (const DDGNode* input : inputs_) input->updateIfDirty();
   }

@@ -21,6 +21,7 @@ class BaseData : public DDGNode {
 
   virtual bool read(const std::string& text) = 0;
   virtual std::string getValueString() const = 0;
+  virtual void copyFrom(const BaseData& parent) = 0;
 
   bool isSet() const { return is_set_; }
   void unset() { is_set_ = false; }
@@ -32,9 +33,21 @@ class BaseData : public DDGNode {
   const std::string& getGroup() const { return init_.group; }
   void setGroup(const std::string& group) { init_.group = group; }
 
+  /// The Data whose value it takes whenever that has changed; null: none.
+  BaseData* getParent() const { return parent_; }
+  bool setParent(BaseData* parent) {
+    if (parent_) delInput(parent_);
+    parent_ = parent;
+    if (!parent) return true;
+    parent->addOutput(this);
+    changed();
+    return true;
+  }
+
   void update() override {
     cleanDirty();
     update_inputs();
+    if (parent_) copyFrom(*parent_);
   }
 
  protected:
@@ -47,6 +60,7 @@ class BaseData : public DDGNode {
   Init init_;
   bool is_set_ = false;
   int counter_ = 0;
+  BaseData* parent_ = nullptr;
 };
 
 template <class T>
@@ -67,7 +81,12 @@ class Data : public BaseData {
   }
   void setValue(const T& value) {
     value_ = value;
+    cleanDirty();  // until the parent changes anew
     changed();
+    set_outputs_dirty();
+  }
+  void copyFrom(const BaseData& parent) override {
+    if (const auto* of_this_type = dynamic_cast<const Data<T>*>(&parent)) setValue(of_this_type->getValue());
   }
   T* beginEdit() {
     updateIfDirty();
