@@ -22,10 +22,11 @@ class SystemSolver : public scene::OdeSolver {
     if (linear_solver_) linear_solver_->method();  // complains here, where something is wrong with it
     for (scene::Component* component : node().all<scene::Component>())
       if (component->stage() == Stage::kFailed) throw scene::DependencyFailure();
+    const bool begins = !system_;  // it comes again where something is added: Scene::add
     system_.emplace(node());
     if (linear_solver_ && linear_solver_->needs_matrix())
       system_->require_matrix(fmt::format("{} '{}'", linear_solver_->class_name(), linear_solver_->name()));
-    system_->project_motion(0);
+    if (begins) system_->project_motion(0);
   }
 
   void reset() override {

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <map>
+#include <memory>
 #include <regex>
 #include <string>
 
@@ -172,6 +174,46 @@ TEST_F(ExampleScenes, NumbersOutOfRangeAreRefusedWithTheRangeAndOthersRunOrAreRe
           << word << ": " << answer.refusal_of_text;
     }
   });
+}
+
+// Reading a scene, resetting it, and looking at it, for which the live window adds a grip to it: its state is the same.
+TEST_F(ExampleScenes, BeginAlikeHoweverOften) {
+  const fs::path meshes = HEXAPLAST_TEST_DATA "/meshes";
+  for (const char* name : {"block.msh", "block.vtk", "organ.obj", "core.obj"}) fs::copy(meshes / name, name);
+  fs::copy(meshes / "organ_binary.stl", "skin.stl");
+  fs::copy(meshes / "surface.obj", "skin.obj");
+  std::ofstream("balls.sph") << "sph 1.0\nsphe 1 0 0 0 0.02\nsphe 2 0.03 0 0.1 0.01\n";
+  scene::OutputRules output;
+  output.replaces = true;
+  for (const Description* component : support::factory().descriptions()) {
+    if (component->takes_anything || component->category == "Test") continue;
+    SCOPED_TRACE(attributes::title_of(*component));
+    const std::string text = scene_with(*component);
+    scene::Scene scene = support::read_and_init(text, output);
+    const std::vector<std::byte> first = support::saved(scene);
+    for (const int num_steps : {0, 0, 3}) {
+      support::run(scene, num_steps);
+      scene.reset();
+      EXPECT_TRUE(support::saved(scene) == first) << "reset after " << num_steps << " steps";
+    }
+    scene::Scene again = support::read_and_init(text, output);
+    EXPECT_TRUE(support::saved(again) == first) << "read again";
+
+    for (const int num_steps : {0, 3}) {
+      support::run(scene, num_steps);
+      std::vector<PointArray> before;
+      const std::vector<scene::MechanicalState*> states = scene.root().all<scene::MechanicalState>();
+      for (scene::MechanicalState* state : states) before.push_back(state->positions());
+      std::unique_ptr<scene::Component> grip = support::factory().make("GraspForceField");
+      grip->find_data("keyTimes")->set(std::vector<double>{0}, {});
+      grip->find_data("positions")->set(std::vector<double>{9, 9, 9}, {});
+      grip->find_data("radius")->set(0.1, {});
+      grip->find_data("graspTime")->set(1e9, {});
+      scene.add(states.front()->node(), std::move(grip), "grip" + std::to_string(num_steps));
+      for (std::size_t k = 0; k < states.size(); ++k)
+        EXPECT_EQ(states[k]->positions(), before[k]) << "after " << num_steps << " steps";
+    }
+  }
 }
 
 // What an example gives and could do without, or could not: a message, never a crash.

@@ -330,6 +330,68 @@ TEST(Session, ContactsCanBeSwitchedOff) {
   session.stop();
 }
 
+// The window adds a grip and a tool to the scene, which is as it was read, or as it is in the middle of a motion.
+TEST(Session, LooksWithoutMovingAnything) {
+  const auto cube = [](const std::string& name, const std::string& min, const std::string& max) {
+    return "<Node name='" + name + "'><RegularGridTopology n='2 2 2' min='" + min + "' max='" + max +
+           "'/><MechanicalObject name='nodes'/><DiagonalMass totalMass='.1'/>"
+           "<HexahedronElastoplasticFEMForceField name='body' youngModulus='5000'/></Node>";
+  };
+  scene::Scene scene = support::read_and_init(
+      "<Node dt='.01' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/><MultigridCGLinearSolver/>" +
+      cube("a", "0 0 0", ".04 .04 .04") + cube("b", "0 0 .05", ".04 .04 .09") +
+      "<AttachProjectiveConstraint object1='@a/nodes' object2='@b/nodes' indices1='4 5 6 7' indices2='0 1 2 3' "
+      "twoWay='true'/></Node>");
+  const PointArray first = support::at<scene::MechanicalState>(scene, "b/nodes").positions();
+  EXPECT_NEAR(first(0, 2), .045, 1e-15) << "half of the gap is taken back";
+  long step = 0;
+  output::StepRecord record;
+  Session session({.title = "cubes",
+                   .scene = scene,
+                   .step = [&]() -> const output::StepRecord& {
+                     scene.step();
+                     record.step = ++step;
+                     return record;
+                   },
+                   .reset = [&] { scene.reset(), record.step = step = 0; },
+                   .serialize = {},
+                   .conditions = {}},
+                  hand);
+  const auto second = [&](const Snapshot& at) { return PointArray(at.positions.bottomRows(8)); };
+  EXPECT_EQ(second(wait_for_step(session, 0)), first);
+  session.advance(2);
+  const PointArray moved = second(wait_for_step(session, 2));
+  EXPECT_LT(moved(0, 2), .044) << "the gap is closing";
+  HandSettings settings = session.suggested_hand();
+  settings.tool = Tool::kSphere;
+  session.grab(touch({.02, .02, .09}), settings);
+  EXPECT_EQ(second(wait_for(session, [](const Snapshot& at) { return at.step == 2; })), moved);
+  session.release();
+  session.reset();
+  EXPECT_EQ(second(wait_for_step(session, 0)), first);
+  session.stop();
+  EXPECT_EQ(session.failure(), "");
+}
+
+// A number on a slider takes the place of a link, and one that is refused leaves it.
+TEST(Session, SlidersTakeThePlaceOfLinks) {
+  std::string text = kBar;
+  text.replace(text.find("youngModulus='5000'"), 19, "youngModulus='@map.outputValues'");
+  text.insert(text.find("<UniformMass"), "<IndexValueMapper name='map' indices='0-23' value='5000'/>");
+  text.replace(text.find("yieldStress='150'"), 17, "yieldStress='@yields.outputValues' fractureStress='300'");
+  text.insert(text.find("<UniformMass"), "<IndexValueMapper name='yields' indices='0-23' value='150'/>");
+  Played played(text);
+  Session session(played.subject(), hand);
+  session.set("youngModulus", 2);
+  session.set("yieldStress", 10);  // beyond fracture
+  session.advance(1);
+  wait_for_step(session, 1);
+  session.stop();
+  EXPECT_EQ(played.body().material(5).young_modulus, 10000);
+  EXPECT_EQ(played.body().material(5).yield_stress, 150);
+  EXPECT_NE(support::at<scene::ForceField>(played.scene(), "body").find_data("yieldStress")->source(), nullptr);
+}
+
 // What the scene changes goes back, and what was set on a slider stays.
 TEST(Session, ResetKeepsSlidersAndNoChangesOfTheScene) {
   std::string text = kBar;
