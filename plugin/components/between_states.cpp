@@ -41,6 +41,18 @@ scene::OdeSolver& require_one_integrator(scene::Component& component, std::array
   return *integrator;
 }
 
+scene::ForceField* body_field_on(scene::MechanicalState& state) {
+  scene::ForceField* found = nullptr;
+  bool has_failed = false;
+  for (scene::ForceField* field : state.node().root().all<scene::ForceField>()) {
+    if (!scene::acts_on(*field, state)) continue;
+    if (field->body()) found = field;
+    has_failed = has_failed || field->stage() == scene::Component::Stage::kFailed;
+  }
+  if (!found && has_failed) throw scene::DependencyFailure();
+  return found;
+}
+
 std::optional<Vec3> SpringEnds::at(int node) const {
   if (!surviving_.has({&node, 1})) return std::nullopt;
   return Vec3(state_.positions().row(node).transpose());

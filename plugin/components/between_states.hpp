@@ -7,7 +7,8 @@
 
 #include "scene/interfaces.hpp"
 
-/// What components between two mechanical states, linked by object1 and object2, have in common.
+/// What components between two mechanical states, linked by object1 and object2, have in common, and those that act on
+/// bodies.
 namespace hexaplast::components {
 
 /// Rejects the scene where a link leads to rigid frames.
@@ -16,6 +17,10 @@ void require_points(scene::Component& component, std::string_view link);
 /// Rejects the scene unless one time integrator, in the component's node or above, moves both states; or one of them,
 /// where nothing moves the other one. The integrator.
 scene::OdeSolver& require_one_integrator(scene::Component& component, std::array<scene::MechanicalState*, 2> states);
+
+/// The force field on a state that has a body; null: there is none. Throws DependencyFailure where it may be one that
+/// has failed.
+scene::ForceField* body_field_on(scene::MechanicalState& state);
 
 /// Where nodes of a state are, for what is seen of springs. Valid until the next step.
 class SpringEnds {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "components/between_states.hpp"
 #include "components/components.hpp"
 #include "components/part.hpp"
 #include "parts/instrument.hpp"
@@ -22,9 +23,7 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
 
   // Bodies and integrators may stand behind it.
   void bwd_init() override {
-    body_field_ = nullptr;
-    for (scene::ForceField* field : node().root().all<scene::ForceField>())
-      if (field->body() && scene::acts_on(*field, *state_)) body_field_ = field;
+    body_field_ = body_field_on(*state_);
     if (!body_field_) reject("no body on its state: contact is that of a body's surface");
     for (const scene::Mapping* mapping : node().root().all<scene::Mapping>())
       if (mapping->output() == state_) reject("its state follows another one: must be one that an integrator moves");

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "attributes/contact.hpp"
+#include "components/between_states.hpp"
 #include "components/components.hpp"
 #include "components/part.hpp"
 #include "scene/interfaces.hpp"
@@ -28,9 +29,7 @@ class TissueContactForceField final : public scene::OneSidedInteraction {
   void bwd_init() override {
     for (std::size_t k = 0; k < 2; ++k) {
       const std::string_view object = k == 0 ? "object1" : "object2";
-      body_fields_[k] = nullptr;
-      for (scene::ForceField* field : node().root().all<scene::ForceField>())
-        if (field->body() && scene::acts_on(*field, *states_[k])) body_fields_[k] = field;
+      body_fields_[k] = body_field_on(*states_[k]);
       if (!body_fields_[k])
         reject(object, fmt::format("leads to '{}', on which there is no body: contact is that of a body's surface",
                                    states_[k]->name()));

@@ -152,6 +152,7 @@ class Resolver {
 
   bool leads_to_skipped(Data& data, const Object& target) {
     const std::string_view category = target.description().category;
+    if (category == kUnknown) return true;
     const bool is_drawing = data.owner().description().category == "Visual";
     if (category != kUnknownToSofa && !(category == kSkipped && is_drawing)) return false;
     diagnostics_.add(Severity::kWarning, data.place(),

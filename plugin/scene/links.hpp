@@ -13,6 +13,7 @@ namespace hexaplast::scene {
 /// them lead nowhere. SOFA passes over that too where it does not know the component, and drawing needs none.
 inline constexpr std::string_view kUnknownToSofa = "UnknownToSofa";
 inline constexpr std::string_view kSkipped = "Skipped";
+inline constexpr std::string_view kUnknown = "Unknown";  // an error by itself
 
 /// Where a path leads. Paths are SOFA's: `/from/the/root`, `./here`, `../above`, `name/inner`, `[-1]` (the component
 /// before this one), `[]` (itself). A bare first name is looked for in the node, nodes before components, then in the

@@ -347,7 +347,6 @@ class Reader {
     std::unordered_map<std::string, int> counter;  // per class, of default names
   };
 
-  static constexpr std::string_view kUnknown = {};
   static constexpr std::string_view kOtherKinds[] = {"Rigid", "Vec1", "Vec2", "Vec6"};
   Scene& scene_;
   Diagnostics& diagnostics_;

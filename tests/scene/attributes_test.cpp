@@ -12,6 +12,7 @@
 #include <regex>
 #include <string>
 
+#include "attributes/admissible.hpp"
 #include "attributes/examples.hpp"
 #include "attributes/stock.hpp"
 #include "body_state.hpp"

@@ -60,6 +60,18 @@ TEST(SceneReading, AMistakeDoesNotHideTheDanglingLinkBesideIt) {
   EXPECT_NE(errors.find("test.scn:4: error: FixedProjectiveConstraint.indices: link '@no.indices'"), errors.npos);
 }
 
+TEST(SceneReading, WhatOnlyFollowsFromAMistakeIsNotReported) {
+  EXPECT_EQ(errors_of(framed("<SphereRO name='roi'/>\n<Probe value='@roi.centers'/>")),
+            "test.scn:3: error: SphereRO: unknown component\n  hint: did you mean 'SphereROI'?");
+  const std::string body = "<HexahedronElastoplasticFEMForceField youngModulus='1 2'/>\n",
+                    tool = "<InstrumentContactForceField name='tool' radius='1' keyTimes='0' positions='9 9 9'/>\n",
+                    refused =
+                        "test.scn:3: error: HexahedronElastoplasticFEMForceField.youngModulus: 2 values given, must "
+                        "be one or 8 (one per hexahedron)";
+  EXPECT_EQ(errors_of(framed(body + tool + "<Probe value='@tool.force' component='z'/>")), refused);
+  EXPECT_EQ(errors_of(framed(body + "<TissueContactForceField object1='@nodes'/>")), refused);
+}
+
 TEST(SceneReading, AttributesWithAnUnderscoreOrNoInFrontAreSwitchedOff) {
   EXPECT_EQ(errors_of(framed("<MechanicalObject name='x' _position='nonsense' NOvelocity='nonsense'/>")),
             "test.scn:3: error: MechanicalObject: a second state in its node, must be one");
