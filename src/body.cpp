@@ -147,6 +147,7 @@ void Body::State::require_linearized(const char* call) const {
 
 void Body::linearize(ConstPoints x) {
   state_->require_field("linearize", "x", x);
+  state_->springs.clear();  // which described the system before
   hexaplast::linearize(state_->model, state_->history, x, state_->at);
   state_->not_linearized_since = nullptr;
 }
@@ -184,9 +185,11 @@ void Body::describe(double factor, MatrixFreeSystem& system) const {
   }
   body.scratch = &state_->slots();
   if (state_->at.recovery.acts()) {
-    state_->springs.springs = &state_->at.recovery;
-    state_->springs.factor = -factor;
-    system.others.push_back(&state_->springs);
+    auto term = std::ranges::find(state_->springs, -factor, &RecoveryTerm::factor);
+    if (term == state_->springs.end()) term = state_->springs.emplace(term);
+    term->springs = &state_->at.recovery;
+    term->factor = -factor;
+    system.others.push_back(&*term);
   }
   if (!system.wants_coarse) return;
   if (!state_->hierarchy) state_->hierarchy.emplace(state_->model);
@@ -210,8 +213,7 @@ FlowReport Body::flow(ConstPoints x, double dt) {
   state_->require_field("flow", "x", x);
   if (dt != state_->checked_dt) {
     require_time_step(dt);
-    // a body without yield is at rest in its initial shape for ever: no limit of the plastic step concerns it
-    if (state_->model.can_flow()) check_time_step(state_->model.materials, state_->model.settings, dt);
+    check_time_step(state_->model.materials, state_->model.settings, dt);
     state_->checked_dt = dt;
   }
   require_finite(x, "position");

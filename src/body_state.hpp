@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <deque>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -44,7 +45,7 @@ struct Body::State {
   SlotScratch own_slots;                      // of bodies that cannot flow
   ProductWorkspace product;                   // of add_stiffness_product and energy
   DoublePrecisionOperator exact;              // of mixed precision
-  RecoveryTerm springs;                       // of the system that was described last
+  std::deque<RecoveryTerm> springs;           // of the systems described since `linearize`, one for each factor
   std::optional<ElementHierarchy> hierarchy;  // made when a solver first asks for coarse operators
 };
 

@@ -177,7 +177,7 @@ void follow_path(const ElementPoints& initial, const Material& material, const S
       throw InputError(fmt::format("dt = {} s: makes {:.3g} steps of the path from {} s to {} s, at most {:.3g}", dt,
                                    span / dt, path[k - 1].time, path[k].time, kMaxStepsOfPath));
     const int steps = std::max(1, static_cast<int>(std::ceil(span / dt * (1 - 1e-9))));
-    if (body.can_flow()) check_time_step({material}, settings, span / steps, names);
+    check_time_step({material}, settings, span / steps, names);
     for (int n = 1; n <= steps; ++n) {
       const double fraction = static_cast<double>(n) / steps;
       const Mat3 F = (1 - fraction) * path[k - 1].F + fraction * path[k].F;

@@ -29,6 +29,7 @@ ModelCheck check_model(const Body& body, double mass, double dt) {
   found.volume = body.initial_volume();
   found.quality = quality(mesh);
   found.mass = mass;
+  if (mesh.num_elements() == 0) return found;
   found.density = mass / found.volume;
 
   const auto min_and_max = [&](double Material::*property) {

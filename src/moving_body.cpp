@@ -84,10 +84,11 @@ void check(const Motion& motion, const Body& body) {
       throw InputError(fmt::format("{} = {}: must be a finite number greater than 0", name, value));
   if (!motion.gravity.allFinite()) throw InputError("gravity: must be finite");
   for (const auto& [name, value] : {std::pair{"rayleigh_mass", motion.euler.rayleigh_mass},
-                                    std::pair{"rayleigh_stiffness", motion.euler.rayleigh_stiffness}})
+                                    std::pair{"rayleigh_stiffness", motion.euler.rayleigh_stiffness},
+                                    std::pair{"velocity_damping", motion.euler.velocity_damping}})
     if (!(value >= 0 && std::isfinite(value)))
       throw InputError(fmt::format("{} = {}: must be a finite number not below 0", name, value));
-  if (body.can_flow()) check_time_step(body.materials(), body.settings(), motion.dt);
+  check_time_step(body.materials(), body.settings(), motion.dt);
 }
 
 /// The load and the weight of the nodes.
@@ -105,7 +106,20 @@ LoadedBody loaded(Body& body, const Motion& motion) {
   return {body, std::move(mass), {}, std::move(load)};
 }
 
-constexpr SavedKind kSavedMotion{{'H', 'X', 'P', 'M', 'O', 'V', 'E', '\0'}, 2, "motion"};
+constexpr SavedKind kSavedMotion{{'H', 'X', 'P', 'M', 'O', 'V', 'E', '\0'}, 3, "motion"};
+
+/// Of what a motion is given besides its body, load and solver.
+std::uint64_t identity_of(const Motion& motion, const std::vector<double>& mass) {
+  StateHash hash;
+  hash.add(mass.data(), mass.size() * sizeof(double));
+  const EulerSettings& euler = motion.euler;
+  for (const double number :
+       {motion.dt, motion.gravity.x(), motion.gravity.y(), motion.gravity.z(), euler.rayleigh_mass,
+        euler.rayleigh_stiffness, euler.velocity_damping, euler.first_order ? 1.0 : 0.0, euler.trapezoidal ? 1.0 : 0.0})
+    hash.add(&number, sizeof number);
+  return hash.value();
+}
+
 enum Held : unsigned char {
   kFree,
   kFixed,
@@ -122,18 +136,25 @@ MovingBody::MovingBody(Body made, Motion motion, std::unique_ptr<LinearSolver> s
       euler_(motion.euler),
       solver_(solver ? std::move(solver) : std::make_unique<CholeskySolver>()),
       dt_(motion.dt),
+      is_first_order_(motion.euler.first_order),
+      identity_(identity_of(motion, mass())),
       held_(static_cast<std::size_t>(x.rows()), kFree) {
   check(motion, body);
   fix(motion.fixed);
 }
 
 FlowReport MovingBody::step() {
+  require_rows("MovingBody", "x", x, body.mesh().num_nodes());
+  require_rows("MovingBody", "v", v, body.mesh().num_nodes());
   x_before_ = x;
   v_before_ = v;
   memory_before_ = euler_.memory();
   system_.set_body(body);  // which may have moved together with this
   for (std::size_t n = 0; n < held_.size(); ++n)
     if (held_[n] == kFixed) v.row(static_cast<Eigen::Index>(n)).setZero();
+  // a step of first order does not begin from velocities: the nodes are there when its forces are computed
+  for (std::size_t n = 0; n < held_.size() && is_first_order_; ++n)
+    if (const auto row = static_cast<Eigen::Index>(n); held_[n] == kPrescribed) x.row(row) += dt_ * v.row(row);
   try {
     const SolveReport solved = euler_.step(system_, *solver_, time(), dt_, x, v);
     const FlowReport flowed = body.flow(x, dt_);
@@ -162,6 +183,7 @@ void RunReport::add(const SolveReport& solved, const FlowReport& flowed) {
   raise(flow.inverted, flowed.inverted);
   raise(flow.skipped, flowed.skipped);
   raise(flow.repaired, flowed.repaired);
+  raise(flow.rolled_back, flowed.rolled_back);
   flow.removed += flowed.removed;
   raise(flow.worst_volume_error, flowed.worst_volume_error);
   flow.averaging.skipped = flow.averaging.skipped && flowed.averaging.skipped;
@@ -190,7 +212,8 @@ void MovingBody::fix(std::span<const int> nodes) {
   tell_fixed();
 }
 
-// Constraints zero the change of a velocity, so that a fixed node moves by the one it has.
+// Constraints zero the change of a velocity, so that a fixed node moves by the one it has; in first order, `step` moves
+// it.
 void MovingBody::prescribe(std::span<const int> nodes, ConstPoints positions) {
   if (positions.rows() != static_cast<Eigen::Index>(nodes.size()))
     throw InputError(fmt::format("{} positions are given for {} nodes", positions.rows(), nodes.size()));
@@ -205,6 +228,7 @@ void MovingBody::prescribe(std::span<const int> nodes, ConstPoints positions) {
 
 void MovingBody::release(std::span<const int> nodes) {
   require_nodes("MovingBody", nodes, body.mesh().num_nodes());
+  require_rows("MovingBody", "v", v, body.mesh().num_nodes());
   for (const int n : nodes) {
     if (held_[n] == kPrescribed) v.row(n).setZero();  // which was to bring it to its position
     held_[n] = kFree;
@@ -230,15 +254,8 @@ void MovingBody::arrive() {
   }
 }
 
-std::uint64_t MovingBody::identity() const {
-  StateHash hash;
-  hash.add(&dt_, sizeof dt_);
-  hash.add(mass().data(), mass().size() * sizeof(double));
-  return hash.value();
-}
-
 void MovingBody::save(std::ostream& out) const {
-  write_saved(out, kSavedMotion, identity(), [&](Archive& archive) {
+  write_saved(out, kSavedMotion, identity_, [&](Archive& archive) {
     PointArray positions = x, velocities = v;
     long steps = steps_;
     std::vector<unsigned char> held = held_;
@@ -252,7 +269,7 @@ void MovingBody::save(std::ostream& out) const {
 void MovingBody::load(std::istream& in) {
   const auto num_nodes = static_cast<std::size_t>(body.mesh().num_nodes());
   const std::size_t max = 64 + sizeof(SpectralRadii) + num_nodes * (9 * sizeof(double) + 1);
-  const std::vector<std::byte> bytes = read_saved(in, kSavedMotion, identity(), max);
+  const std::vector<std::byte> bytes = read_saved(in, kSavedMotion, identity_, max);
   Archive archive{std::span<const std::byte>(bytes)};
   PointArray positions, velocities;
   long steps = 0;

@@ -113,9 +113,9 @@ class MovingBody {
   /// take it all.
   void save(std::ostream& out) const;
 
-  /// Takes over what `save` wrote for a body of the same mesh and settings, with the same masses and dt; reads no byte
-  /// beyond. Throws InputError for what is damaged, of another format version or of another motion; this is then as
-  /// before.
+  /// Takes over what `save` wrote for a body of the same mesh and settings, with the same masses, dt, gravity, damping
+  /// and order of the scheme; reads no byte beyond. The load and the solver are the caller's to repeat. Throws
+  /// InputError for what is damaged, of another format version or of another motion; this is then as before.
   void load(std::istream& in);
 
   /// What the steps so far have left for the linear solver of the next one: the third part of the motion, besides x and
@@ -138,12 +138,13 @@ class MovingBody {
  private:
   void tell_fixed();  // the system, what held_ says
   void arrive();      // prescribed nodes are fixed from here on
-  std::uint64_t identity() const;
 
   LoadedBody system_;
   ImplicitEuler euler_;
   std::unique_ptr<LinearSolver> solver_;
   double dt_;
+  bool is_first_order_;
+  std::uint64_t identity_;
   std::vector<unsigned char> held_;  // per node: free, fixed, or prescribed for the next step
   long steps_ = 0;
   PointArray x_before_, v_before_;  // of the step under way

@@ -65,7 +65,7 @@ void HexahedralBody::set_options(HexahedralBodyOptions options, double dt) {
 std::vector<Remark> HexahedralBody::take_warnings() { return std::exchange(warnings_, {}); }
 
 void HexahedralBody::end_step(ConstPoints x, double dt) {
-  if (dt != dt_ && body_.can_flow()) check_time_step(body_.materials(), body_.settings(), dt, Names::kScenes);
+  if (dt != dt_) check_time_step(body_.materials(), body_.settings(), dt, Names::kScenes);
   dt_ = dt;
   report_ = body_.flow(x, dt);
 }
@@ -78,7 +78,7 @@ void HexahedralBody::reset() {
 
 void HexahedralBody::serialize(Archive& archive) {
   body_.serialize(archive);
-  archive(report_.yielded, report_.inverted, report_.skipped, report_.repaired, report_.removed,
+  archive(report_.yielded, report_.inverted, report_.skipped, report_.repaired, report_.rolled_back, report_.removed,
           report_.worst_volume_error, report_.averaging.skipped, report_.averaging.fell_back,
           report_.averaging.iterations, report_.averaging.residual, report_.averaging.converged);
   num_announced_ = body_.removed().size();

@@ -31,7 +31,7 @@ constexpr std::string_view kHeader =
 constexpr std::string_view kPlasticEndsHeader = ",plastic_elongation,plastic_twist_deg",
                            kWorldEndsHeader = ",world_elongation,world_twist_deg";
 constexpr std::string_view kStepHeader =
-    ",end_displacement,yielded,inverted,removed,solver_iterations,residual,step_ms";
+    ",end_displacement,yielded,inverted,removed,solver_iterations,residual,step_ms,rolled_back";
 constexpr std::string_view kBalanceHeader =
     ",load_work,support_work,damping_loss,numerical_loss,recovery_work,flow_loss,energy_error";
 constexpr std::string_view kContactHeader = ",instrument_work,contact_energy,friction_loss";
@@ -279,10 +279,10 @@ std::string Recorder::Files::row_of(const StepRecord& record, ConstPoints positi
                   record.energy ? record.energy->elastic : bodies.energy(positions), bodies.dissipated_energy(),
                   measures.world_volume_ratio, measures.material_volume_ratio);
   row += between_ends(measures.plastic_elongation, measures.plastic_twist_deg);
-  row +=
-      fmt::format(",{},{},{},{},{},{},{}", mean_displacement(plan.loaded_nodes, bodies.mesh().positions(), positions),
-                  record.flow.yielded, record.flow.inverted, bodies.num_removed(), record.solver_iterations,
-                  record.residual, record.step_ms);
+  row += fmt::format(",{},{},{},{},{},{},{},{}",
+                     mean_displacement(plan.loaded_nodes, bodies.mesh().positions(), positions), record.flow.yielded,
+                     record.flow.inverted, bodies.num_removed(), record.solver_iterations, record.residual,
+                     record.step_ms, record.flow.rolled_back);
   row += between_ends(measures.world_elongation, measures.world_twist_deg);
   if (plan.has_energy_balance) row += balance_columns(*record.energy);
   if (plan.has_energy_balance && plan.has_contact)

@@ -72,6 +72,7 @@ FlowReport flow_of(const std::vector<SceneBody>& bodies) {
     sum.inverted += own.inverted;
     sum.skipped += own.skipped;
     sum.repaired += own.repaired;
+    sum.rolled_back += own.rolled_back;
     sum.removed += own.removed;
     sum.worst_volume_error = std::max(sum.worst_volume_error, own.worst_volume_error);
     sum.averaging.skipped = sum.averaging.skipped && own.averaging.skipped;

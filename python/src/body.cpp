@@ -159,6 +159,8 @@ void add_reports(py::module_& module) {
       .def_readonly("inverted", &FlowReport::inverted, "inverted at some corner")
       .def_readonly("skipped", &FlowReport::skipped, "without flow, because inverted or nearly so")
       .def_readonly("repaired", &FlowReport::repaired, "whose plastic rest shape was moved towards the initial one")
+      .def_readonly("rolled_back", &FlowReport::rolled_back,
+                    "that keep the shape they had, because averaging would have flattened a hexahedron")
       .def_readonly("removed", &FlowReport::removed, "broken in this step: the last ones of Body.removed")
       .def_readonly("worst_volume_error", &FlowReport::worst_volume_error,
                     "[-] max |volume without load / initial volume - 1| before the step")

@@ -1,24 +1,36 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/base/block_matrix.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "base/require.hpp"
+#include "hexaplast/base/error.hpp"
 
 namespace hexaplast {
 
 BlockMatrix::BlockMatrix(int num_nodes) : rows_(num_nodes), num_nodes_(num_nodes) {}
 
 void BlockMatrix::set_range(int first_node, int num_nodes) {
+  if (first_node < 0 || num_nodes < 0 || num_nodes > std::ssize(rows_) - first_node)
+    throw InputError(fmt::format("BlockMatrix::set_range: nodes [{}, {}) must lie in [0, {})", first_node,
+                                 std::int64_t{first_node} + num_nodes, rows_.size()));
   first_node_ = first_node;
   num_nodes_ = num_nodes;
 }
 
 void BlockMatrix::add_rank_one(double factor, ConstPoints u) {
+  require_rows("BlockMatrix::add_rank_one", "u", u, num_nodes_);
   RankOne& term = rank_ones_.emplace_back(
       RankOne{.factor = factor, .u = PointArray::Zero(static_cast<Eigen::Index>(rows_.size()), 3)});
   term.u.middleRows(first_node_, num_nodes_) = u;
 }
 
 void BlockMatrix::add(int row, int column, const Mat3& block) {
+  require_nodes("BlockMatrix::add", std::array{row, column}, num_nodes_);
   row += first_node_;
   column += first_node_;
   auto& [entries, is_used] = rows_[row];
@@ -34,6 +46,11 @@ void BlockMatrix::add(int row, int column, const Mat3& block) {
     --num_unused_;
   }
   at->block += block;
+}
+
+const std::vector<BlockMatrix::Entry>& BlockMatrix::row(int node) const {
+  require_nodes("BlockMatrix::row", std::array{node}, std::ssize(rows_));
+  return rows_[node].entries;
 }
 
 void BlockMatrix::clear() {
@@ -60,6 +77,8 @@ void BlockMatrix::drop_unused() {
 }
 
 void BlockMatrix::pin(int node, int axis) {
+  require_nodes("BlockMatrix::pin", std::array{node}, num_nodes_);
+  if (axis < 0 || axis > 2) throw InputError(fmt::format("BlockMatrix::pin: axis {} must lie in [0, 3)", axis));
   const int own = first_node_ + node;
   // the pattern is symmetric, so the blocks of the node's column stand in the rows that its own row names
   for (Entry& entry : rows_[own].entries) {

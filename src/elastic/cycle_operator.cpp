@@ -12,25 +12,6 @@ namespace {
 
 constexpr double kMinCorner = 0.5;  // of the volume over 8, that a corner's Jacobian of a simple element has
 
-// Coefficients in half precision are up to 65504, and grow as an element becomes thinner by flow.
-constexpr double kGreatestCoefficient = 1e3;
-
-/// Whether some element of a block is so thin beside others that its coefficients, Model::length over its thickness,
-/// may leave half precision.
-bool is_thin(const Model& model, int block) {
-  for (int place = 0; place < kBlock; ++place) {
-    const int e = model.partition->element(block, place);
-    if (e < 0) continue;
-    const ElementPoints x = gather(model.mesh.positions(), model.mesh.hexahedra()[e]);
-    double longest = 0;  // squared
-    for (int a = 0; a < kCorners; ++a)
-      for (int b = 0; b < a; ++b) longest = std::max(longest, (x.row(a) - x.row(b)).squaredNorm());
-    const double min = std::ranges::min(model.corner_jacobian(e));
-    if (!(model.length * longest < kCorners * kGreatestCoefficient * min)) return true;
-  }
-  return false;
-}
-
 /// Whether each element of a block is nearly a parallelepiped.
 bool is_well_shaped(const Linearization& at, int block) {
   const float* min = at.screen.data() +
@@ -49,7 +30,8 @@ CycleOperator::CycleOperator(const Model& model)
       is_simple_(model.partition->num_blocks),
       keeps_its_own_(model.partition->num_blocks),
       is_thin_(model.partition->num_blocks) {
-  for (int block = 0; block < model.partition->num_blocks; ++block) is_thin_[block] = is_thin(model, block);
+  for (int e = 0; e < model.mesh.num_elements(); ++e)
+    if (is_thin(model, e)) is_thin_[model.partition->place_of_element[e] / kBlock] = 1;
   simple_.kind = {.sampling = {.assumed = Assumed::kModes,
                                .corner_weight = sampling_of(model.settings).corner_weight,
                                .one_rotation = true},

@@ -21,6 +21,7 @@ HexMesh regular_grid(std::array<int, 3> cells, const Vec3& min, const Vec3& max)
 
 PointArray grid_points(std::array<int, 3> cells, const Vec3& min, const Vec3& spacing) {
   const NodeLattice lattice{cells};
+  lattice.check(0);
   PointArray positions(lattice.num_nodes(), 3);
   for (int k = 0; k <= cells[2]; ++k)
     for (int j = 0; j <= cells[1]; ++j)
@@ -42,6 +43,7 @@ void for_each_part(const std::array<int, 3>& cells, const std::array<int, 3>& ex
 }
 
 std::array<int, 3> strides(const std::array<int, 3>& cells) {
+  NodeLattice{cells}.check(0);
   return {1, cells[0] + 1, (cells[0] + 1) * (cells[1] + 1)};
 }
 

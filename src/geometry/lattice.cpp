@@ -10,10 +10,10 @@
 
 namespace hexaplast {
 
-void NodeLattice::check() const {
+void NodeLattice::check(int least) const {
   std::int64_t count = 1;
   for (int d = 0; d < 3; ++d) {
-    const int min = is_closed_around && d == 1 ? 3 : 1;
+    const int min = is_closed_around && d == 1 ? 3 : least;
     if (cells[d] < min)
       throw InputError(fmt::format("a grid of {} cells in direction {}: at least {} needed", cells[d], d, min));
     // checked in each factor, so that the product of the three cannot overflow 64 bits

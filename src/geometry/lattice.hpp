@@ -13,8 +13,8 @@ struct NodeLattice {
   std::array<int, 3> cells;
   bool is_closed_around = false;  ///< the second direction ends where it began
 
-  /// Throws InputError for a count < 1 (3 around), or more nodes than an int can count.
-  void check() const;
+  /// Throws InputError for a count < least (3 around), or more nodes than an int can count.
+  void check(int least = 1) const;
 
   int num_nodes(int direction) const { return cells[direction] + (is_closed_around && direction == 1 ? 0 : 1); }
   int num_nodes() const { return num_nodes(0) * num_nodes(1) * num_nodes(2); }

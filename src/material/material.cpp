@@ -90,9 +90,13 @@ bool can_rotate(const Material& material, const Settings& settings) {
   return settings.rotation_plasticity != RotationPlasticity::kNone && material.rotation_flow_rate > 0;
 }
 
-double bytes_per_hexahedron(const std::vector<Material>& materials, const Settings& settings) {
-  const bool flows = std::ranges::any_of(
+bool can_flow(const std::vector<Material>& materials, const Settings& settings) {
+  return std::ranges::any_of(
       materials, [&](const Material& material) { return can_stretch(material) || can_rotate(material, settings); });
+}
+
+double bytes_per_hexahedron(const std::vector<Material>& materials, const Settings& settings) {
+  const bool flows = can_flow(materials, settings);
   const bool tracks_stretch =
       std::ranges::any_of(materials, [](const Material& material) { return std::isfinite(material.fracture_stretch); });
   const bool turns_at_corners = settings.rotation_plasticity == RotationPlasticity::kVertex ||
@@ -116,6 +120,8 @@ double bytes_per_hexahedron(const std::vector<Material>& materials, const Settin
 std::vector<std::string> check_time_step(const std::vector<Material>& materials, const Settings& settings, double dt,
                                          Names names) {
   std::vector<std::string> warnings;
+  // without yield a body is at rest in its initial shape for ever: the plastic step does nothing
+  if (!can_flow(materials, settings)) return warnings;
   check_rates<Material>(material_rows(), materials, dt, names, warnings);
   check_rates<Settings>(settings_rows(), std::span(&settings, 1), dt, names, warnings);
   return warnings;

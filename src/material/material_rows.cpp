@@ -66,6 +66,7 @@ constexpr Row<Material> kMaterialRows[] = {
     {.member = "hardening",
      .name = "hardening",
      .group = kHardening,
+     .range = {.max = 1e6},  // thresholds stay finite: an infinite one never yields
      .help = "Growth of yieldStress and rotationYield with the flow; negative values soften, down to 0.",
      .at = kMember<&Material::hardening>},
     {.member = "fracture_stress",

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <set>
 
+#include "base/require.hpp"
+#include "hexaplast/base/error.hpp"
+
 namespace hexaplast {
 
 std::vector<Quad> faces_of(std::span<const Hexahedron> hexahedra) {
@@ -34,6 +37,8 @@ std::vector<Edge> edges_of(std::span<const Hexahedron> hexahedra) {
 
 std::vector<double> nodal_means(const HexMesh& mesh, std::span<const double> of_hexahedra,
                                 std::span<const unsigned char> alive) {
+  require_count("nodal_means", "of_hexahedra", std::ssize(of_hexahedra), mesh.num_elements());
+  if (!alive.empty()) require_count("nodal_means", "alive", std::ssize(alive), mesh.num_elements());
   std::vector<double> means(mesh.num_nodes(), 0.0);
   for (int node = 0; node < mesh.num_nodes(); ++node) {
     int count = 0;
@@ -48,6 +53,9 @@ std::vector<double> nodal_means(const HexMesh& mesh, std::span<const double> of_
 }
 
 bool hold_together(const HexMesh& mesh, std::span<const unsigned char> alive, std::span<const int> nodes) {
+  require_count("hold_together", "alive", std::ssize(alive), mesh.num_elements());
+  require_nodes("hold_together", nodes, mesh.num_nodes());
+  if (nodes.empty()) throw InputError("hold_together: nodes has 0 rows, must have 1 at least");
   bool had_element = false;
   for (const auto& [element, corner] : mesh.incident(nodes[0])) {
     const Hexahedron& corners = mesh.hexahedra()[element];

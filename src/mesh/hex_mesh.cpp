@@ -80,6 +80,7 @@ HexMesh::HexMesh(PointArray positions, std::vector<Hexahedron> hexahedra)
 }
 
 std::vector<Quad> HexMesh::boundary_faces(std::span<const unsigned char> alive) const {
+  if (!alive.empty()) require_count("boundary_faces", "alive", std::ssize(alive), num_elements());
   const std::vector<std::array<int, 6>> across = neighbours_across_faces(hexahedra_, alive);
   std::vector<Quad> boundary;
   for (int e = 0; e < num_elements(); ++e) {
@@ -92,6 +93,7 @@ std::vector<Quad> HexMesh::boundary_faces(std::span<const unsigned char> alive) 
 }
 
 ConnectedParts connected_parts(const HexMesh& mesh, std::span<const unsigned char> alive) {
+  require_count("connected_parts", "alive", std::ssize(alive), mesh.num_elements());
   DisjointSets sets(mesh.num_nodes());
   std::vector<bool> has_element(mesh.num_nodes(), false);
   for (int e = 0; e < mesh.num_elements(); ++e) {

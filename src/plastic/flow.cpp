@@ -172,15 +172,17 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
   return true;
 }
 
-/// Takes back the flow of one element: its present plastic rest shape becomes its rest shape.
-void adopt_material_shape(const Model& model, int e, const History& history, FlowWorkspace& work) {
+/// Takes back the step of one element: its present plastic rest shape becomes its rest shape.
+void roll_back(const Model& model, int e, const History& history, FlowWorkspace& work) {
   ElementHistory element = history.element(e);
   const ElementPoints x = about_mean(gather(history.plastic_rest_positions, model.mesh.hexahedra()[e]));
   for (int i = 0; i < kCorners; ++i) element.rest_shape.row(i) = x.row(i) * element.rotation_map[i];
   work.trial.set_element(e, element);
   work.differs[model.partition->place_of_element[e] / kBlock] = FlowWorkspace::kAll;
-  work.flows[e].yielded = false;
-  work.flows[e].dissipated = 0;
+  ElementFlow& f = work.flows[e];
+  f.rolled_back = work.changed[e];
+  f.yielded = f.repaired = false;
+  f.dissipated = 0;
 }
 
 /// Marks elements that the averaging pressed towards inversion; returns how many.
@@ -211,14 +213,22 @@ AveragingReport average_safely(const Model& model, LinearSolver& solver, const H
   if (mark_collapsing(model, history, work) == 0) return report;
 
   for (int e = 0; e < model.mesh.num_elements(); ++e)
-    if (work.flows[e].collapsing) adopt_material_shape(model, e, history, work);
+    if (work.flows[e].collapsing) roll_back(model, e, history, work);
   work.trial.plastic_rest_positions = history.plastic_rest_positions;
   report = work.averaging.advance(model, solver, work.trial, work.changed);
   if (mark_collapsing(model, history, work) == 0) return report;
 
+  // what else the elements of a connected part do decides over these: the part stays as it is, the others go on
+  const std::vector<int>& part_of_node = work.averaging.parts(model, history).part_of_node;
+  const auto part_of = [&](int e) { return part_of_node[model.mesh.hexahedra()[e][0]]; };
+  work.stays.assign(work.averaging.parts(model, history).count, 0);
   for (int e = 0; e < model.mesh.num_elements(); ++e)
-    if (history.alive[e]) adopt_material_shape(model, e, history, work);
-  work.trial.plastic_rest_positions = history.plastic_rest_positions;
+    if (work.flows[e].collapsing) work.stays[part_of(e)] = 1;
+  for (int e = 0; e < model.mesh.num_elements(); ++e)
+    if (history.alive[e] && work.stays[part_of(e)]) roll_back(model, e, history, work);
+  for (int n = 0; n < model.mesh.num_nodes(); ++n)
+    if (part_of_node[n] >= 0 && work.stays[part_of_node[n]])
+      work.trial.plastic_rest_positions.row(n) = history.plastic_rest_positions.row(n);
   return report;
 }
 
@@ -299,9 +309,11 @@ FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSo
   report.averaging = average_safely(model, solver, history, work);
   require_finite(work.trial.plastic_rest_positions, "plastic rest position");
   report.removed = remove_broken(model, history, work);
-  report.yielded = 0;  // averaging may have taken some back
+  report.yielded = report.repaired = 0;  // averaging may have taken some back
   for (const ElementFlow& f : work.flows) {
     report.yielded += f.yielded;
+    report.repaired += f.repaired;
+    report.rolled_back += f.rolled_back;
     work.trial.dissipated_energy += f.dissipated;
   }
   work.trial.version = history.version + 1;

@@ -15,10 +15,11 @@ struct ElementFlow {
   bool idle = false;      ///< gone, or at rest: the step leaves it as it is
   bool restores = false;  ///< does not flow; its volume is restored, and nothing else
   bool yielded = false, inverted = false, skipped = false, repaired = false;
-  bool collapsing = false;  ///< the averaging pressed it towards inversion
-  bool overflowed = false;  ///< some number of its history, or its dissipated energy, is not finite
-  double volume_error = 0;  ///< [-] |plastic volume / initial volume - 1| before the step
-  double dissipated = 0;    ///< [J]
+  bool collapsing = false;   ///< the averaging pressed it towards inversion
+  bool rolled_back = false;  ///< its step was taken back because of that
+  bool overflowed = false;   ///< some number of its history, or its dissipated energy, is not finite
+  double volume_error = 0;   ///< [-] |plastic volume / initial volume - 1| before the step
+  double dissipated = 0;     ///< [J]
 };
 
 /// How a connected part lies in the world: B of theory.md eq. 33.
@@ -37,6 +38,7 @@ struct FlowWorkspace {
   std::vector<ElementFlow> flows;      ///< per element
   std::vector<PartFrame> frames;       ///< per connected part; empty unless the mode needs them
   std::vector<unsigned char> changed;  ///< per element: its rest shape is another than before
+  std::vector<unsigned char> stays;    ///< per connected part: its step is taken back as a whole
 
   // what is in `trial` beforehand: all but its rotation maps is as in the history of this version, but for some blocks
   static constexpr unsigned char kRestShapes = 1, kAll = 3;

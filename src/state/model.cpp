@@ -71,6 +71,17 @@ std::array<double, kCorners> Model::corner_jacobian(int element) const {
   return jacobian;
 }
 
+bool is_thin(const Model& model, int element) {
+  // they are up to 65504 in half precision, and grow as an element becomes thinner by flow
+  constexpr double kGreatestCoefficient = 1e3;
+  const ElementPoints X = gather(model.mesh.positions(), model.mesh.hexahedra()[element]);
+  double longest = 0;  // squared
+  for (int a = 0; a < kCorners; ++a)
+    for (int b = 0; b < a; ++b) longest = std::max(longest, (X.row(a) - X.row(b)).squaredNorm());
+  const double min = std::ranges::min(model.corner_jacobian(element));
+  return !(model.length * longest < kCorners * kGreatestCoefficient * min);
+}
+
 const std::vector<CoarseMesh>& Model::coarse_meshes() const {
   std::call_once(coarse_->found, [&] { coarse_->levels = hexaplast::coarse_meshes(mesh, *partition); });
   return coarse_->levels;

@@ -68,4 +68,8 @@ struct Model {
   std::shared_ptr<CoarseMeshes> coarse_ = std::make_shared<CoarseMeshes>();  // of this model and its copies
 };
 
+/// Whether an element is so thin beside Model::length that its coefficients, that length over its thickness, may leave
+/// half precision.
+bool is_thin(const Model& model, int element);
+
 }  // namespace hexaplast

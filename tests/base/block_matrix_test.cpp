@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/base/block_matrix.hpp"
 
+#include "hexaplast/base/error.hpp"
 #include "support/compare.hpp"
 #include "support/dense.hpp"
 #include "support/random.hpp"
 
 namespace hexaplast {
 namespace {
+
+using support::refuses;
 
 using support::dense;
 
@@ -79,6 +82,18 @@ TEST(BlockMatrix, PinsOneDegreeOfFreedom) {
   expected.col(5).setZero();
   expected(5, 5) = 1;
   EXPECT_EQ(dense(M), expected);
+}
+
+TEST(BlockMatrix, RefusesNodesThatItDoesNotHave) {
+  BlockMatrix M(3);
+  EXPECT_TRUE(refuses<InputError>([&] { M.set_range(2, 2); }, {"nodes [2, 4)", "[0, 3)"}));
+  M.set_range(1, 2);
+  EXPECT_TRUE(refuses<InputError>([&] { M.add(2, 0, Mat3::Ones()); }, {"node 2", "[0, 2)"}));
+  EXPECT_TRUE(refuses<InputError>([&] { M.add(0, -1, Mat3::Ones()); }, {"node -1", "[0, 2)"}));
+  EXPECT_TRUE(refuses<InputError>([&] { M.pin(2, 0); }, {"node 2", "[0, 2)"}));
+  EXPECT_TRUE(refuses<InputError>([&] { M.pin(0, 3); }, {"axis 3"}));
+  EXPECT_TRUE(refuses<InputError>([&] { M.add_rank_one(1, PointArray::Ones(3, 3)); }, {"u has 3 rows, must have 2"}));
+  EXPECT_TRUE(refuses<InputError>([&] { M.row(3); }, {"node 3", "[0, 3)"}));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <new>
 #include <string>
 #include <thread>
 #include <vector>
@@ -43,6 +44,18 @@ TEST(ParallelFor, VisitsEveryIndexOnce) {
     for (const int count : {0, 1, 2, 6, 7, 1003, 100000})
       for (int again = 0; again < 20; ++again)
         ASSERT_EQ(visits(count), std::vector<int>(count, 1)) << threads << " threads, " << count;
+  }
+}
+
+TEST(ParallelFor, ThrowsOnWhatIsThrownWithin) {
+  for (const int threads : {1, 4}) {
+    const Threads scope(threads);
+    EXPECT_THROW(parallel_for(1000,
+                              [](int i) {
+                                if (i % 7 == 3) throw std::bad_alloc();
+                              }),
+                 std::bad_alloc);
+    EXPECT_EQ(visits(1003), std::vector<int>(1003, 1)) << "the next loop is whole";
   }
 }
 

@@ -197,6 +197,13 @@ TEST(ModelCheck, WithoutMassThereAreNoWaves) {
   EXPECT_TRUE(model_warnings(found).empty());
 }
 
+TEST(ModelCheck, OfABodyWithoutHexahedraHasNoMaterial) {
+  const ModelCheck found = check_model(Body(HexMesh(PointArray::Zero(1, 3), {}), {}), 0, 0.01);
+  EXPECT_EQ(found.num_parts, 0);
+  EXPECT_EQ(found.density, 0);
+  EXPECT_EQ(found.max_young_modulus, 0);
+}
+
 TEST(ModelCheck, EachUnwiseChoiceIsNamed) {
   const ModelCheck good = check_model(Body(support::block({1, 1, 1}, 1), {{}}), 1, 0.001);
   ASSERT_TRUE(model_warnings(good).empty());

@@ -132,6 +132,27 @@ TEST_P(SavedMotion, GoesOnFromEveryStepHoweverLooselyItIsAveraged) {
   }
 }
 
+TEST(SavedMotion, IsRefusedByOneThatMovesByOtherRules) {
+  const Motion as_saved{.gravity = {0, 0, -1}};
+  std::stringstream bytes;
+  MovingBody(yielding_bar(), as_saved).save(bytes);
+  const auto loads = [&](const std::function<void(Motion&)>& change) {
+    Motion motion = as_saved;
+    change(motion);
+    MovingBody moving(yielding_bar(), motion);
+    std::istringstream in(bytes.str());
+    return !support::refuses<InputError>([&] { moving.load(in); }, {"the saved motion has another"});
+  };
+  EXPECT_TRUE(loads([](Motion&) {}));
+  EXPECT_FALSE(loads([](Motion& m) { m.gravity.z() = -2; }));
+  EXPECT_FALSE(loads([](Motion& m) { m.dt = 0.02; }));
+  EXPECT_FALSE(loads([](Motion& m) { m.euler.rayleigh_mass = 1; }));
+  EXPECT_FALSE(loads([](Motion& m) { m.euler.rayleigh_stiffness = 1; }));
+  EXPECT_FALSE(loads([](Motion& m) { m.euler.velocity_damping = 1; }));
+  EXPECT_FALSE(loads([](Motion& m) { m.euler.first_order = true; }));
+  EXPECT_FALSE(loads([](Motion& m) { m.euler.trapezoidal = true; }));
+}
+
 INSTANTIATE_TEST_SUITE_P(Solvers, SavedMotion, testing::Combine(testing::ValuesIn(solver_kinds()), testing::Bool()),
                          [](const auto& kind) {
                            return std::string(std::get<SolverKind>(kind.param).name) +

@@ -164,12 +164,17 @@ TEST(BodyField, RefusesWrongCountsAndUnstableRates) {
             field + ".poissonRatio: 0 values given, must be one or 2 (one per hexahedron)");
   EXPECT_EQ(errors_of(two_hexahedra("yieldStress='1 2 3'")),
             field + ".yieldStress: 3 values given, must be one or 2 (one per hexahedron)");
-  EXPECT_NE(errors_of(two_hexahedra("plasticFlowRate='51'")).find(field), std::string::npos);
-  EXPECT_NE(errors_of(two_hexahedra("volumeRestitution='34'")).find(field), std::string::npos);
+  EXPECT_NE(errors_of(two_hexahedra("yieldStress='9' plasticFlowRate='51'")).find(field), std::string::npos);
+  EXPECT_NE(errors_of(two_hexahedra("rotationFlowRate='1' volumeRestitution='67'")).find(field), std::string::npos);
+}
+
+TEST(BodyField, HasNoLimitOfRatesWhereNothingFlows) {
+  scene::Scene scene = read_and_init(two_hexahedra("plasticFlowRate='500' volumeRestitution='700'"));
+  EXPECT_TRUE(scene.diagnostics().take_warnings().empty());
 }
 
 TEST(BodyField, WarnsOfUnwiseRates) {
-  scene::Scene scene = read_and_init(two_hexahedra("plasticFlowRate='5' volumeRestitution='20'"));
+  scene::Scene scene = read_and_init(two_hexahedra("yieldStress='9' plasticFlowRate='5' volumeRestitution='20'"));
   EXPECT_EQ(scene.diagnostics().take_warnings().size(), 2u);
 }
 

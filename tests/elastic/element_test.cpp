@@ -11,6 +11,7 @@
 #include "hexaplast/body.hpp"
 #include "hexaplast/material/rows.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
+#include "mesh/trilinear.hpp"
 #include "support/compare.hpp"
 #include "support/dense.hpp"
 #include "support/golden.hpp"
@@ -468,22 +469,60 @@ TEST(Recovery, HasNoForceOrMomentInSumAndResistsNoRigidMotion) {
 }
 
 TEST(Recovery, IsInAssembledMatricesAsInProducts) {
-  const HexMesh mesh = support::distorted_block({8, 2, 1}, kEdge, 0.1, 317);
-  Settings settings;
-  settings.recovery = RecoveryMode::kCluster;
-  Random random(318);
-  PointArray x = mesh.positions();
-  for (int n = 0; n < mesh.num_nodes(); ++n)  // both ends are folded, the middle is not: two clusters
-    if (std::abs(x(n, 0) - 4 * kEdge) > 2.5 * kEdge) x.row(n) += random.field(1, 0.9 * kEdge).row(0);
-  Body body(mesh, {Material{}}, settings);
-  const Eigen::MatrixXd K = support::stiffness_at(body, x);
-  BlockMatrix again(mesh.num_nodes());
-  body.add_stiffness_blocks(-1, again);
-  EXPECT_EQ(again.rank_ones().size(), 12u);
-  const PointArray dx = random.field(mesh.num_nodes(), 1);
-  PointArray product = PointArray::Zero(mesh.num_nodes(), 3);
-  body.add_stiffness_product(-1, dx, product);
-  EXPECT_TRUE(agrees(support::unstacked(K * support::stacked(dx)), product, 1e-12));
+  for (const int width : {1, 7}) {  // small clusters are blocks, large ones six terms of rank one each
+    const HexMesh mesh = support::distorted_block({8, width, width}, kEdge, 0.1, 317);
+    Settings settings;
+    settings.recovery = RecoveryMode::kCluster;
+    Random random(318);
+    PointArray x = mesh.positions();
+    for (int n = 0; n < mesh.num_nodes(); ++n)  // both ends are folded, the middle is not: two clusters
+      if (std::abs(x(n, 0) - 4 * kEdge) > 2.5 * kEdge) x.row(n) += random.field(1, 0.9 * kEdge).row(0);
+    Body body(mesh, {Material{}}, settings);
+    const Eigen::MatrixXd K = support::stiffness_at(body, x);
+    BlockMatrix again(mesh.num_nodes());
+    body.add_stiffness_blocks(-1, again);
+    EXPECT_EQ(again.rank_ones().size(), width == 1 ? 0u : 12u);
+    const PointArray dx = random.field(mesh.num_nodes(), 1);
+    PointArray product = PointArray::Zero(mesh.num_nodes(), 3);
+    body.add_stiffness_product(-1, dx, product);
+    EXPECT_TRUE(agrees(support::unstacked(K * support::stacked(dx)), product, 1e-12));
+  }
+}
+
+TEST(Recovery, IsInEverySystemThatABodyDescribesWithItsOwnFactor) {
+  const HexMesh mesh = support::distorted_block({3, 2, 2}, kEdge, 0.1, 319);
+  Random random(320);
+  Body body(mesh, {Material{}}, {.recovery = RecoveryMode::kCluster});
+  body.linearize(mesh.positions() + random.field(mesh.num_nodes(), 0.9 * kEdge));
+  const PointArray p = random.field(mesh.num_nodes(), 1);
+  const auto product = [&](const MatrixFreeSystem& system) {
+    PointArray Fp = PointArray::Zero(p.rows(), 3);
+    for (const NodalTerm& term : system.others) term.add_product(p, Fp);
+    return Fp;
+  };
+  MatrixFreeSystem first, second;
+  body.describe(-1, first);
+  const PointArray alone = product(first);
+  ASSERT_GT(alone.norm(), 0);
+  body.describe(-4, second);
+  EXPECT_EQ(product(first), alone);
+  EXPECT_TRUE(agrees(product(second), 4 * alone, 1e-14));
+}
+
+// Beside cubes of 1 m, gradients in a layer of 1e-5 m are 1e5: more than half precision has.
+TEST(MixedPrecision, TakesHexahedraHoweverThinBesideOthers) {
+  PointArray positions = support::block({1, 1, 2}, 1).positions();
+  positions.bottomRows(4).col(2).setConstant(1 + 1e-5);
+  const HexMesh mesh(positions, support::block({1, 1, 2}, 1).hexahedra());
+  const PointArray dx = Random(321).field(mesh.num_nodes(), 1e-5);
+  const auto product = [&](Precision precision) {
+    Body body(mesh, {Material{}}, {.precision = precision});
+    body.linearize(mesh.positions());
+    PointArray df = PointArray::Zero(mesh.num_nodes(), 3);
+    body.add_stiffness_product(1, dx, df);
+    return df;
+  };
+  EXPECT_TRUE(agrees(product(Precision::kMixed), product(Precision::kDouble), 1e-3));
 }
 
 }  // namespace

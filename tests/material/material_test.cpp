@@ -33,7 +33,7 @@ TEST(Material, RefusesValuesOutsideTheirRangesAndNamesTheElement) {
       {"flow_rate", "plasticFlowRate", &Material::flow_rate, {-1, kNan, kInf}, "[0, inf) 1/s"},
       {"rotation_yield", "rotationYield", &Material::rotation_yield, {-0.1, 3.2, kNan}, "[0, 3.141592654] rad"},
       {"rotation_flow_rate", "rotationFlowRate", &Material::rotation_flow_rate, {-1, kNan, kInf}, "[0, inf) 1/s"},
-      {"hardening", "hardening", &Material::hardening, {kNan, kInf, -kInf}, "(-inf, inf)"},
+      {"hardening", "hardening", &Material::hardening, {kNan, 1e7, kInf, -kInf}, "(-inf, 1000000]"},
       {"fracture_stress", "fractureStress", &Material::fracture_stress, {-1, kNan}, "[0, inf] Pa"},
       {"fracture_stretch", "fractureStretch", &Material::fracture_stretch, {1, -1, kNan}, "(1, inf]"},
   };
@@ -109,6 +109,7 @@ TEST(Settings, RefuseWhatIsNoEnumeratorAndNumbersOfStepsOutOfRange) {
 TEST(CheckTimeStep, RefusesWhatIsUnstableAndAdvisesAgainstWhatIsInaccurate) {
   Material m;
   Settings settings;
+  m.yield_stress = 300;
   m.flow_rate = 4;
   m.rotation_flow_rate = 2;
   EXPECT_TRUE(check_time_step({m}, settings, 0.01).empty());
@@ -122,11 +123,14 @@ TEST(CheckTimeStep, RefusesWhatIsUnstableAndAdvisesAgainstWhatIsInaccurate) {
                                   {"rotationFlowRate = 200 1/s", "is 2: must be at most 1"}));
 
   m.rotation_flow_rate = 0;
+  m.flow_rate = 1;
   settings.volume_restitution = 50;
   EXPECT_EQ(check_time_step({m}, settings, 0.01).size(), 1u);  // c dt = .5
   settings.volume_restitution = 100;
   EXPECT_TRUE(refuses<InputError>([&] { check_time_step({m}, settings, 0.01); },
                                   {"volume_restitution", "must be below 0.666667"}));
+  m.flow_rate = 0;
+  EXPECT_TRUE(check_time_step({m}, settings, 1).empty()) << "nothing flows";
 }
 
 }  // namespace

@@ -135,6 +135,19 @@ TEST(HoldTogether, TellsWhichFacesAndNodesAreLeft) {
   EXPECT_TRUE(hold_together(mesh, none, std::array{0, 4})) << "no hexahedron ever had both";
 }
 
+TEST(HexMesh, RefusesValuesThatAreNotOneForEachHexahedron) {
+  const HexMesh mesh = support::block({2, 1, 1}, 1);
+  const std::vector<unsigned char> one(1, 1), two(2, 1);
+  const std::vector<double> values(2, 1);
+  EXPECT_TRUE(refuses<InputError>([&] { mesh.boundary_faces(one); }, {"alive has 1 rows, must have 2"}));
+  EXPECT_TRUE(refuses<InputError>([&] { connected_parts(mesh, one); }, {"alive has 1 rows, must have 2"}));
+  EXPECT_TRUE(refuses<InputError>([&] { nodal_means(mesh, values, one); }, {"alive has 1 rows, must have 2"}));
+  EXPECT_TRUE(refuses<InputError>([&] { nodal_means(mesh, {}); }, {"of_hexahedra has 0 rows, must have 2"}));
+  EXPECT_TRUE(refuses<InputError>([&] { hold_together(mesh, one, std::array{0}); }, {"alive"}));
+  EXPECT_TRUE(refuses<InputError>([&] { hold_together(mesh, two, std::array{12}); }, {"node 12", "[0, 12)"}));
+  EXPECT_TRUE(refuses<InputError>([&] { hold_together(mesh, two, {}); }, {"nodes"}));
+}
+
 TEST(Gather, AndScatterAreAdjoint) {
   support::Random random(64);
   const HexMesh mesh = support::block({2, 2, 3}, 0.1);
@@ -167,6 +180,12 @@ TEST(RegularGrid, RefusesEmptyAndUncountableGrids) {
   EXPECT_TRUE(refuses<InputError>([&] { regular_grid({max, max, max}, zero, one); }, {"more nodes"}));
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(regular_grid({1, 1, 1}, zero, Vec3(1, nan, 1)), InputError);
+  for (const std::array<int, 3> cells :
+       {std::array{max, 0, 0}, std::array{1 << 16, 1 << 16, 0}, std::array{-1, 1, 1}}) {
+    EXPECT_THROW(grid_points(cells, zero, one), InputError);
+    EXPECT_THROW(grid_quads(cells), InputError);
+    EXPECT_THROW(grid_edges(cells), InputError);
+  }
 }
 
 }  // namespace

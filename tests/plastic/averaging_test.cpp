@@ -81,21 +81,9 @@ TEST(Averaging, ByOneSweepOfNodeMeansWouldFallShort) {
   EXPECT_LT(elongation(end_sections(model.mesh), joined), 0.1);
 }
 
-/// Two bars in one mesh, the second one `gap` beside the first.
-HexMesh two_bars(const HexMesh& one, double gap) {
-  PointArray positions(2 * one.num_nodes(), 3);
-  positions << one.positions(), mapped(one.positions(), Mat3::Identity(), Vec3(gap, 0, 0));
-  std::vector<Hexahedron> hexahedra = one.hexahedra();
-  for (Hexahedron corners : one.hexahedra()) {
-    for (int& n : corners) n += one.num_nodes();
-    hexahedra.push_back(corners);
-  }
-  return HexMesh(positions, hexahedra);
-}
-
 TEST(Averaging, KeepsTheMeanOfEveryConnectedPart) {
   const HexMesh one = support::distorted_block({2, 2, 3}, kEdge, 0.15, 141);
-  const HexMesh mesh = two_bars(one, 5);
+  const HexMesh mesh = support::two_copies(one, 5);
   const PointArray& positions = mesh.positions();
   const Model model = elastic_model(mesh);
   ASSERT_EQ(connected_parts(model.mesh, History(model).alive).count, 2);
@@ -175,7 +163,7 @@ TEST(Averaging, ByMultigridJoinsPiecesOfATwistedBarInAFewIterationsWhateverTheSi
 
 TEST(Averaging, LeavesConnectedPartsThatDoNotFlowBitForBit) {
   const HexMesh one = support::block({2, 2, 10}, kEdge);
-  const HexMesh mesh = two_bars(one, 1);
+  const HexMesh mesh = support::two_copies(one, 1);
   Material soft;
   soft.yield_stress = 50;
   soft.flow_rate = 2;

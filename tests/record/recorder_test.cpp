@@ -25,6 +25,7 @@ using support::Scratch;
 constexpr const char* kHeader =
     "step,time,kinetic_energy,elastic_energy,dissipated_energy,world_volume_ratio,material_volume_ratio,"
     "plastic_elongation,plastic_twist_deg,end_displacement,yielded,inverted,removed,solver_iterations,residual,step_ms,"
+    "rolled_back,"
     "world_elongation,world_twist_deg";
 
 TEST(HistoryTable, HasOneRowPerStepWithTheBodysNumbersToTheLastBit) {

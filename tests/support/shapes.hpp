@@ -50,6 +50,18 @@ Rows mapped(const Rows& x, const Mat3& A, const Vec3& b = Vec3::Zero()) {
   return (x * A.transpose()).rowwise() + b.transpose();
 }
 
+/// Two copies of a mesh in one, the second `gap` [m] beside the first.
+inline HexMesh two_copies(const HexMesh& one, double gap) {
+  PointArray positions(2 * one.num_nodes(), 3);
+  positions << one.positions(), mapped(one.positions(), Mat3::Identity(), Vec3(gap, 0, 0));
+  std::vector<Hexahedron> hexahedra = one.hexahedra();
+  for (Hexahedron corners : one.hexahedra()) {
+    for (int& n : corners) n += one.num_nodes();
+    hexahedra.push_back(corners);
+  }
+  return HexMesh(positions, hexahedra);
+}
+
 /// Greatest distance of two shapes along an axis after the best rigid motion: averaging fixes the mean, and the turn
 /// only loosely.
 inline double incongruence(const PointArray& x, const PointArray& expected) {

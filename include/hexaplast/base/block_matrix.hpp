@@ -10,7 +10,7 @@ namespace hexaplast {
 /// Square sparse matrix of 3x3 blocks, assembled by adding. The pattern grows with the first assembly and is kept by
 /// clear(), so that later assemblies only add numbers; drop_unused() then leaves the pattern of the latest one,
 /// whatever was assembled before. Terms of rank one stand beside the blocks: whoever reads the blocks alone misses
-/// them.
+/// them. What names a node throws InputError where that does not exist.
 class BlockMatrix {
  public:
   explicit BlockMatrix(int num_nodes = 0);
@@ -49,7 +49,7 @@ class BlockMatrix {
     int column;
     Mat3 block;
   };
-  const std::vector<Entry>& row(int node) const { return rows_[node].entries; }  ///< ascending columns
+  const std::vector<Entry>& row(int node) const;  ///< ascending columns
 
   /// Grows whenever blocks come or go, so that a factorisation knows when its symbolic part is old.
   long pattern_version() const { return pattern_version_; }

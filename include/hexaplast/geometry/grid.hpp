@@ -13,7 +13,8 @@ namespace hexaplast {
 HexMesh regular_grid(std::array<int, 3> cells, const Vec3& min, const Vec3& max);
 
 /// The nodes of such a grid from `min` on, in the same order; directions without cells (cells[d] = 0) have one node.
-/// The faces and edges below are then those that are left of it: of a flat grid its cells, of a line its pieces.
+/// The faces and edges below are then those that are left of it: of a flat grid its cells, of a line its pieces. All
+/// three throw InputError for a negative count, and for more nodes than an int can count.
 PointArray grid_points(std::array<int, 3> cells, const Vec3& min, const Vec3& spacing);
 
 /// The faces of all cells of such a grid, each once, in the order of SOFA's grids: those normal to z, then y, then x,

@@ -26,7 +26,7 @@ struct Material {
   double flow_rate = 0;           ///< nu [1/s], >= 0: fraction of the excess deviatoric stretch that flows per second
   double rotation_yield = 0;      ///< tau^R [rad], in [0, pi]
   double rotation_flow_rate = 0;  ///< nu^R [1/s], >= 0
-  double hardening = 0;           ///< kappa [-]: growth of both thresholds with flow; < 0 softens, down to 0
+  double hardening = 0;           ///< kappa [-], <= 1e6: growth of both thresholds with flow; < 0 softens, down to 0
   double fracture_stress = std::numeric_limits<double>::infinity();  ///< [Pa] the element goes when tau hardens past it
   double fracture_stretch = std::numeric_limits<double>::infinity();  ///< [-] > 1: it goes when plastic stretch does
 };
@@ -138,6 +138,8 @@ inline Settings published_element() {
 /// Whether stretch, or rotation, of a hexahedron can ever become permanent.
 bool can_stretch(const Material& material);
 bool can_rotate(const Material& material, const Settings& settings);
+/// Whether one of the two can in some hexahedron of a body.
+bool can_flow(const std::vector<Material>& materials, const Settings& settings);
 
 /// [byte] of memory per hexahedron of such a body in a running scene: the body, its state, a solver with multigrid and
 /// what a run writes. Measured (docs/performance.md). A sparse direct solver takes more, and ever more the larger the
@@ -154,8 +156,8 @@ inline constexpr double kRecommendedFlowPerStep = 0.05;          // 2 % error of
 inline constexpr double kLargestRestitutionPerStep = 2.0 / 3.0;  // volume error is multiplied by 1 - 3 c dt per step
 inline constexpr double kRecommendedRestitutionPerStep = 0.3;
 
-/// Checks nu dt, nu^R dt, c dt and those of any further rate. Throws InputError where a limit is passed, otherwise
-/// returns one sentence per recommended limit that is passed.
+/// Checks nu dt, nu^R dt, c dt and those of any further rate, unless nothing can flow: none of them acts then. Throws
+/// InputError where a limit is passed, otherwise returns one sentence per recommended limit that is passed.
 std::vector<std::string> check_time_step(const std::vector<Material>& materials, const Settings& settings, double dt,
                                          Names names = Names::kMembers);
 

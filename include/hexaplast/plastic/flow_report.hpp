@@ -18,6 +18,7 @@ struct FlowReport {
   int inverted = 0;               ///< inverted at some corner (det F~ < 0)
   int skipped = 0;                ///< without flow, because inverted or nearly so
   int repaired = 0;               ///< whose plastic rest shape was moved towards the initial one
+  int rolled_back = 0;            ///< that keep the shape they had, because averaging would have flattened a hexahedron
   int removed = 0;                ///< broken in this step: the last ones of Body::removed
   double worst_volume_error = 0;  ///< max |volume without load / initial volume - 1| of an element, before the step
   AveragingReport averaging;

@@ -282,6 +282,9 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
       add("connected parts", fmt::format("{} of what is left", summary.num_pieces));
     }
     if (totals.max_inverted > 0) add("inverted", inverted_line(simulation.latest().flow.inverted, totals));
+    if (totals.rolled_back > 0)
+      add("rolled back",
+          fmt::format("{} plastic steps of hexahedra, where averaging would have flattened one", totals.rolled_back));
     const bool has_ends = measures_ends(simulation);
     if (has_ends)
       add_finite("plastic elongation", {summary.plastic_elongation, summary.world_elongation},

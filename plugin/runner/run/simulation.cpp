@@ -106,6 +106,7 @@ const output::StepRecord& Simulation::step() {
   else if (!solve.converged)
     ++(solve.of_newton ? totals_.stalled_newton : totals_.stalled_solves);
   totals_.stalled_averaging += !latest_.flow.averaging.converged;
+  totals_.rolled_back += latest_.flow.rolled_back;
   if (latest_.flow.removed > 0) {
     if (totals_.first_removal == 0) totals_.first_removal = step;
     totals_.latest_removal = step;
@@ -137,8 +138,9 @@ void Simulation::serialize(Archive& archive) {
   SolveReport solve{.iterations = latest_.solver_iterations, .residual = latest_.residual};
   double step_ms = latest_.step_ms;
   archive(step, solve.iterations, solve.residual, step_ms, totals_.step_ms, totals_.iterations, totals_.stalled_solves,
-          totals_.stalled_newton, totals_.threshold_solves, totals_.stalled_averaging, totals_.first_removal,
-          totals_.latest_removal, totals_.max_inverted, totals_.max_inverted_in, totals_.energy_put_in);
+          totals_.stalled_newton, totals_.threshold_solves, totals_.stalled_averaging, totals_.rolled_back,
+          totals_.first_removal, totals_.latest_removal, totals_.max_inverted, totals_.max_inverted_in,
+          totals_.energy_put_in);
   for (long& steps : totals_.steps_by_preconditioner) archive(steps);
   scene_.serialize(archive);
   if (archive.reads()) latest_ = record_of(step, solve, step_ms);

@@ -22,6 +22,7 @@ struct Totals {
   long stalled_averaging = 0;  ///< steps whose rest-shape averaging did
   long first_removal = 0;      ///< step in which the body lost its first hexahedron; 0: none
   long latest_removal = 0;
+  long rolled_back = 0;      ///< plastic steps of hexahedra that were rolled back
   int max_inverted = 0;      ///< hexahedra that were inverted in one step
   long max_inverted_in = 0;  ///< the first such step
   double energy_put_in = 0;  ///< [J] that it began with, and work of loads and supports: the most so far

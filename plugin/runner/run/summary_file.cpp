@@ -29,6 +29,7 @@ Json summary_json(Simulation& simulation) {
           {"stalled_newton", totals.stalled_newton},
           {"threshold_solves", totals.threshold_solves},
           {"stalled_averaging", totals.stalled_averaging},
+          {"rolled_back", totals.rolled_back},
           {"nodes", simulation.num_nodes()},
           {"hexahedra", bodies.mesh().num_elements()},
           {"removed", bodies.num_removed()},
