@@ -34,17 +34,30 @@ class OutsidePlugin : public Command {
     const Outcome outcome = shell(line);
     ASSERT_EQ(outcome.code, 0) << line << "\n" << outcome.out << outcome.err;
   }
+
+  /// Runs the lines of a page from the one that begins so to the end of their block, as its reader does in the folder
+  /// of the sources.
+  void must_as_shown(const std::string& page, const std::string& first_line, const std::string& before = "") {
+    const std::string text = content(kSource / page);
+    const std::size_t begin = text.find("\n" + first_line), end = text.find("\n```", begin);
+    ASSERT_NE(begin, text.npos) << page << " has no line " << first_line;
+    for (const char* name : {"docs", "examples"})
+      if (!fs::exists(directory_ / name)) fs::create_symlink(kSource / name, directory_ / name);
+    if (!fs::exists(directory_ / "build")) fs::create_symlink(HEXAPLAST_BUILD_DIR, directory_ / "build");
+    std::string lines = text.substr(begin, end - begin);
+    for (std::size_t at = 0; (at = lines.find("PREFIX", at)) != lines.npos;)
+      lines.replace(at, 6, (directory_ / "prefix").string());
+    write("lines.sh", "set -e\nexport CXX='" HEXAPLAST_COMPILER "'\n" + lines + "\n");
+    must(before + "sh ./lines.sh");
+  }
 };
 
 TEST_F(OutsidePlugin, IsBuiltFromTheInstallationAndFoundByName) {
   const std::string cmake = "'" HEXAPLAST_CMAKE "' ", scene = quoted(kExample + "/tether.scn");
-  must(cmake + "--install '" HEXAPLAST_BUILD_DIR "' --prefix prefix");
-  must(cmake + "-S " + quoted(kExample) +
-       " -B build -DCMAKE_PREFIX_PATH=\"$PWD/prefix\" -DCMAKE_CXX_COMPILER='" HEXAPLAST_COMPILER "'");
-  must(cmake + "--build build");
+  must_as_shown("docs/plugins.md", "cmake --install build");
 
   EXPECT_EQ(installed("run " + scene).code, 6);
-  EXPECT_EQ(installed("run " + scene + " --plugin-path build --final state.json").code, 0);
+  EXPECT_EQ(installed("run " + scene + " --plugin-path tether --final state.json").code, 0);
 
   // Every node of the cube moves alike, so that it is one mass on one spring, by the scheme of the solver:
   // (m + h^2 k) dv = h (-k (u - offset) - h k v).
@@ -62,7 +75,7 @@ TEST_F(OutsidePlugin, IsBuiltFromTheInstallationAndFoundByName) {
   }
 
   // installed beside the others it needs no path, and a scene that does not require it can be given it by name
-  must(cmake + "--install build --prefix prefix");
+  must(cmake + "--install tether --prefix prefix");
   EXPECT_EQ(installed("run " + scene).code, 0);
   write("bare.scn", "<Node><TetherForceField/></Node>");
   EXPECT_EQ(installed("check bare.scn").code, 3);
@@ -77,11 +90,11 @@ TEST_F(OutsidePlugin, IsBuiltFromTheInstallationAndFoundByName) {
 
 TEST_F(OutsidePlugin, IsALibraryForOtherPrograms) {
   const std::string cmake = "'" HEXAPLAST_CMAKE "' ", consumer = kSource / "examples/consumer";
-  must(cmake + "--install '" HEXAPLAST_BUILD_DIR "' --prefix prefix");
+  must_as_shown("docs/installing.md", "cmake --install build --prefix");
   must(cmake + "-S " + quoted(consumer) +
-       " -B build -DCMAKE_PREFIX_PATH=\"$PWD/prefix\" -DCMAKE_CXX_COMPILER='" HEXAPLAST_COMPILER "'");
-  must(cmake + "--build build");
-  const Outcome strain = shell("build/consumer");
+       " -B with_cmake -DCMAKE_PREFIX_PATH=\"$PWD/prefix\" -DCMAKE_CXX_COMPILER='" HEXAPLAST_COMPILER "'");
+  must(cmake + "--build with_cmake");
+  const Outcome strain = shell("with_cmake/consumer");
   EXPECT_EQ(strain.code, 0);
 
   // what the pages show is this program, and what it prints
@@ -92,14 +105,13 @@ TEST_F(OutsidePlugin, IsALibraryForOtherPrograms) {
                                                                               << strain.out;
   }
 
-  // pkg-config tells the same without CMake; its flags link what CMake has compiled
-  const std::string pkg_config = "PKG_CONFIG_PATH=\"$PWD/prefix/" HEXAPLAST_LIBDIR "/pkgconfig\" pkg-config ";
-  must(pkg_config + "--exact-version=" HEXAPLAST_VERSION " hexaplast");
-  must("'" HEXAPLAST_COMPILER "' -std=c++20 -fsyntax-only $(" + pkg_config + "--cflags hexaplast) " +
-       quoted(consumer + "/main.cpp"));
-  must("'" HEXAPLAST_COMPILER "' build/CMakeFiles/consumer.dir/main.cpp.o -o linked $(" + pkg_config +
-       "--libs hexaplast) -Wl,-rpath,\"$PWD/prefix/" HEXAPLAST_LIBDIR "\"");
-  EXPECT_EQ(shell("./linked").out, strain.out);
+  // pkg-config tells the same without CMake
+  fs::copy(consumer + "/main.cpp", directory_ / "main.cpp");
+  const std::string variables = "export PKG_CONFIG_PATH=\"$PWD/prefix/" HEXAPLAST_LIBDIR
+                                "/pkgconfig\" LD_LIBRARY_PATH=\"$PWD/prefix/" HEXAPLAST_LIBDIR "\"; ";
+  must(variables + "pkg-config --exact-version=" HEXAPLAST_VERSION " hexaplast");
+  must_as_shown("docs/installing.md", "g++ ", variables);
+  EXPECT_EQ(shell(variables + "./a.out").out, strain.out);
 
   // components by name, and versions that are not compatible
   const auto finds = [&](const std::string& what) {
