@@ -11,11 +11,11 @@
 namespace hexaplast {
 namespace {
 
-constexpr double kWrongFriction = 0.01;    // of mu N, from which the friction of a contact is corrected
-constexpr double kMaxGrowth = 2;           // of normal forces in a step
-constexpr double kSteady = 0.05;           // growth that is none: what is expected is no better than what was
-constexpr double kAllWrongFriction = 0.1;  // of all mu N, from which the step is solved again for it
-constexpr int kMaxCorrections = 4;         // of friction in a step: it may turn to and fro, what pulls goes once
+constexpr double kWrongFriction = 0.01;     // of mu N, from which the friction of a contact is corrected
+constexpr double kMaxGrowth = 2;            // of normal forces in a step
+constexpr double kSteady = 0.05;            // growth that is none: what is expected is no better than what was
+constexpr double kAllWrongFriction = 0.1;   // of all mu N, from which the step is solved again for it
+constexpr int kMaxFrictionCorrections = 4;  // of friction in a step: it may turn to and fro, what pulls goes once
 
 void add(const ContactTerm& term, const Vec3& force, OfTwo<Points>& f) {
   for (int a = 0; a < term.num_first; ++a) f.first.row(term.nodes[a]) += term.weights[a] * force.transpose();
@@ -124,7 +124,7 @@ void ContactTerms::set_friction(const OfTwo<ConstPoints>& expected) {
 }
 
 bool ContactTerms::release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) {
-  const bool corrects_friction = num_tries_++ < kMaxCorrections;
+  const bool corrects_friction = num_tries_++ < kMaxFrictionCorrections;
   const std::size_t before = terms.size();
   std::erase_if(terms, [&](const ContactTerm& term) { return term.normal_force(term.at(x), term.at(v)) < 0; });
   if (terms.size() < before) return true;  // where some pulled, the others do not feel what they will
