@@ -97,7 +97,7 @@ class GmshFile {
     for (auto& [group, hexahedra] : hexahedra_of_) {
       for (int& e : hexahedra) e = number_of_hexahedron_[e];
       std::ranges::sort(hexahedra);
-      hexahedra.erase(std::ranges::unique(hexahedra).begin(), hexahedra.end());
+      hexahedra.erase(std::unique(hexahedra.begin(), hexahedra.end()), hexahedra.end());
     }
     std::vector<ImportedGroup> groups;
     for (auto& [group, name] : name_of_) groups.push_back({std::move(name), std::move(hexahedra_of_[group])});

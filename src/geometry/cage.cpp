@@ -17,8 +17,10 @@
 namespace hexaplast {
 namespace {
 
-constexpr double kSameCorner = 1e-9;  // of the extent: corners this close are one that was written twice
-constexpr double kTouch = 1e-9;       // of a cell's size: a surface this near to a cell touches it
+constexpr double kSameCorner = 1e-9;   // of the extent: corners this close are one that was written twice
+constexpr double kTouch = 1e-9;        // of a cell's size: a surface this near to a cell touches it
+constexpr std::size_t kMaxLooks = 16;  // at cells of a region
+constexpr double kWinds = 0.75;        // of a full turn, from which a surface with a hole is meant to be closed
 
 /// The cells of a grid, and what is known of each: enclosed, until they are touched or reached.
 class Cells {
@@ -132,19 +134,19 @@ void mark_outside(const CageGrid& grid, Cells& cells) {
   }
 }
 
-/// How the faces of a surface meet.
+/// How the faces of a surface meet. A face that is there again, in whatever order of its corners, counts once.
 struct SurfaceEdges {
+  std::vector<Triangle> faces;
   std::vector<Edge> open;   // that one face alone has
   bool is_oriented = true;  // whether two faces run through their common edge in opposite directions
 };
 
-/// Corners in one place are one: files may hold a vertex more than once.
-SurfaceEdges edges_of_surface(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads) {
+/// For each node the one that stands for all in its place: files may hold a vertex more than once.
+std::vector<int> places_of(ConstPoints x, std::span<const Triangle> faces) {
   std::vector<int> corners;
-  for (const Triangle& face : triangles) corners.insert(corners.end(), face.begin(), face.end());
-  for (const Quad& face : quads) corners.insert(corners.end(), face.begin(), face.end());
+  for (const Triangle& face : faces) corners.insert(corners.end(), face.begin(), face.end());
   std::ranges::sort(corners);
-  corners.erase(std::ranges::unique(corners).begin(), corners.end());
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
   Eigen::AlignedBox3d box;
   for (const int node : corners) box.extend(x.row(node).transpose());
   const double reach = kSameCorner * box.diagonal().norm();
@@ -155,24 +157,37 @@ SurfaceEdges edges_of_surface(ConstPoints x, std::span<const Triangle> triangles
   for (std::size_t i = 0; i < corners.size(); ++i)
     for (std::size_t j = i + 1; j < corners.size() && along[corners[j]] - along[corners[i]] <= reach; ++j)
       if ((x.row(corners[i]) - x.row(corners[j])).norm() <= reach) places.join(corners[i], corners[j]);
+  std::vector<int> found(static_cast<std::size_t>(x.rows()));
+  for (const int node : corners) found[node] = places.root(node);
+  return found;
+}
+
+SurfaceEdges edges_of_surface(ConstPoints x, std::span<const Triangle> faces) {
+  const std::vector<int> place = places_of(x, faces);
+  SurfaceEdges surface;
+  std::vector<std::pair<Triangle, std::size_t>> corners;  // places in ascending order, and whose they are
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    Triangle found = {place[faces[f][0]], place[faces[f][1]], place[faces[f][2]]};
+    std::ranges::sort(found);
+    corners.emplace_back(found, f);
+  }
+  std::ranges::sort(corners);
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    if (i == 0 || corners[i].first != corners[i - 1].first) surface.faces.push_back(faces[corners[i].second]);
 
   std::vector<std::pair<Edge, bool>> sides;  // with whether the face runs from the lesser corner to the greater
-  const auto add_sides = [&](const auto& face) {
-    for (std::size_t k = 0; k < face.size(); ++k) {
-      const int a = places.root(face[k]), b = places.root(face[(k + 1) % face.size()]);
+  for (const Triangle& face : surface.faces)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int a = place[face[k]], b = place[face[(k + 1) % 3]];
       if (a != b) sides.emplace_back(sorted(Edge{a, b}), a < b);
     }
-  };
-  std::ranges::for_each(triangles, add_sides);
-  std::ranges::for_each(quads, add_sides);
   std::ranges::sort(sides);
-  SurfaceEdges edges;
   for (std::size_t first = 0, end = 0; first < sides.size(); first = end) {
     while (end < sides.size() && sides[end].first == sides[first].first) ++end;
-    if (end - first == 1) edges.open.push_back(sides[first].first);
-    if (end - first == 2 && sides[first] == sides[first + 1]) edges.is_oriented = false;
+    if (end - first == 1) surface.open.push_back(sides[first].first);
+    if (end - first == 2 && sides[first] == sides[first + 1]) surface.is_oriented = false;
   }
-  return edges;
+  return surface;
 }
 
 /// The solid angle of a triangle [sr] as seen from the origin, positive from behind (van Oosterom and Strackee 1983).
@@ -181,13 +196,12 @@ double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
   return 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
 }
 
-/// Cells that the outside reaches only through holes of the surface, and around which it winds more than half: a hole
-/// is meant to be closed where the cage would be hollow, and an open sheet is none. Around what a surface winds whose
+/// Cells that the outside reaches only through holes of the surface, and around which it winds nearly: a hole is meant
+/// to be closed where the cage would be hollow, and a sheet or a bowl is open. Around what a surface winds whose
 /// faces are not oriented alike is not known: all such cells count.
-/// for_each_triangle(visit): the surface. cells: reached from outside; closed: the same before, touched alone.
-template <class ForEachTriangle>
-std::size_t count_leaks(ConstPoints x, const SurfaceEdges& edges, const ForEachTriangle& for_each_triangle,
-                        const CageGrid& grid, const Cells& cells, Cells closed) {
+/// cells: reached from outside; closed: the same before, touched alone.
+std::size_t count_leaks(ConstPoints x, const SurfaceEdges& edges, const CageGrid& grid, const Cells& cells,
+                        Cells closed) {
   // a fan over each hole
   std::unordered_map<int, int> number;  // of the nodes of open edges
   for (const Edge& edge : edges.open)
@@ -208,7 +222,7 @@ std::size_t count_leaks(ConstPoints x, const SurfaceEdges& edges, const ForEachT
   }
   mark_outside(grid, closed);
 
-  // each region that the fans keep from the outside, by one of its cells
+  // each region that the fans keep from the outside, by some of its cells
   std::size_t num_leaks = 0;
   std::vector<GridCell> region;
   cells.for_each([&](const GridCell& start) {
@@ -221,11 +235,14 @@ std::size_t count_leaks(ConstPoints x, const SurfaceEdges& edges, const ForEachT
     reach(start);
     for (std::size_t k = 0; k < region.size(); ++k) closed.for_each_neighbour(GridCell(region[k]), reach);
     if (region.empty()) return;
-    const Vec3 inside = cells.centre(region[region.size() / 2]);
-    double angle = 0;
-    for_each_triangle(
-        [&](int a, int b, int c) { angle += solid_angle(at(a) - inside, at(b) - inside, at(c) - inside); });
-    if (!edges.is_oriented || std::abs(angle) > 0.5 * 4 * std::numbers::pi) num_leaks += region.size();
+    double angle = 0;  // mean of some cells: at one that is near to a sheet it is more than half a turn
+    const std::size_t num_looks = std::min(region.size(), kMaxLooks);
+    for (std::size_t k = 0; k < num_looks; ++k) {
+      const Vec3 inside = cells.centre(region[(2 * k + 1) * region.size() / (2 * num_looks)]);
+      for (const auto& [a, b, c] : edges.faces)
+        angle += solid_angle(at(a) - inside, at(b) - inside, at(c) - inside) / static_cast<double>(num_looks);
+    }
+    if (!edges.is_oriented || std::abs(angle) > kWinds * 4 * std::numbers::pi) num_leaks += region.size();
   });
   return num_leaks;
 }
@@ -303,21 +320,19 @@ std::vector<CageCell> cells_around(ConstPoints x, std::span<const Triangle> tria
           node, p[0], p[1], p[2], grid.min[0], grid.min[1], grid.min[2], grid.max[0], grid.max[1], grid.max[2]));
     return p;
   };
-  const auto for_each_triangle = [&](const auto& visit) {
-    for (const Triangle& face : triangles) visit(face[0], face[1], face[2]);
-    for (const Quad& face : quads) {
-      visit(face[0], face[1], face[2]);
-      visit(face[0], face[2], face[3]);
-    }
-  };
-  for_each_triangle([&](int a, int b, int c) { mark_touched({corner(a), corner(b), corner(c)}, cells); });
-  const SurfaceEdges edges = edges_of_surface(x, triangles, quads);
+  std::vector<Triangle> faces(triangles.begin(), triangles.end());
+  for (const Quad& face : quads) {
+    faces.push_back({face[0], face[1], face[2]});
+    faces.push_back({face[0], face[2], face[3]});
+  }
+  for (const auto& [a, b, c] : faces) mark_touched({corner(a), corner(b), corner(c)}, cells);
+  const SurfaceEdges edges = edges_of_surface(x, faces);
   std::optional<Cells> touched;
   if (!edges.open.empty()) touched = cells;
   mark_outside(grid, cells);
   if (edges.open.empty()) return cells.take();
 
-  const std::size_t num_leaks = count_leaks(x, edges, for_each_triangle, grid, cells, std::move(*touched));
+  const std::size_t num_leaks = count_leaks(x, edges, grid, cells, std::move(*touched));
   if (num_leaks > 0) {
     const Vec3 a = corner(edges.open[0][0]), b = corner(edges.open[0][1]);
     throw InputError(fmt::format(

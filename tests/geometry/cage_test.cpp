@@ -216,6 +216,17 @@ TEST(Cage, ASurfaceWithAHoleIsRefusedWhereTheCageWouldBeHollow) {
   }
 }
 
+// Faces that are there again, turned over or not, close no hole.
+TEST(Cage, AHoleIsSeenHoweverOftenFacesAreThere) {
+  const CageGrid grid{.cells = {6, 6, 6}, .min = Vec3::Zero(), .max = Vec3::Constant(6)};
+  Surface once = box(Vec3(0.5, 0.5, 0.5), Vec3(5.5, 5.5, 5.5));
+  once.quads.pop_back();
+  Surface turned = once;
+  for (Quad& quad : turned.quads) std::swap(quad[1], quad[3]);
+  for (const Surface& other : {once, turned})
+    EXPECT_TRUE(refuses<InputError>([&] { cage_of(joined(once, other), grid); }, {"4 edges belong to one face alone"}));
+}
+
 // A pinhole in a sphere: as long as no cell passes through it, the cage is that of the whole sphere.
 TEST(Cage, AHoleSmallerThanTheCellsDoesNotMatter) {
   const Surface whole = sphere(Vec3(1, 2, 3), 1, 12);
@@ -244,6 +255,13 @@ TEST(Cage, AnOpenSurfaceWithoutInsideIsNoMistake) {
   const Cage around = cage_of(belt, grid);
   EXPECT_EQ(around.num_touched, around.mesh.num_elements());
   EXPECT_GT(around.num_touched, 40);
+
+  for (const int rows : {4, 8, 20})  // a cap of 18 and of 36 degrees, and a bowl
+    for (const int cells : {10, 20, 45}) {
+      const Surface cap{ball.x, {}, {ball.quads.begin(), ball.quads.begin() + rows * 80}};
+      const Cage cage = cage_of(cap, cubes_around(ball.x.topRows((rows + 1) * 80), cells));
+      EXPECT_EQ(cage.num_touched, cage.mesh.num_elements()) << rows << " rows, " << cells << " cells";
+    }
 
   const Surface upper{ball.x, {}, {ball.quads.begin(), ball.quads.begin() + 20 * 80}};
   Surface lower{ball.x, {}, {ball.quads.begin() + 20 * 80, ball.quads.end()}};
