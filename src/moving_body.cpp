@@ -113,10 +113,12 @@ std::uint64_t identity_of(const Motion& motion, const std::vector<double>& mass)
   StateHash hash;
   hash.add(mass.data(), mass.size() * sizeof(double));
   const EulerSettings& euler = motion.euler;
-  for (const double number :
-       {motion.dt, motion.gravity.x(), motion.gravity.y(), motion.gravity.z(), euler.rayleigh_mass,
-        euler.rayleigh_stiffness, euler.velocity_damping, euler.first_order ? 1.0 : 0.0, euler.trapezoidal ? 1.0 : 0.0})
-    hash.add(&number, sizeof number);
+  for (const double number : {motion.dt, motion.gravity.x(), motion.gravity.y(), motion.gravity.z(),
+                              euler.rayleigh_mass, euler.rayleigh_stiffness, euler.velocity_damping,
+                              euler.first_order ? 1.0 : 0.0, euler.trapezoidal ? 1.0 : 0.0}) {
+    const double bits = number + 0.0;  // -0 is 0
+    hash.add(&bits, sizeof bits);
+  }
   return hash.value();
 }
 

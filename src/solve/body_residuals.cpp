@@ -8,6 +8,12 @@
 #include "hexaplast/base/parallel.hpp"
 
 namespace hexaplast {
+namespace {
+
+// of |b|: the forces of a body at rest are rounding, which is no load to be balanced
+constexpr double kNothingInDouble = 1e-10, kNothingInSingle = 1e-8;
+
+}  // namespace
 
 void BodyResiduals::setup(const LinearSystem& A, const MatrixFreeSystem& system, ConstPoints b) {
   system_ = &system;
@@ -18,6 +24,9 @@ void BodyResiduals::setup(const LinearSystem& A, const MatrixFreeSystem& system,
   if (std::ranges::all_of(parts_, [](const Part& part) { return part.body == 0; })) return parts_.clear();
 
   norm_b_ = std::sqrt(dot(b, b));
+  const bool is_single =
+      std::ranges::any_of(system.bodies, [](const KernelBody& body) { return !body.double_operator; });
+  nothing_ = (is_single ? kNothingInSingle : kNothingInDouble) * norm_b_;
   norms_.assign(parts_.size(), {});
   for (const Part& part : parts_) {
     const ConstPoints rows(part.nodes.rows(b));
@@ -58,7 +67,7 @@ double BodyResiduals::size(ConstPoints r, ConstPoints x, double unit) {
   double largest = 0;
   for (const Norms& norms : norms_) {
     const double acting = std::max({norms.load, norms.corrected, norms.transmitted});
-    if (norms.residual > 0) largest = std::max(largest, norms.residual / (acting > 0 ? acting : norm_b_));
+    if (norms.residual > nothing_) largest = std::max(largest, norms.residual / (acting > 0 ? acting : norm_b_));
   }
   return norm_b_ * largest;
 }

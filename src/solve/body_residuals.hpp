@@ -12,7 +12,8 @@ namespace hexaplast {
 ///   size = |b| max_i |r_i| / max(|b_i|, |(F x)_i|)
 ///
 /// i: the parts of a MatrixFreeSystem, as one where constraints couple them. F: its terms beside the bodies, as contact
-/// is, by which a body that is moved loads one on which nothing else acts.
+/// is, by which a body that is moved loads one on which nothing else acts. |r_i| that is rounding beside |b| counts as
+/// 0.
 class BodyResiduals {
  public:
   /// For a system, which outlives the calls of `size`, and its right-hand side.
@@ -36,7 +37,7 @@ class BodyResiduals {
     double transmitted = 0, residual = 0;
   };
   const MatrixFreeSystem* system_ = nullptr;
-  double norm_b_ = 0;
+  double norm_b_ = 0, nothing_ = 0;
   std::vector<Part> parts_;   // empty: not several bodies
   std::vector<Norms> norms_;  // per part, those of a body at its first one
   PointArray product_;
