@@ -53,7 +53,6 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
   }
 
   void serialize(Archive& archive) override {
-    if (archive.reads()) has_pairs_ = false;  // an AttributeChange before it has put other nodes
     pairs();
     std::vector<unsigned char> saved = is_released_;
     archive(saved);

@@ -16,8 +16,8 @@ void Component::follow_inputs() {
   if (looks_by_itself()) return;
   const long inputs = inputs_version();
   if (inputs == seen_inputs_) return;
-  seen_inputs_ = inputs;
   refresh();
+  seen_inputs_ = inputs;
 }
 
 void Component::reject_missing(std::string_view category) {

@@ -9,6 +9,15 @@
 #include "scene/links.hpp"
 
 namespace hexaplast::scene {
+namespace {
+
+/// Contacts come last: they follow from bodies, which may stand behind them.
+bool is_contact(const Component& component) {
+  const auto* field = dynamic_cast<const ForceField*>(&component);
+  return (field && field->is_one_sided()) || dynamic_cast<const OneSidedInteraction*>(&component);
+}
+
+}  // namespace
 
 Scene::Scene() : diagnostics_(std::make_unique<Diagnostics>()), root_(std::make_unique<Node>(nullptr)) {}
 
@@ -92,7 +101,10 @@ void Scene::reset() {
 
 void Scene::follow_all_inputs() {
   try {
-    root_->for_each<Component>([](Component& component) { component.follow_inputs(); });
+    for (const bool of_contacts : {false, true})
+      root_->for_each<Component>([&](Component& component) {
+        if (is_contact(component) == of_contacts) component.follow_inputs();
+      });
   } catch (const Rejection& rejection) {
     throw SceneError(rejection.what());
   }
@@ -197,15 +209,27 @@ void Scene::restore(Archive& archive) {
     const auto* field = dynamic_cast<const ForceField*>(&saved.component);
     return field != nullptr && field->body() != nullptr;
   };
+  const auto is_followed = [&](const Saved& saved) {  // AttributeChanges are settings
+    return is_body(saved) || dynamic_cast<const State*>(&saved.component) ||
+           saved.component.description().category == "Settings";
+  };
   // bodies first: contact and pressure, which may stand before them, refer to the surface that is left of them
   const auto read_all = [&] {
     for (const bool of_bodies : {true, false})
       for (const Saved& saved : all)
         if (is_body(saved) == of_bodies) read(saved);
   };
-  // what follows others is made anew from their state, and its own memory comes on top of that
-  read_all();
-  follow_all_inputs();
+  // what follows others is made anew from their state, and its own memory, which may be of another size by then, comes
+  // on top of that; what had not followed when it was saved does so in the next step
+  for (const Saved& saved : all)
+    if (is_followed(saved)) read(saved);
+  try {
+    for (const bool of_contacts : {false, true})
+      for (const Saved& saved : all)
+        if (is_contact(saved.component) == of_contacts && !saved.awaits_refresh) saved.component.follow_inputs();
+  } catch (const Rejection& rejection) {
+    throw SceneError(rejection.what());
+  }
   read_all();
   for (const Saved& saved : all) {
     saved.component.mark_inputs_seen();
@@ -215,11 +239,6 @@ void Scene::restore(Archive& archive) {
 }
 
 void begin_step(Node& node) {
-  const auto is_contact = [](const Component& component) {
-    const auto* field = dynamic_cast<const ForceField*>(&component);
-    return (field && field->is_one_sided()) || dynamic_cast<const OneSidedInteraction*>(&component);
-  };
-  // contacts last: they follow from bodies, which may stand behind them
   for (const bool of_contacts : {false, true})
     node.for_each<Component>([&](Component& component) {
       if (is_contact(component) != of_contacts) return;
