@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kFarthestPerCheck = 0.5;  // of the smallest radius that a sample may move against the instrument
 constexpr double kMaxChecks = 1e15;        // within a step: they are counted
+constexpr int kMaxDistances = 1000;        // of them, those for which the distance is asked
 constexpr double kOnTheSameSide = 0.7;     // cosine, from which a surface that turned is the one that was touched
 constexpr double kMarginOfBox = 1e-6;      // of a body's size, by which its box is larger
 
@@ -122,7 +123,13 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
     const SignedDistance at_begin = solid_.distance(from);
     double before = at_begin.value, check_before = 0;
     bool touched = before < distance;
+    int num_looks = 0;
     for (double check = 1;;) {
+      if (++num_looks > kMaxDistances)
+        throw NumericalError(fmt::format(
+            "contact of an instrument: along its surface it moves by more than {:.3g} m in a step, {:g} times its "
+            "smallest radius: the time step must be shorter, or the instrument thicker",
+            kMaxDistances * kFarthestPerCheck * solid_.smallest_radius(), kMaxDistances * kFarthestPerCheck));
       const Vec3 at = place_at(check);
       const SignedDistance now = solid_.distance(at);
       // what touched stays a contact until it would pull, unless it slid over an edge

@@ -302,6 +302,13 @@ TEST(InstrumentContact, NothingIsMissedHoweverThinAndFast) {
     EXPECT_LT(contact.terms().terms[0].normal.z(), 0) << "from above, where it comes from";
   }
   EXPECT_GT(aimed, 50);
+
+  // what slides along a surface is looked at all the way, which has an end
+  InstrumentContact sheet(Solid::box({1, 1, 1e-7}), {.stiffness = 1e5}, SurfaceSamples::on(mesh, {}, 0.1, 4));
+  const Vec3 above(0.1, 0.1, 0.1 + 1e-6);
+  EXPECT_NO_THROW(sheet.begin_step(x, v, 0.01, {.position = above}, {.position = above + Vec3(1e-6, 0, 0)}));
+  EXPECT_THROW(sheet.begin_step(x, v, 0.01, {.position = above}, {.position = above + Vec3(0.05, 0, 0)}),
+               NumericalError);
 }
 
 // Boxes only leave out what cannot touch: poses that turn and go through each other at random, against samples looked
