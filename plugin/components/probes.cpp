@@ -33,9 +33,8 @@ class Probe final : public scene::Probe {
   double read(scene::Readings& readings) override {
     probe_->set_options(read_options<parts::ProbeOptions>(*this));
     const std::vector<double>& values = readings.reals(*this, "value");
-    return accepted(*this, [&] {
-      return points_ ? probe_->read(at_points(values)) : probe_->read(values, alive(values.size()));
-    });
+    return accepted(
+        *this, [&] { return points_ ? probe_->read(at_points(values)) : probe_->read(values, alive(values.size())); });
   }
   std::string_view unit() override { return source().attribute().unit; }
 

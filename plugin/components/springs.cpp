@@ -124,6 +124,8 @@ class SpringForceField final : public SpringField, public scene::Interaction, pu
   /// Of dampers that may stop a node and throw it back within a step. The inertia against which they work is that of
   /// the step: mass, and stiffness of a body.
   void warn_of_damping() {
+    for (const scene::Component* component : node().root().all<scene::Component>())
+      if (component->stage() == Stage::kFailed) return;  // its errors come first
     auto* own = node().nearest<scene::MechanicalState>();
     const std::array ends = {states_[0] ? states_[0] : own, states_[1] ? states_[1] : own};
     const double h = node().clock().dt;
@@ -144,8 +146,8 @@ class SpringForceField final : public SpringField, public scene::Interaction, pu
       if (h * damping[worst] <= inertia) continue;
       remark(scene::Severity::kWarning, is_given("spring") ? "spring" : "damping",
              fmt::format("springs damp node {} of '{}' with {:.3g} N s/m: they may throw it back within a step, as "
-                         "damping acts by the velocities at the beginning of a step. About {:.2g} N s/m are safe there",
-                         worst, state->name(), damping[worst], inertia / h));
+                         "damping acts by the velocities at the beginning of a step",
+                         worst, state->name(), damping[worst]));
     }
   }
 

@@ -18,7 +18,7 @@ ContactSettings ContactOptions::settings(double default_stiffness) const {
   const double max = kMaxStiffness * default_stiffness;
   const auto check = [&](std::string_view option, const std::optional<double>& stiffness) {
     if (stiffness && *stiffness > max)
-      throw OptionError(option, fmt::format("= {:.6g}: must be at most {:.3g} Pa/m, a thousand times the default of "
+      throw OptionError(option, fmt::format("is {:.6g}, must be at most {:.3g} Pa/m, a thousand times the default of "
                                             "contactStiffness, 30 E / edge length",
                                             *stiffness, max));
   };
@@ -36,7 +36,7 @@ ContactSettings ContactOptions::settings(double default_stiffness) const {
 void ContactOptions::check_distance(double edge) const {
   if (const double max = kMaxDistance * edge; contact_distance > max)
     throw OptionError("contact_distance",
-                      fmt::format("= {:.6g}: must be at most {:.3g} m, half of the mean edge", contact_distance, max));
+                      fmt::format("is {:.6g}, must be at most {:.3g} m, half of the mean edge", contact_distance, max));
 }
 
 double mean_edge(const Body& body) {

@@ -64,9 +64,8 @@ std::vector<Remark> Tissues::look_at_start(const OfTwo<ConstPoints>& x) {
   if (!options_.active) return {};
   const double depth = contact_->depth_at(x);
   if (!(depth > kOverlap * contact_->edge())) return {};
-  if (bodies_[0] == bodies_[1])
-    return {{"object1", fmt::format("the body begins {:.3g} m deep in itself, and is pushed apart", depth)}};
-  return {{"object2", fmt::format("the bodies begin {:.3g} m deep in each other, and are pushed apart", depth)}};
+  if (bodies_[0] == bodies_[1]) return {{"object1", fmt::format("the body begins {:.3g} m deep in itself", depth)}};
+  return {{"object2", fmt::format("the bodies begin {:.3g} m deep in each other", depth)}};
 }
 
 void Tissues::begin_step(double dt, double rayleigh_stiffness, const OfTwo<ConstPoints>& x,

@@ -240,7 +240,7 @@ TEST_F(SizesOfCalls, OfSystemsAndIntegrators) {
          if (wrong.rows() == kRows) wrong = kCalled.positions();
          newton.solve(system, solver, 0, wrong);
        }},
-      {"ImplicitEuler::step", "v", kRows,
+      {"MovingBody", "v", kRows,
        [&](PointArray& wrong) {
          moving.v = wrong;
          moving.step();

@@ -371,11 +371,11 @@ TEST(InstrumentContactForceField, SaysWhatIsWrong) {
             prefix + ".embeddedPositions: given without embeddedTriangles, which make a surface of them");
   EXPECT_NE(errors("shape='ball' radius='1'").find("'ball'"), std::string::npos);
   EXPECT_EQ(errors("radius='1' contactDistance='.006'"),
-            prefix + ".contactDistance: = 0.006: must be at most 0.005 m, half of the mean edge");
+            prefix + ".contactDistance: is 0.006, must be at most 0.005 m, half of the mean edge");
   for (const char* stiffness : {"contactStiffness", "tangentialStiffness"})
     EXPECT_EQ(errors("radius='1' " + std::string(stiffness) + "='1e14'"),
               prefix + "." + stiffness +
-                  ": = 1e+14: must be at most 1.5e+10 Pa/m, a thousand times the default of contactStiffness, 30 E / "
+                  ": is 1e+14, must be at most 1.5e+10 Pa/m, a thousand times the default of contactStiffness, 30 E / "
                   "edge length");
   EXPECT_EQ(errors_of("<Node><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject "
                       "position='0 0 0'/><UniformMass totalMass='1'/><InstrumentContactForceField radius='1' "

@@ -115,9 +115,10 @@ TEST(RemovedHexahedra, DoNotCountInProbes) {
       "<Probe name='least' value='@flesh.volume' statistic='min'/><Probe name='mean' value='@flesh.volumeRatio'/>"
       "<Probe name='gone' value='@flesh.volume' indices='0 4'/>"));
   at<scene::ForceField>(scene, "bar/flesh").remove_elements(std::array{5, 0, 4});
-  EXPECT_NEAR(at<scene::Probe>(scene, "bar/least").read(), 1e-3, 1e-15);  // [m^3]
-  EXPECT_NEAR(at<scene::Probe>(scene, "bar/mean").read(), 1, 1e-12);
-  EXPECT_EQ(at<scene::Probe>(scene, "bar/gone").read(), 0);
+  scene::Readings readings;
+  EXPECT_NEAR(at<scene::Probe>(scene, "bar/least").read(readings), 1e-3, 1e-15);  // [m^3]
+  EXPECT_NEAR(at<scene::Probe>(scene, "bar/mean").read(readings), 1, 1e-12);
+  EXPECT_EQ(at<scene::Probe>(scene, "bar/gone").read(readings), 0);
 }
 
 class TornFiles : public testing::Test {

@@ -63,8 +63,13 @@ bool is_joined(const scene::Node& root, const scene::State& state) {
          });
 }
 
-/// Rejects the scene for what step 1 would end with.
+/// Rejects the scene for what step 1 would end with. Last of all: what a step begins with is done.
 void try_step(scene::Scene& scene, Findings& found) {
+  try {
+    begin_step(scene.root());
+  } catch (const scene::Rejection& rejection) {
+    throw scene::SceneError(rejection.what());
+  }
   for (scene::OdeSolver* solver : scene::integrators_of(scene)) {
     try {
       if (solver->try_step(found.loads_time, found.dt).at_threshold)

@@ -68,7 +68,8 @@ scene::Scene load_scene(const SceneOptions& options) {
   try {
     scene.init();
   } catch (const std::exception&) {
-    log_warnings(scene);  // they may explain the errors
+    for (const scene::Message& message : scene.diagnostics().take_warnings())  // which may explain the errors
+      if (message.severity == scene::Severity::kWarning) spdlog::warn("{}", scene::format(message));
     throw;
   }
   log_warnings(scene);

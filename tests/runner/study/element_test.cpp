@@ -116,7 +116,9 @@ TEST_F(ElementCommand, WrongInputEndsWith3AndNamesKeyValueAndWhatIsAllowed) {
            {"{" + kCube + R"(, "parameters": {"youngModulus": -5}})", {"youngModulus", "-5"}},
            {"{" + kCube + R"(, "parameters": {"poissonRatio": 0.5}})", {"poissonRatio", "0.5"}},
            {"{" + kCube + R"(, "parameters": {"yieldNorm": "tresca"}})", {"yieldNorm", "tresca", "vonMises"}},
-           {"{" + kCube + R"(, "parameters": {"dt": 1, "volumeRestitution": 9}})", {"volumeRestitution"}},
+           {"{" + kCube +
+                R"(, "parameters": {"dt": 1, "yieldStress": 1, "plasticFlowRate": 0.1, "volumeRestitution": 9}})",
+            {"volumeRestitution"}},
            {"{" + kCube + R"(, "parameters": {"gradient": "vertex", "bending": "assumed"}})", {"bending", "twice"}},
            {"{" + kCube + R"(, "parameters": {"youngModulus": 1, "E": 2}})", {"E", "twice", "another name"}},
        }) {
