@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "support/command.hpp"
 
@@ -44,9 +45,8 @@ class OutsidePlugin : public Command {
     for (const char* name : {"docs", "examples"})
       if (!fs::exists(directory_ / name)) fs::create_symlink(kSource / name, directory_ / name);
     if (!fs::exists(directory_ / "build")) fs::create_symlink(HEXAPLAST_BUILD_DIR, directory_ / "build");
-    std::string lines = text.substr(begin, end - begin);
-    for (std::size_t at = 0; (at = lines.find("PREFIX", at)) != lines.npos;)
-      lines.replace(at, 6, (directory_ / "prefix").string());
+    const std::string lines = std::regex_replace(text.substr(begin, end - begin), std::regex("\\bPREFIX\\b"),
+                                                 (directory_ / "prefix").string());
     write("lines.sh", "set -e\nexport CXX='" HEXAPLAST_COMPILER "'\n" + lines + "\n");
     must(before + "sh ./lines.sh");
   }
