@@ -296,7 +296,9 @@ TEST(InstrumentContactForceField, ContinuesAfterChangesOfBoth) {
   };
   const std::string modulus =
       "<AttributeChange component='@body' attribute='youngModulus' keyTimes='.1' values='9000'/>";
-  for (const std::string& one : {text(modulus, "", ".018"), text("", "fractureStretch='1.05'", ".024")}) {
+  const std::string radius = "<AttributeChange component='@ball' attribute='radius' keyTimes='.06' values='.004'/>";
+  for (const std::string& one : {text(modulus, "", ".018"), text(radius, "", ".018"),  // which has other samples
+                                 text("", "fractureStretch='1.05'", ".024")}) {
     scene::Scene straight = read_and_init(one), second = read_and_init(one);
     support::run(straight, 12);
     const bool has_torn = !at<scene::ForceField>(straight, "body").body()->removed().empty();
