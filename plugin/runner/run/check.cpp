@@ -65,6 +65,7 @@ bool is_joined(const scene::Node& root, const scene::State& state) {
 
 /// Rejects the scene for what step 1 would end with. Last of all: what a step begins with is done.
 void try_step(scene::Scene& scene, Findings& found) {
+  scene.root().files().rules.writes = false;
   try {
     begin_step(scene.root());
   } catch (const scene::Rejection& rejection) {

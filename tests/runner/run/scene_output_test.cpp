@@ -301,8 +301,7 @@ TEST_F(SceneOutput, NamesDoNotSteerTheTerminal) {
   fs::copy_file(directory_ / "skin.obj", directory_ / (odd + ".obj"));
   expect_shown("mesh info '" + odd + ".obj'", 0);
 
-  write("named.scn", writing_bar("<Wrong name='bar&#27;]0;owned&#7;&#27;[2J&#155;31m&#127;é'/><BoxROI name='a' "
-                                 "box='@bar&#27;]0;owned&#7;&#27;[2J&#155;31m&#127;é.box'/>"));
+  write("named.scn", writing_bar("<BoxROI name='a' box='@bar&#27;]0;owned&#7;&#27;[2J&#155;31m&#127;é.box'/>"));
   expect_shown("check named.scn", 3);
   // nor do they make lines of their own, or turn them
   const std::string forged = "safe.txt&#10;  memory              1.0 MB&#10;slab.scn: warning: forged &#x202E;";
