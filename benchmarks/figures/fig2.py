@@ -66,9 +66,9 @@ def make():
                          f"{100 * (volume - 1):+.3f}"])
     page.save(RESULTS / "fig2.png")
 
-    table = write_table("fig2", ["load", "elements", "elastic response / that of hexahedra", "under load (%, deg)",
-                                 "permanent (%, deg)", "asymmetry of the permanent shape, % of h", "volume error %"],
-                        rows)
+    write_table("fig2", ["load", "elements", "elastic response / that of hexahedra", "under load (%, deg)",
+                         "permanent (%, deg)", "asymmetry of the permanent shape, % of h", "volume error %"],
+                rows)
     kept = {(row[0], row[1]): float(row[4]) for row in rows}
     skew = max(float(row[5]) for row in rows if row[0] == "stretch")
     twisted = [kept["twist", splitting] for splitting in SPLITTINGS]
@@ -87,7 +87,5 @@ of the bar mirrored. Material, masses, loads and the law of stretch flow are the
 
 Elastic response is the small elongation, or twist, of the end sections under the same load. Asymmetry is the largest
 distance between the shape and its images under a quarter turn about the axis, under a half turn that exchanges the
-ends and, for the stretch, under two reflections.
-
-{table}
+ends and, for the stretch, under two reflections. [fig2.csv](fig2.csv) has the numbers.
 """)

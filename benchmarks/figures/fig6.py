@@ -47,10 +47,10 @@ def make():
                      f"{(determinant / rest).min():.3f}", f"{scaled.min():.3f}",
                      f"{100 * jaggedness(grid, this):.3f}", f"{100 * volume[-1]:+.4f}",
                      f"{100 * np.abs(volume).max():.3f}"])
-    table = write_table("fig6", ["plasticity", "mode", "twist deg", "prototype deg",
-                                 *(f"slice {k} deg" for k in range(6, 11)), "min det J ratio",
-                                 "min scaled Jacobian", "jaggedness % of h", "volume error at the end %",
-                                 "largest at any time %"], rows)
+    write_table("fig6", ["plasticity", "mode", "twist deg", "prototype deg",
+                         *(f"slice {k} deg" for k in range(6, 11)), "min det J ratio",
+                         "min scaled Jacobian", "jaggedness % of h", "volume error at the end %",
+                         "largest at any time %"], rows)
     high = {mode: slices["high", mode].sum() for mode in MODES}
     gap = {mode: 100 * jaggedness(grid, runs["high", mode]) for mode in MODES}
     write_section("Figure 6: twist", f"""
@@ -67,10 +67,8 @@ The figure shows the final shapes of `scenes/bar_twist_{{high,medium,low}}.scn` 
 * The paper reports distorted hexahedra for vertex rotations and jagged ones for centre rotations. The jaggedness of the
   bars of high plasticity is {gap["objective"]:.2f} %, {gap["vertex"]:.2f} % and {gap["centre"]:.2f} % of h.
 
-Jaggedness measures how badly the element rest shapes fit together. Each element rest shape is placed at the centre of
-its hexahedron. Jaggedness is the root mean square distance of its corners from their mean at every common node. The
-prototype is an independent program; its column is the twist between the ends. The minimum det J ratio and the minimum
-scaled Jacobian are those of all corners at the plastic rest positions; both are 1 for the initial cubes.
-
-{table}
+Jaggedness is the root mean square distance of the corners of element rest shapes, each placed at the centre of its
+hexahedron, from their mean at every common node. [fig6.csv](fig6.csv) has all levels: the twist of each slice and of an
+independent program (prototype), the minimum of det J relative to the cube's and of the scaled Jacobian at the plastic
+rest positions, and volume errors.
 """)
