@@ -23,6 +23,8 @@ class Probe final : public scene::Probe {
   // When the outputs of all components are there.
   void bwd_init() override {
     if (!is_given("value")) reject("value", "is not given: there is nothing to record");
+    if (is_given("component") && !holds_vectors())
+      reject("component", "is given for a value that holds no vectors: its entries are single numbers");
     if (is_given("points")) embed();
     probe_.emplace(read_options<parts::ProbeOptions>(*this), holds_vectors() ? 3 : 1);
     scene::Readings readings;

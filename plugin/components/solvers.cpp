@@ -184,12 +184,14 @@ class StaticSolver final : public SystemSolver {
   }
 
   // What is always in equilibrium has no velocity.
-  SolveReport solve(double time, double) override {
+  SolveReport solve(double time, double dt) override {
     const NewtonReport found = system().advance([&](Points x, Points v) {
       v.setZero();
       return newton_->solve(system(), linear_solver(), time, x);
     });
     system().project_motion(time);
+    const bool is_first = time < 1.5 * dt;
+    if (is_first) warn_of_small_forces(found);
     return heeded(report_of(found));
   }
 
@@ -199,7 +201,9 @@ class StaticSolver final : public SystemSolver {
       settings.iterations = 1;
       NewtonRaphson newton(settings);
       newton.memory().is_first = false;
-      return report_of(newton.solve(system(), solver, time, x));
+      const NewtonReport found = newton.solve(system(), solver, time, x);
+      warn_of_small_forces(found);
+      return report_of(found);
     });
   }
 
@@ -207,6 +211,16 @@ class StaticSolver final : public SystemSolver {
   SolverMemory& memory() override { return newton_->memory(); }
 
  private:
+  /// Forces with which a run begins may be meant, however small.
+  void warn_of_small_forces(const NewtonReport& found) {
+    constexpr double kRounding = 1e-3;  // of the threshold: forces of a body at rest lie below
+    if (found.status == NewtonStatus::kEquilibrium && found.residual > kRounding * newton_settings_.absolute_residual)
+      remark(scene::Severity::kWarning, {},
+             fmt::format("solves nothing for forces of {:.3g} N together, which lie below Newton's "
+                         "absoluteResidualStoppingThreshold={:.3g}",
+                         found.residual, newton_settings_.absolute_residual));
+  }
+
   static SolveReport report_of(const NewtonReport& found) {
     const bool converged = found.status != NewtonStatus::kNotConverged;
     return {.iterations = found.linear_iterations,

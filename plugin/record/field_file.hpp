@@ -42,7 +42,7 @@ inline constexpr std::array<FieldEntry, 10> kFields{{
     {Field::kDisplacement, "displacement", "m", "from the initial position", true},
     {Field::kVelocity, "velocity", "m/s", "of the node", true},
     {Field::kPlasticDisplacement, "plasticDisplacement", "m",
-     "of the plastic rest position (without load) from the initial position", true},
+     "of the plastic rest position (without load, up to a rigid motion) from the initial position", true},
     {Field::kLoads, "load", "N",
      "external forces without weight: of the beginning of the step, at the positions of its end", true},
     {Field::kContactForce, "contactForce", "N",

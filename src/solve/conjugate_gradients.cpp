@@ -60,7 +60,7 @@ SolveReport ConjugateGradients::solve_next(const LinearSystem& A, ConstPoints b,
     require_finite(p_Ap, rho);
     report.converged = p_Ap == 0 || (std::abs(p_Ap) <= settings_.threshold && !must_go_on());
     if (p_Ap < 0 && !report.converged) throw_indefinite(p_Ap);
-    report.at_threshold = report.converged && p_Ap != 0 && report.iterations == 0;
+    report.at_threshold = report.converged && p_Ap != 0;
     return !report.converged;
   };
   const double r_r = iterate(space, space.begin(b, warm ? &previous : nullptr), settings_.iterations, report.iterations,
@@ -71,6 +71,9 @@ SolveReport ConjugateGradients::solve_next(const LinearSystem& A, ConstPoints b,
   if (spaces_->rounds && settings_.tolerance > 0)
     report.residual = exact_residual(A, spaces_->system, b, x, spaces_->system.scratch) / norm_b;
   report.converged = report.converged || report.residual <= settings_.tolerance;
+  // a tolerance of 0 asks for iterations, of which a threshold may spare the last ones, and not all
+  if (settings_.tolerance > 0 ? report.residual <= settings_.tolerance : report.iterations > 0)
+    report.at_threshold = false;
   memory.is_first = false;
   // a start that is no number would spoil every later solve
   if (settings_.warm_start && x.allFinite()) memory.start = x;

@@ -201,6 +201,7 @@ TEST_F(Solvers, ConjugateGradientsCompareTheCurvatureWithAnAbsoluteThreshold) {
     memory.is_first = false;  // the rules hold in full from the second solve on
     const SolveReport report = cg.solve_next(DenseSystem(A), size * b, x, memory);
     EXPECT_TRUE(report.converged);
+    EXPECT_EQ(report.at_threshold, report.residual > 1e-10) << size;
     return report.iterations;
   };
   EXPECT_GT(iterations_for(1e6), iterations_for(1));

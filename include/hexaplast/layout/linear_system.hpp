@@ -204,7 +204,7 @@ struct SolveReport {
   double residual = 0;  ///< |b - A x| / |b| as the solver knows it (0 for a direct solver); the largest of the bodies,
                         ///< where its tolerance holds for each (PreconditionedConjugateGradients)
   bool converged = true;      ///< false: stopped before the tolerance, by the iteration limit or because A is singular
-  bool at_threshold = false;  ///< an absolute threshold was met before the first iteration: nothing was solved
+  bool at_threshold = false;  ///< an absolute threshold ended it above its tolerance
   bool of_newton = false;     ///< `residual` and `converged` are those of Newton's iterations
   PreconditionedBy preconditioner = PreconditionedBy::kNothing;  ///< that was used
 

@@ -14,12 +14,13 @@ struct AveragingReport {
 
 /// What happened in one plastic step. Counts are elements.
 struct FlowReport {
-  int yielded = 0;                ///< with flow of stretch or rotation at some corner
-  int inverted = 0;               ///< inverted at some corner (det F~ < 0)
-  int skipped = 0;                ///< without flow, because inverted or nearly so
-  int repaired = 0;               ///< whose plastic rest shape was moved towards the initial one
-  int rolled_back = 0;            ///< that keep the shape they had, because averaging would have flattened a hexahedron
-  int removed = 0;                ///< broken in this step: the last ones of Body::removed
+  int yielded = 0;   ///< with flow of stretch or rotation at some corner
+  int inverted = 0;  ///< inverted at some corner (det F~ < 0)
+  int skipped = 0;   ///< without flow, because inverted or nearly so
+  int repaired = 0;  ///< whose plastic rest shape was moved towards the initial one
+  int rolled_back =
+      0;            ///< that would have flowed but keep their shape: averaging would have flattened one of their part
+  int removed = 0;  ///< broken in this step: the last ones of Body::removed
   double worst_volume_error = 0;  ///< max |volume without load / initial volume - 1| of an element, before the step
   AveragingReport averaging;
 };

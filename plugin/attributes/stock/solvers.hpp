@@ -147,10 +147,11 @@ inline constexpr Attribute kNewtonRaphsonAttributes[] = {
      .help = "Ignored here: steps without equilibrium are always counted and reported."},
     ignored_attribute("residualGraph", "Ignored here."),
 };
-inline constexpr Description kNewtonRaphsonSolver{.class_name = "NewtonRaphsonSolver",
-                                                  .category = "NewtonRaphsonSolver",
-                                                  .help = "Stopping rules and line search of a StaticSolver.",
-                                                  .attributes = kNewtonRaphsonAttributes};
+inline constexpr Description kNewtonRaphsonSolver{
+    .class_name = "NewtonRaphsonSolver",
+    .category = "NewtonRaphsonSolver",
+    .help = "Stopping rules and line search of a StaticSolver. Norms are those of all its bodies together.",
+    .attributes = kNewtonRaphsonAttributes};
 
 inline constexpr Attribute kLinearSystem{
     .name = "linearSystem",

@@ -75,7 +75,7 @@ void try_step(scene::Scene& scene, Findings& found) {
     try {
       if (solver->try_step(found.loads_time, found.dt).at_threshold)
         found.warnings.push_back(
-            fmt::format("the linear solver of {} '{}' stops at its threshold before its first iteration: {}",
+            fmt::format("the linear solver of {} '{}' stops at its threshold above its tolerance: {}",
                         solver->class_name(), solver->name(), kThresholdRemedy));
     } catch (const scene::Rejection& rejection) {
       throw scene::SceneError(rejection.what());

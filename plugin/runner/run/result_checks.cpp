@@ -43,7 +43,7 @@ void check_solves(const Simulation& simulation, std::vector<std::string>& doubts
     if (steps > 0)
       doubts.push_back(fmt::format("{} in {} of {} steps{}", what, steps, simulation.latest().step, remedy));
   };
-  check(totals.threshold_solves, "the linear solver stopped at its threshold before its first iteration",
+  check(totals.threshold_solves, "the linear solver stopped at its threshold above its tolerance",
         fmt::format(": {}", kThresholdRemedy));
   check(totals.stalled_solves, "the linear solver stopped before its tolerance");
   check(totals.stalled_newton, "Newton's iterations stopped before their thresholds");

@@ -323,10 +323,9 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
     add("step", fmt::format("{:.3f} ms, {:.1f} solver iterations", per_step,
                             static_cast<double>(totals.iterations) / static_cast<double>(num_steps)));
   if (totals.threshold_solves > 0)
-    add("not solved",
-        fmt::format("{} of {} steps, in which the linear solver stopped at its threshold before its first "
-                    "iteration",
-                    totals.threshold_solves, num_steps));
+    add("not solved", fmt::format("{} of {} steps, in which the linear solver stopped at its threshold above its "
+                                  "tolerance",
+                                  totals.threshold_solves, num_steps));
   if (std::string line = preconditioner_line(totals); !line.empty()) add("preconditioner", std::move(line));
   add("instruction set", simd_target());
   add("state hash", simulation.state_hash());

@@ -18,7 +18,7 @@ struct Totals {
   std::array<long, kPreconditionerNames.size()> steps_by_preconditioner = {};  ///< that had something to solve
   long stalled_solves = 0;     ///< steps whose linear solver stopped before its tolerance
   long stalled_newton = 0;     ///< steps whose Newton iterations met none of their thresholds
-  long threshold_solves = 0;   ///< steps whose linear solver stopped at its threshold before its first iteration
+  long threshold_solves = 0;   ///< steps whose linear solver stopped at its threshold above its tolerance
   long stalled_averaging = 0;  ///< steps whose rest-shape averaging did
   long first_removal = 0;      ///< step in which the body lost its first hexahedron; 0: none
   long latest_removal = 0;

@@ -206,6 +206,14 @@ TEST_F(Probes, OfConstraintsGoOnFromACheckpoint) {
   EXPECT_NE(refused.err.find("reaction: is told by EulerImplicitSolver only"), std::string::npos) << refused.err;
 }
 
+TEST_F(Probes, HaveNoComponentOfSingleNumbers) {
+  write_scene("  <Probe name='volume' value='@body.volume' component='z'/>\n");
+  const Outcome refused = hexaplast("check bar.scn");
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_NE(refused.err.find("component: is given for a value that holds no vectors"), std::string::npos)
+      << refused.err;
+}
+
 TEST_F(Probes, FollowPointsWithinTheBodyAndVolumesOfRegions) {
   write_scene(R"xml(  <Probe name="inside" value="@nodes.position" points="0.03 0.07 0.21" component="z"/>
   <Probe name="moved" value="@nodes.position" points="0.03 0.07 0.21  0.05 0.05 0.4" change="true" statistic="max"/>

@@ -62,9 +62,9 @@ public:
         this->fromTable(d_plasticRestPositions, "plasticRestPositions")};
     Data<sofa::type::vector<sofa::Index>> d_removed{this->fromTable(d_removed, "removed")};
 
-    Data<bool> d_drawPlasticRestShape{
-        this->initData(&d_drawPlasticRestShape, false, "drawPlasticRestShape",
-                       "Draws the edges of the plastic rest shape, which the body has without load.")};
+    Data<bool> d_drawPlasticRestShape{this->initData(
+        &d_drawPlasticRestShape, false, "drawPlasticRestShape",
+        "Draws the edges of the plastic rest shape, which the body has without load, up to a rigid motion.")};
     sofa::core::objectmodel::SingleLink<HexahedronElastoplasticFEMForceField, MeshTopology,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
