@@ -57,19 +57,14 @@ std::string name_of_type(std::int64_t type) {
 
 class GmshFile {
  public:
-  GmshFile(std::string_view content, const std::string& name)
-      : source_(content, name), is_version_1_(is_of_version_1(content)) {}
+  GmshFile(std::string_view content, const std::string& name) : source_(content, name) {}
 
   ImportedMesh read() {
-    if (!is_version_1_) read_format();
+    read_format();
     while (true) {
       const std::string_view section = source_.word();
       if (section.empty()) break;
-      if (is_version_1_ && section == "$NOD")
-        read_nodes_1();
-      else if (is_version_1_ && section == "$ELM")
-        read_elements_1();
-      else if (section == "$Nodes")
+      if (section == "$Nodes")
         is_version_4_ ? read_nodes_4() : read_nodes_2();
       else if (section == "$Elements")
         is_version_4_ ? read_elements_4() : read_elements_2();
@@ -85,8 +80,8 @@ class GmshFile {
       else
         source_.refuse("something stands between two sections, must be $Name");
     }
-    if (!has_nodes_) source_.refuse(fmt::format("the file ends without {}", is_version_1_ ? "$NOD" : "$Nodes"));
-    if (!has_elements_) source_.refuse(fmt::format("the file ends without {}", is_version_1_ ? "$ELM" : "$Elements"));
+    if (!has_nodes_) source_.refuse("the file ends without $Nodes");
+    if (!has_elements_) source_.refuse("the file ends without $Elements");
     number_of_hexahedron_ = merge_copies(mesh_);
     return std::move(mesh_);
   }
@@ -123,39 +118,6 @@ class GmshFile {
     }
     source_.expect("$EndMeshFormat");
     source_.line();
-  }
-
-  // Version 1
-  // -----------------------------------------------------------------------------------------------------------------
-
-  /// It has no line that says so.
-  static bool is_of_version_1(std::string_view content) {
-    const std::size_t begin = content.find_first_not_of(" \t\r\n");
-    return begin != content.npos && content.substr(begin).starts_with("$NOD");
-  }
-
-  void read_nodes_1() {
-    const std::size_t count = begin_nodes(source_.count("the number of nodes", 8));
-    for (std::size_t n = 0; n < count; ++n) {
-      add_tag(tag("a node"), n);
-      read_position(n, 0);
-    }
-    source_.expect("$ENDNOD");
-  }
-
-  void read_elements_1() {
-    begin_elements();
-    const std::size_t count = source_.count("the number of elements", 10);
-    for (std::size_t e = 0; e < count; ++e) {
-      tag("an element");
-      const std::int64_t type = source_.integer("an element type", 1, kMaxNodes);
-      const std::int64_t group = tag("a group");
-      tag("an entity");
-      const int num_nodes = nodes_of(type);
-      source_.integer("the number of nodes of an element", num_nodes, num_nodes);
-      add_element(type, num_nodes, {&group, 1}, [&] { return tag("a node"); });
-    }
-    source_.expect("$ENDELM");
   }
 
   // Version 2
@@ -384,7 +346,7 @@ class GmshFile {
   MeshSource source_;
   ImportedMesh mesh_;
   std::unordered_map<std::int64_t, int> number_of_;  // of the node with a tag
-  bool is_version_1_ = false, is_version_4_ = false, is_binary_ = false;
+  bool is_version_4_ = false, is_binary_ = false;
   bool has_nodes_ = false, has_elements_ = false;
 
   static constexpr std::int64_t kNoVolume = std::numeric_limits<std::int64_t>::max();

@@ -59,9 +59,7 @@ ImportedMesh read_mesh(const std::filesystem::path& file) {
   if (ending == ".vtk" || ending == ".vtu") return read_vtk(file);
   if (ending == ".obj") return read_obj(file);
   if (ending == ".stl") return read_stl(file);
-  if (ending == ".inp") return read_abaqus(file);
-  throw InputError(
-      fmt::format("{}: a mesh file's name must end in .msh, .vtk, .vtu, .obj, .stl or .inp", file.string()));
+  throw InputError(fmt::format("{}: a mesh file's name must end in .msh, .vtk, .vtu, .obj or .stl", file.string()));
 }
 
 QuadSurface surface_of(const ImportedMesh& mesh) {

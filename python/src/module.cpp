@@ -76,7 +76,7 @@ PYBIND11_MODULE(_hexaplast, module) {
   module.def("grid", &grid, py::arg("cells"), py::arg("min"), py::arg("max"),
              "A box of hexahedra between two corners [m]: positions (n, 3) and hexahedra (m, 8), x fastest");
   module.def("read_mesh", &read, py::arg("file"),
-             "Positions (n, 3) and hexahedra (m, 8) of a .vtu, .vtk, .msh, .obj, .stl or .inp file");
+             "Positions (n, 3) and hexahedra (m, 8) of a .vtu, .vtk, .msh, .obj or .stl file");
   module.def("set_num_threads", &set_threads, py::arg("count"), "Of every parallel loop; results do not depend on it");
   module.def("num_threads", &num_threads);
   module.def("simd_target", &simd_target, "Instruction set of the kernels; last bits differ between them");

@@ -35,7 +35,6 @@ std::string content_of(const fs::path& file) {
 ImportedMesh parse(const std::string& name, std::string_view content) {
   if (name.ends_with(".obj")) return parse_obj(content, name);
   if (name.ends_with(".stl")) return parse_stl(content, name);
-  if (name.ends_with(".inp")) return parse_abaqus(content, name);
   return name.ends_with(".msh") ? parse_gmsh(content, name) : parse_vtk(content, name);
 }
 
@@ -63,10 +62,8 @@ TEST(MeshFile, TheEndingOfTheNameTellsTheFormat) {
     SCOPED_TRACE(file);
     expect_the_two_hexahedra(read_mesh(kFolder + file));
   }
-  expect_the_two_hexahedra(read_mesh(kFolder + "two.inp"));
   EXPECT_EQ(read_mesh(kFolder + "surface.obj").positions.rows(), read_obj(kFolder + "surface.obj").positions.rows());
-  EXPECT_TRUE(
-      refuses<InputError>([] { read_mesh("organ.ply"); }, {"organ.ply", ".msh, .vtk, .vtu, .obj, .stl or .inp"}));
+  EXPECT_TRUE(refuses<InputError>([] { read_mesh("organ.ply"); }, {"organ.ply", ".msh, .vtk, .vtu, .obj or .stl"}));
 }
 
 TEST(MeshFile, HoldsWhatMeshioWrote) {
@@ -74,7 +71,6 @@ TEST(MeshFile, HoldsWhatMeshioWrote) {
     SCOPED_TRACE(file);
     expect_the_two_hexahedra(file.ends_with(".msh") ? read_gmsh(kFolder + file) : read_vtk(kFolder + file));
   }
-  expect_the_two_hexahedra(read_abaqus(kFolder + "two.inp"));
   const ImportedMesh surface = read_obj(kFolder + "surface.obj");
   EXPECT_EQ(surface.positions.row(9), Eigen::RowVector3d(0.1, 1, 1.1));
   EXPECT_EQ(surface.quads, (std::vector<Quad>{{6, 7, 10, 9}}));
@@ -83,7 +79,7 @@ TEST(MeshFile, HoldsWhatMeshioWrote) {
 
 TEST(MeshFile, LinesMayEndAsOnWindows) {
   for (const std::string file :
-       {"two_22_ascii.msh", "two_41_ascii.msh", "two_42_ascii.vtk", "two_51_ascii.vtk", "two_ascii.vtu", "two.inp"}) {
+       {"two_22_ascii.msh", "two_41_ascii.msh", "two_42_ascii.vtk", "two_51_ascii.vtk", "two_ascii.vtu"}) {
     SCOPED_TRACE(file);
     std::string text;
     for (const char c : content_of(kFolder + file)) text += c == '\n' ? std::string("\r\n") : std::string(1, c);
@@ -111,9 +107,7 @@ TEST(MeshFile, CutAnywhereIsRefusedOrWhole) {
 
 TEST(MeshFile, DamagedAnywhereIsRefusedOrLoads) {
   support::Random random(11);
-  std::vector<std::string> files = kVolumeFiles;
-  files.push_back("two.inp");
-  for (const std::string& file : files) {
+  for (const std::string& file : kVolumeFiles) {
     const std::string whole = content_of(kFolder + file);
     for (int mutation = 0; mutation < 1500; ++mutation) {
       std::string damaged = whole;
@@ -197,15 +191,14 @@ TEST(MeshFile, WhatIsNoFileIsRefused) {
 
 // Reading back what is written: the same numbers to the last bit, and cells in the same order.
 TEST(MeshFile, WrittenInAnyFormatIsReadAsItWas) {
-  ImportedMesh mesh = read_abaqus(kFolder + "two.inp");
+  ImportedMesh mesh = read_gmsh(kFolder + "two_22_ascii.msh");
   mesh.positions.row(0) << 0.1 + 0.2, -1e-17, 12345.678901234567;
   const ExportedMesh exported{.points = {mesh.positions.data(), static_cast<std::size_t>(mesh.positions.size())},
                               .edges = mesh.edges,
                               .triangles = mesh.triangles,
                               .quads = mesh.quads,
                               .hexahedra = mesh.hexahedra};
-  for (const auto& [name, text] : {std::pair("a.msh", gmsh_text(exported)), std::pair("a.vtu", vtu_text(exported)),
-                                   std::pair("a.inp", abaqus_text(exported))}) {
+  for (const auto& [name, text] : {std::pair("a.msh", gmsh_text(exported)), std::pair("a.vtu", vtu_text(exported))}) {
     SCOPED_TRACE(name);
     const ImportedMesh again = parse(name, text);
     EXPECT_EQ(again.positions, mesh.positions);
@@ -215,51 +208,6 @@ TEST(MeshFile, WrittenInAnyFormatIsReadAsItWas) {
     EXPECT_EQ(again.hexahedra, mesh.hexahedra);
     EXPECT_TRUE(again.skipped.empty());
   }
-}
-
-// CalculiX reads no more than twenty characters of a number.
-TEST(AbaqusFile, HoldsShortNumbers) {
-  const std::array<double, 6> points{-1.2345678901234567e-105, 1, 2, -0.012345678901234567, 3, 4};
-  const std::string deck = abaqus_text({.points = points, .edges = std::vector<Edge>{{0, 1}}});
-  EXPECT_EQ(deck,
-            "*NODE, NSET=ALL\n1, -1.234567890123e-105, 1, 2\n2, -0.01234567890123457, 3, 4\n"
-            "*ELEMENT, TYPE=T3D2, ELSET=EDGES\n1, 1, 2\n");
-}
-
-// Any case and blanks, tags of any order, elements over several lines, kinds that are skipped, sections that do not
-// matter.
-TEST(AbaqusFile, IsReadAsDecksAreWritten) {
-  const ImportedMesh mesh = parse_abaqus(
-      "** a deck\n*Heading\n anything, 1 2 3\n*node , nset = all\n 30, 9,9,9\n10,1.,0,0\n20, 1, 1\n900,\t0, 0, 0\n"
-      "5,0,1,0\n6,0,0,1\n7,1,0,1,\n8,1,1,1\n\n*Node print, nset=all\nU\n"
-      "*ELEMENT,type=c3d8i,elset=Eall\n1, 900, 10, 20, 5,\n 6, 7, 8, 30\n*Element, type=C3D20\n2, 1,2,3,4,5,\n6,7\n"
-      "3, 1, 2\n*ELEMENT, TYPE=S4R\n4,900,10,20,5\n*MATERIAL, NAME=A\n*ELASTIC\n1000, .3\n",
-      "deck.inp");
-  EXPECT_EQ(mesh.hexahedra, (std::vector<Hexahedron>{{3, 1, 2, 4, 5, 6, 7, 0}}));
-  EXPECT_EQ(mesh.quads, (std::vector<Quad>{{3, 1, 2, 4}}));
-  EXPECT_EQ(mesh.positions.row(2), Eigen::RowVector3d(1, 1, 0));
-  EXPECT_EQ(mesh.skipped, (std::map<std::string, int>{{"elements of type C3D20", 2}}));
-}
-
-TEST(AbaqusFile, NamesPlaceAndReason) {
-  const auto deck = [](const std::string& text) { return [=] { parse_abaqus(text, "a.inp"); }; };
-  const std::string nodes = "*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n";
-  EXPECT_TRUE(refuses<InputError>(deck(""), {"a.inp:1: the file ends without *NODE"}));
-  EXPECT_TRUE(refuses<InputError>(deck(nodes), {"ends without *ELEMENT"}));
-  EXPECT_TRUE(refuses<InputError>(deck("*NODE\n1,0,x,0\n"), {"a.inp:2: 'x' is not a coordinate"}));
-  EXPECT_TRUE(refuses<InputError>(deck("*NODE\n1,0,nan,0\n"), {"a.inp:2: 'nan' is not a coordinate"}));
-  EXPECT_TRUE(refuses<InputError>(deck("*NODE\n0,0,0,0\n"), {"a.inp:2: '0' is not the number of a node"}));
-  EXPECT_TRUE(refuses<InputError>(deck("*NODE\n1,0,0,0,1\n"), {"a.inp:2: 5 numbers for a node"}));
-  EXPECT_TRUE(refuses<InputError>(deck(nodes + "1,0,0,2\n"), {"a.inp:5: a second node 1"}));
-  EXPECT_TRUE(refuses<InputError>(deck("*NODE, SYSTEM=C\n"), {"a.inp:1: nodes in a system of their own"}));
-  EXPECT_TRUE(refuses<InputError>(deck("*INCLUDE, INPUT=b.inp\n"), {"a.inp:1: *INCLUDE is not read"}));
-  for (const std::string keyword : {"*ELGEN", "*ELCOPY", "*NCOPY", "*NFILL", "*NGEN", "*NMAP"})
-    EXPECT_TRUE(refuses<InputError>(deck(nodes + keyword + ", OLD SET=a\n"), {"a.inp:5: " + keyword + " is not read"}));
-  EXPECT_TRUE(refuses<InputError>(deck(nodes + "*ELEMENT\n"), {"a.inp:5: *ELEMENT without TYPE"}));
-  EXPECT_TRUE(refuses<InputError>(deck(nodes + "*ELEMENT, TYPE=S3\n1,1,2,4\n"), {"a.inp:6: node 4, which is not"}));
-  EXPECT_TRUE(
-      refuses<InputError>(deck(nodes + "*ELEMENT, TYPE=S3\n1,1,2\n"), {"a.inp:6: an element of 2 nodes, S3 has 3"}));
-  EXPECT_TRUE(refuses<InputError>(deck(nodes + "*ELEMENT, TYPE=S3\n1,1,2,\n*STEP\n"), {"an element of 2 nodes"}));
 }
 
 // Several blocks, tags with gaps and in any order, nodes with parameters, sections that do not matter.
@@ -294,8 +242,7 @@ TEST(MeshFile, HoldsACellOnceThatStandsThereAgain) {
                              .edges = tower.edges,
                              .quads = tower.quads,
                              .hexahedra = tower.hexahedra};
-  for (const ImportedMesh& mesh : {parse_gmsh(gmsh_text(written), "a.msh"), parse_vtk(vtu_text(written), "a.vtu"),
-                                   parse_abaqus(abaqus_text(written), "a.inp")}) {
+  for (const ImportedMesh& mesh : {parse_gmsh(gmsh_text(written), "a.msh"), parse_vtk(vtu_text(written), "a.vtu")}) {
     EXPECT_EQ(mesh.hexahedra, (std::vector<Hexahedron>{tower.hexahedra[0], tower.hexahedra[1]}));
     EXPECT_EQ(mesh.quads, (std::vector<Quad>{{0, 1, 2, 3}, {4, 5, 6, 7}, {1, 2, 3, 0}}));
     EXPECT_EQ(mesh.edges, (std::vector<Edge>{{0, 1}}));

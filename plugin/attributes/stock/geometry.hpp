@@ -241,7 +241,7 @@ inline constexpr Attribute kSparseGridTopologyAttributes[] = {
     {.name = "fileTopology",
      .type = Type::kText,
      .aliases = "filename",
-     .help = "The surface: the triangles and quads of a mesh file, .obj, .stl, .vtk, .vtu, .msh or .inp; a relative "
+     .help = "The surface: the triangles and quads of a mesh file, .obj, .stl, .vtk, .vtu or .msh; a relative "
              "path counts from the scene file that names it. SOFA reads .obj of these."},
     {.name = "n",
      .type = Type::kIntegers,

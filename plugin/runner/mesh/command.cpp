@@ -17,22 +17,11 @@ namespace hexaplast::runner {
 namespace {
 
 void add_mesh_export(CLI::App& mesh, MeshExportOptions& options) {
-  CLI::App* command = mesh.add_subcommand("export", "Write the scene's body for other programs");
+  CLI::App* command = mesh.add_subcommand("export", "Write the scene's bodies for other programs");
   add_scene(*command, options.scene);
-  command
-      ->add_option(
-          "--format", options.format,
-          "inp: static analysis for Abaqus and CalculiX, with constraints, elasticity and loads; vtu: mesh for "
-          "ParaView")
-      ->type_name("inp|vtu")
-      ->check(CLI::IsMember({"inp", "vtu"}))
+  command->add_option("-o,--out", options.out, "File to write, .vtu; replaces an older one")
+      ->type_name("FILE")
       ->required();
-  command->add_option("-o,--out", options.out, "File to write; replaces an older one")->type_name("FILE")->required();
-  command
-      ->add_option("--time", options.time,
-                   "Loads at this time [s]; default: at the first step of the run at which they are largest")
-      ->type_name("T")
-      ->check(CLI::NonNegativeNumber);
 }
 
 void add_mesh_cage(CLI::App& mesh, MeshCageOptions& options) {
@@ -51,7 +40,7 @@ void add_mesh_cage(CLI::App& mesh, MeshCageOptions& options) {
   command->add_flag("--allow-parts", options.allow_parts, "Accept a cage with unconnected parts");
 }
 
-constexpr const char* kMeshFormats = "File to write, .vtu, .msh or .inp; replaces an older one";
+constexpr const char* kMeshFormats = "File to write, .vtu or .msh; replaces an older one";
 constexpr int kMaxAlong = 1'000'000;  // hexahedra along one direction
 
 /// What every command that makes hexahedra along three directions takes.
@@ -134,7 +123,7 @@ void add_mesh_sphere_patch(CLI::App& mesh, MeshSpherePatchOptions& options) {
 void add_mesh_offset(CLI::App& mesh, MeshOffsetOptions& options) {
   CLI::App* command = mesh.add_subcommand("offset", "Grow a shell of hexahedra from a surface of quads");
   command->footer(kExitCodes);
-  command->add_option("surface", options.surface, "Mesh file: .obj, .vtk, .vtu, .msh or .inp, with quads alone")
+  command->add_option("surface", options.surface, "Mesh file: .obj, .vtk, .vtu or .msh, with quads alone")
       ->type_name("SURFACE")
       ->required();
   add_length(*command, "--thickness", options.thickness, "Thickness, measured normal to the quads [m]");
@@ -186,18 +175,14 @@ void add_mesh_voxels(CLI::App& mesh, MeshVoxelsOptions& options) {
 void add_mesh_info(CLI::App& mesh, MeshInfoOptions& options) {
   CLI::App* command = mesh.add_subcommand("info", "Print what a mesh file holds, its size, volume and shape");
   command->footer(kExitCodes);
-  command->add_option("file", options.file, "Mesh file: .vtu, .vtk, .msh, .obj, .stl or .inp")
-      ->type_name("FILE")
-      ->required();
+  command->add_option("file", options.file, "Mesh file: .vtu, .vtk, .msh, .obj or .stl")->type_name("FILE")->required();
   command->add_flag("--json", options.json, "As JSON");
 }
 
 void add_mesh_convert(CLI::App& mesh, MeshConvertOptions& options) {
   CLI::App* command = mesh.add_subcommand("convert", "Write the cells of a mesh file in another format");
   command->footer(kExitCodes);
-  command->add_option("file", options.file, "Mesh file: .vtu, .vtk, .msh, .obj, .stl or .inp")
-      ->type_name("FILE")
-      ->required();
+  command->add_option("file", options.file, "Mesh file: .vtu, .vtk, .msh, .obj or .stl")->type_name("FILE")->required();
   command->add_option("-o,--out", options.out, kMeshFormats)->type_name("FILE")->required();
 }
 

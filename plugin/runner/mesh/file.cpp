@@ -17,8 +17,7 @@ Write writer_of(const std::filesystem::path& file) {
   const std::string ending = file.extension().string();
   if (ending == ".vtu") return vtu_text;
   if (ending == ".msh") return gmsh_text;
-  if (ending == ".inp") return abaqus_text;
-  throw UsageError(fmt::format("--out {}: the name must end in .vtu, .msh or .inp", file.string()));
+  throw UsageError(fmt::format("--out {}: the name must end in .vtu or .msh", file.string()));
 }
 
 }  // namespace

@@ -30,7 +30,6 @@ meshio.vtk.write("two_51_binary.vtk", mesh, "5.1", binary=True)
 meshio.vtu.write("two_ascii.vtu", mesh, binary=False)
 meshio.vtu.write("two_base64.vtu", mesh, binary=True, compression=None)
 meshio.vtu.write("two_zlib.vtu", mesh, binary=True, compression="zlib", header_type="UInt64")
-meshio.abaqus.write("two.inp", mesh)
 
 # a cube of 0.1 m, for the examples of the component page
 corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]) * 0.1

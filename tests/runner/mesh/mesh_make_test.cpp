@@ -97,9 +97,9 @@ TEST_F(MeshMake, MakesShapes) {
   EXPECT_NEAR(info("grid.vtu")["body"]["volume"].get<double>(), 0.048, 1e-15);
   made("sheet --cells 8 4 2 --size 0.2 0.1 --thickness 0.01 --curvature 4 -o sheet.msh");
   EXPECT_NEAR(info("sheet.msh")["body"]["volume"].get<double>(), 2e-4 * std::sin(0.1) / 0.1, 1e-15);
-  made("tube --cells 2 12 5 --inner 0.1 --outer 0.15 --length 0.7 -o tube.inp");
-  EXPECT_NEAR(info("tube.inp")["body"]["volume"].get<double>(), 3 * (0.0225 - 0.01) * 0.7, 1e-12);
-  EXPECT_EQ(info("tube.inp")["body"]["boundary_faces"], 2 * 12 * 5 + 2 * 12 * 2);
+  made("tube --cells 2 12 5 --inner 0.1 --outer 0.15 --length 0.7 -o tube.msh");
+  EXPECT_NEAR(info("tube.msh")["body"]["volume"].get<double>(), 3 * (0.0225 - 0.01) * 0.7, 1e-12);
+  EXPECT_EQ(info("tube.msh")["body"]["boundary_faces"], 2 * 12 * 5 + 2 * 12 * 2);
   made("sphere-patch --cells 4 4 2 --inner 0.1 --outer 0.12 --angle 60 -o patch.vtu");
   EXPECT_EQ(info("patch.vtu")["hexahedra"], 32);
 }
@@ -140,11 +140,11 @@ TEST_F(MeshMake, ConvertsThereAndBack) {
   made("tube --cells 1 7 6 --inner 0.1 --outer 0.15 --length 1 --bend 33 -o tube.vtu");
   std::string before = "tube.vtu";
   const ImportedMesh first = read_mesh(directory_ / before);
-  for (const std::string file : {"a.msh", "b.inp", "c.vtu", "d.inp", "e.msh"}) {
+  for (const std::string file : {"a.msh", "b.vtu", "c.msh"}) {
     EXPECT_EQ(made("convert " + before + " -o " + file), "");
     const ImportedMesh mesh = read_mesh(directory_ / file);
     EXPECT_EQ(mesh.hexahedra, first.hexahedra);
-    EXPECT_LT((mesh.positions - first.positions).cwiseAbs().maxCoeff(), 1e-15) << "decks hold sixteen digits";
+    EXPECT_EQ(mesh.positions, first.positions);
     before = file;
   }
 }

@@ -24,7 +24,7 @@ class MeshPath : public hexaplast::support::Command {
 
 TEST_F(MeshPath, IsAnOptionOfEveryVerbThatReadsScenes) {
   EXPECT_EQ(hexaplast("check a.scn").code, 3);
-  for (const char* verb : {"check a.scn", "run a.scn --quiet", "mesh export a.scn --format vtu -o a.vtu",
+  for (const char* verb : {"check a.scn", "run a.scn --quiet", "mesh export a.scn -o a.vtu",
                            "sweep a.scn --vary .dt=0.01,0.02 --out sweep --jobs 1"}) {
     const Outcome outcome = hexaplast(std::string(verb) + " --mesh-path none --mesh-path far");
     EXPECT_EQ(outcome.code, 0) << verb << "\n" << outcome.err;

@@ -115,14 +115,14 @@ TEST_F(SceneOutput, WhatIsReadIsNoUnfinishedFileEither) {
   fs::copy_file(directory_ / "skin.obj", directory_ / "page.html.part");
   for (const char* arguments :
        {"run last.vtu.part --write-below sub --final last.vtu",
-        "run last.vtu.part --write-below sub --summary last.vtu", "mesh export last.vtu.part --format vtu -o last.vtu"})
+        "run last.vtu.part --write-below sub --summary last.vtu", "mesh export last.vtu.part -o last.vtu"})
     expect_error(arguments, 5, "last.vtu.part: is an input, and will not be written over");
   EXPECT_EQ(content(directory_ / "last.vtu.part"), text);
 
   // nor is a file of the user's that has the name, nor can such a name be asked for
   write("bar.scn", writing_bar(""));
   expect_error("run bar.scn --final page.html", 5, "page.html.part: is in the way, and no unfinished file");
-  expect_error("mesh export bar.scn --format vtu -o page.html", 5, "page.html.part: is in the way");
+  expect_error("mesh export bar.scn -o last.vtu", 5, "last.vtu.part: is in the way");
   EXPECT_EQ(content(directory_ / "page.html.part"), kSkin);
   expect_error("run bar.scn --final a.json.part --summary a.json", 5, "a.json.part: ends in .part");
 }
@@ -231,10 +231,10 @@ TEST_F(SceneOutput, NeverReplacesWhatIsRead) {
   EXPECT_EQ(content(directory_ / "sub/mesh_000000.vtu"), mesh);
 
   // other commands
-  for (const char* arguments : {"mesh convert sub/mesh_000000.vtu -o sub/mesh_000000.vtu",
-                                "mesh cage sub/mesh_000000.vtu --cells 2 -o sub/mesh_000000.vtu",
-                                "mesh offset sub/mesh_000000.vtu --thickness 1 -o sub/mesh_000000.vtu",
-                                "mesh export bar.scn --format vtu -o skin.obj"}) {
+  for (const char* arguments :
+       {"mesh convert sub/mesh_000000.vtu -o sub/mesh_000000.vtu",
+        "mesh cage sub/mesh_000000.vtu --cells 2 -o sub/mesh_000000.vtu",
+        "mesh offset sub/mesh_000000.vtu --thickness 1 -o sub/mesh_000000.vtu", "mesh export bar.scn -o skin.obj"}) {
     const std::string shown = hexaplast(arguments).err;
     EXPECT_EQ(content(directory_ / "sub/mesh_000000.vtu"), mesh) << arguments << "\n" << shown;
     EXPECT_EQ(content(directory_ / "skin.obj"), kSkin) << arguments << "\n" << shown;
@@ -265,7 +265,7 @@ TEST_F(SceneOutput, OfASweepIsOneFolderPerRun) {
 
 TEST_F(SceneOutput, IsNoneOfCommandsThatOnlyTryAScene) {
   write("bar.scn", writing_bar("<WriteState filename='/proc/no/where'/>"));
-  ASSERT_EQ(hexaplast("mesh export bar.scn --format vtu -o bar.vtu").code, 0);
+  ASSERT_EQ(hexaplast("mesh export bar.scn -o bar.vtu").code, 0);
   write("curve.csv", "time,elongation\n0.01,0\n0.02,0.001\n");
   const Outcome fit = hexaplast("fit bar.scn --target curve.csv --free root/body.youngModulus=1e4:3e4 --evaluations 3");
   EXPECT_EQ(fit.code, 0) << fit.err;

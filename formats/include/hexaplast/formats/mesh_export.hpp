@@ -31,11 +31,8 @@ struct ExportedMesh {
 std::string vtu_text(const ExportedMesh& mesh);
 
 /// The same points and cells, without fields, as a Gmsh file of version 2.2 (.msh), every number with as many digits as
-/// it takes to read it back, and as an Abaqus deck (.inp): C3D8, S4, S3 and T3D2, an element set for each kind (BODY,
-/// QUADS, TRIANGLES, EDGES), numbers of at most 20 characters as CalculiX reads them. Both number points and cells from
-/// 1 on.
+/// it takes to read it back.
 std::string gmsh_text(const ExportedMesh& mesh);
-std::string abaqus_text(const ExportedMesh& mesh);
 
 /// The points, edges and faces as Wavefront OBJ, without hexahedra and fields.
 std::string obj_text(const ExportedMesh& mesh);

@@ -73,12 +73,7 @@ ImportedMesh read_obj(const std::filesystem::path& file);
 /// word. Normals are not read.
 ImportedMesh read_stl(const std::filesystem::path& file);
 
-/// Abaqus input decks (.inp): the data of *NODE and *ELEMENT (solid, shell, membrane and truss elements of the first
-/// order), as they are: decks of parts and instances, or with *INCLUDE, are refused. The format has no end mark, so
-/// that a file that is cut off between two lines is read as far as it goes.
-ImportedMesh read_abaqus(const std::filesystem::path& file);
-
-/// Whichever of these the ending of the file's name stands for: .msh, .vtk, .vtu, .obj, .stl or .inp.
+/// Whichever of these the ending of the file's name stands for: .msh, .vtk, .vtu, .obj or .stl.
 ImportedMesh read_mesh(const std::filesystem::path& file);
 
 /// All of these throw InputError: "FILE:LINE: what" where the file is text, "FILE: byte N: what" in binary data, for
@@ -92,7 +87,6 @@ ImportedMesh parse_vtk(std::string_view content, const std::string& name);
 ImportedState parse_vtu_state(std::string_view content, const std::string& name);
 ImportedMesh parse_obj(std::string_view content, const std::string& name);
 ImportedMesh parse_stl(std::string_view content, const std::string& name);
-ImportedMesh parse_abaqus(std::string_view content, const std::string& name);
 
 /// The faces as a surface. Throws InputError as QuadSurface does, and where a face is not a quad.
 QuadSurface surface_of(const ImportedMesh& mesh);
