@@ -11,7 +11,7 @@ namespace hexaplast::runner {
 /// the place in the file where its content is wrong.
 ImportedMesh load_mesh(const std::filesystem::path& file);
 
-/// Throws UsageError unless the file's name ends in .vtu, .msh or .inp: to be asked before anything is computed.
+/// Throws UsageError unless the file's name ends in .vtu or .msh: to be asked before anything is computed.
 void require_writable_format(const std::filesystem::path& file);
 
 /// Writes a mesh in the format that the name stands for; an older file stays until the new one is whole. Throws

@@ -46,7 +46,7 @@ struct MeshOffsetOptions {
   std::filesystem::path out;
 };
 
-/// Each writes hexahedra (.vtu, .msh or .inp) and prints what they are. Throw what the modules below throw.
+/// Each writes hexahedra (.vtu or .msh) and prints what they are. Throw what the modules below throw.
 void make_grid(const MeshGridOptions& options);
 void make_sheet(const MeshSheetOptions& options);
 void make_tube(const MeshTubeOptions& options);
