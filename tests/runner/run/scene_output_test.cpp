@@ -310,7 +310,7 @@ TEST_F(SceneOutput, NamesDoNotSteerTheTerminal) {
   EXPECT_NE(hexaplast("check named.scn").out.find(one_line), std::string::npos);
   for (const char* arguments : {"check named.scn --json --out x", "check named.scn"})
     EXPECT_EQ(hexaplast(arguments).out.find("\n  memory              1.0 MB"), std::string::npos) << arguments;
-  write("named.scn", writing_bar("<Wrong name='" + forged + "'/><BoxROI box='@" + forged + ".box'/>"));
+  write("named.scn", writing_bar("<BoxROI box='@" + forged + ".box'/>"));
   expect_error("check named.scn", 3, one_line);
   EXPECT_EQ(hexaplast("run 'a\nb.scn: error: forged'").err, "a\\u000ab.scn: error: forged: error: no such file\n");
   write("named.scn", writing_bar("<BoxROI box='0 0 0 bar&#27;]0;owned&#7;&#27;[2J&#155;31m&#127;é'/>"));
