@@ -31,6 +31,7 @@ const std::map<std::string, int> kHeight{
     {"elastic", 6},
     {"solve", 6},
     {"plastic", 6},
+    {"plain", 7},
     {"body", 7},
     {"contact", 7},
     {"inspect", 8},

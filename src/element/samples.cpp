@@ -5,12 +5,12 @@
 
 namespace hexaplast {
 
-namespace plain = HWY_NAMESPACE;  // the formulas, here of doubles
+namespace scalar = HWY_NAMESPACE;  // the formulas, here of doubles
 
 namespace {
 
-plain::CornerLanes<double> corners_of(const ElementPoints& x) {
-  plain::CornerLanes<double> corners;
+scalar::CornerLanes<double> corners_of(const ElementPoints& x) {
+  scalar::CornerLanes<double> corners;
   for (int a = 0; a < kCorners; ++a)
     for (int i = 0; i < 3; ++i) corners.at[a][i] = x(a, i);
   return corners;
@@ -19,18 +19,18 @@ plain::CornerLanes<double> corners_of(const ElementPoints& x) {
 template <Assumed kAssumed>
 ElementSamples samples(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame,
                        const Settings& settings) {
-  plain::ElementLanes<true, kAssumed, double> element;
-  const plain::CornerLanes<double> u = corners_of(current);
+  scalar::ElementLanes<true, kAssumed, double> element;
+  const scalar::CornerLanes<double> u = corners_of(current);
   place_element(corners_of(plastic_rest), u, sampling_of(settings), element);
   decompose(sampling_of(settings), element);
-  const plain::MaterialLanes<double> of(settings, lame.mu, lame.lambda);
-  plain::ModeLanes<double> volume_gradient;
-  const plain::PressureLanes<double> pressure = pressures(of, element, u, volume_gradient);
+  const scalar::MaterialLanes<double> of(settings, lame.mu, lame.lambda);
+  scalar::ModeLanes<double> volume_gradient;
+  const scalar::PressureLanes<double> pressure = pressures(of, element, u, volume_gradient);
 
   ElementSamples found;
   found.volume = element.rest.volume;
   for (int i = 0; i < kCorners; ++i) {
-    const plain::PolarLanes<double>& at = element.polar[i];
+    const scalar::PolarLanes<double>& at = element.polar[i];
     found.F[i] = to_eigen(element.F[i]);
     found.polar[i] = {to_eigen(at.R), to_eigen(matrix(at.S))};
     // what flows by rotation is the rotation of the sample itself

@@ -7,15 +7,6 @@ namespace hexaplast {
 
 namespace {
 
-/// det(J) J^-T, defined for singular J too.
-Mat3 cofactor(const Mat3& J) {
-  Mat3 cof;
-  cof.col(0) = J.col(1).cross(J.col(2));
-  cof.col(1) = J.col(2).cross(J.col(0));
-  cof.col(2) = J.col(0).cross(J.col(1));
-  return cof;
-}
-
 /// Adds `scale` g_ia, the shape gradients at a corner, to one row per corner: only the corner and its three neighbours.
 void add_corner_gradient(const Mat3& inverse_jacobian, int corner, double scale, ElementPoints& gradient) {
   for (int d = 0; d < 3; ++d) {
@@ -27,15 +18,21 @@ void add_corner_gradient(const Mat3& inverse_jacobian, int corner, double scale,
 
 }  // namespace
 
-ElementPoints mean_gradient(const ElementPoints& x) {
-  ElementPoints sum = ElementPoints::Zero();
-  double volume = 0;
-  for_each_gauss_point(x, [&](const ElementPoints& dN, const Mat3& J) {
-    volume += J.determinant();
-    sum += dN * cofactor(J).transpose();
-  });
-  return sum / volume;
+Mat3 cofactor(const Mat3& J) {
+  Mat3 cof;
+  cof.col(0) = J.col(1).cross(J.col(2));
+  cof.col(1) = J.col(2).cross(J.col(0));
+  cof.col(2) = J.col(0).cross(J.col(1));
+  return cof;
 }
+
+ElementPoints volume_gradient(const ElementPoints& x) {
+  ElementPoints sum = ElementPoints::Zero();
+  for_each_gauss_point(x, [&](const ElementPoints& dN, const Mat3& J) { sum += dN * cofactor(J).transpose(); });
+  return sum;
+}
+
+ElementPoints mean_gradient(const ElementPoints& x) { return volume_gradient(x) / volume(x); }
 
 RestOperator rest_operator(const ElementPoints& plastic_rest, const Sampling& sampling) {
   RestOperator rest;

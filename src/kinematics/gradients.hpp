@@ -9,6 +9,12 @@
 
 namespace hexaplast {
 
+/// det(J) J^-T, defined for singular J too.
+Mat3 cofactor(const Mat3& J);
+
+/// d volume(x) / d x_a, exactly; one row per corner [m^2].                                    theory.md eq. E6
+ElementPoints volume_gradient(const ElementPoints& x);
+
 /// Gm_a = (1/V) int grad N_a dV, exactly; one row per corner [1/m].                           theory.md eq. 9
 ElementPoints mean_gradient(const ElementPoints& x);
 

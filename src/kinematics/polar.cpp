@@ -8,7 +8,7 @@
 
 namespace hexaplast {
 
-namespace plain = HWY_NAMESPACE;  // the formulas, here of doubles
+namespace scalar = HWY_NAMESPACE;  // the formulas, here of doubles
 
 SignedSvd signed_svd(const Mat3& F) {
   if (!F.allFinite()) {
@@ -33,17 +33,17 @@ Polar polar(const SignedSvd& F) { return {F.U * F.V.transpose(), F.V * F.d.asDia
 Polar polar(const Mat3& F) { return polar(signed_svd(F)); }
 
 Vec3 rotation_log(const Mat3& R) {
-  const plain::RotationVector<double> w = plain::rotation_log(plain::entries(R));
+  const scalar::RotationVector<double> w = scalar::rotation_log(scalar::entries(R));
   return {w.axis_angle[0], w.axis_angle[1], w.axis_angle[2]};
 }
 
 Mat3 rotation_exp(const Vec3& w) {
-  const plain::RotationVector<double> vector{{w[0], w[1], w[2]}, w.norm()};
-  return Mat3::Identity() + to_eigen(plain::rotation_expm1(vector, 1.0));
+  const scalar::RotationVector<double> vector{{w[0], w[1], w[2]}, w.norm()};
+  return Mat3::Identity() + to_eigen(scalar::rotation_expm1(vector, 1.0));
 }
 
 Mat3 rotation_power(const Mat3& R, double power) {
-  return Mat3::Identity() + to_eigen(plain::rotation_expm1(plain::rotation_log(plain::entries(R)), power));
+  return Mat3::Identity() + to_eigen(scalar::rotation_expm1(scalar::rotation_log(scalar::entries(R)), power));
 }
 
 }  // namespace hexaplast

@@ -15,8 +15,6 @@ namespace hexaplast {
 
 namespace {
 
-constexpr double kFitted = 1e-26;  // E below this fraction of sum |t|^2 is rounding
-
 // a linear field over the 2 x 2 x 2 children of a cell costs as much in them as in the cell, of twice their edges, with
 // weight 2
 constexpr float kFractionOfChild = 0.25;

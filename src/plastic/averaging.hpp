@@ -14,6 +14,7 @@
 namespace hexaplast {
 
 inline constexpr int kAveragingIterations = 10000;  ///< of the linear solver, after which it gives up
+inline constexpr double kFitted = 1e-26;            ///< E below this fraction of sum |t|^2 is rounding
 inline constexpr double kRegularisation = 1e-7;     ///< of P in eq. 31: keeps turns of a connected part definite
 
 /// Rest-shape averaging: the joined positions x that fit the isolated rest shapes y best (theory.md section 5.5).

@@ -2,6 +2,7 @@
 #include "plastic/element_flow.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -62,7 +63,7 @@ void flow_rotation(const FlowInput& at, double dt, ElementStep& step) {
 }
 
 /// Takes the increments into the rest shape; in the paper's modes rotation goes into the maps instead (eq. 35).
-void apply_increments(const FlowInput& at, bool tracks_stretch, ElementStep& step) {
+void apply_increments(const FlowInput& at, ElementStep& step) {
   const bool objective = at.settings.rotation_plasticity == RotationPlasticity::kObjective;
   CornerTensors increments;
   for (int i = 0; i < kCorners; ++i) {
@@ -74,7 +75,7 @@ void apply_increments(const FlowInput& at, bool tracks_stretch, ElementStep& ste
     for (const Mat3& increment : increments) mean += increment / kCorners;
     for (Mat3& increment : increments) increment = mean + fraction * (increment - mean);
   }
-  if (tracks_stretch)
+  if (at.tracks_stretch)
     for (int i = 0; i < kCorners; ++i) {
       const Mat3& Pi = step.next.rotation_map[i];
       step.next.plastic_stretch[i] = Pi.transpose() * step.stretch[i].increment * Pi * step.next.plastic_stretch[i];
@@ -91,6 +92,19 @@ double min_jacobian_ratio(const CornerValues& initial, const ElementPoints& x) {
   double min = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kCorners; ++i) min = std::min(min, corner_jacobian(x, i).determinant() / initial[i]);
   return min;
+}
+
+bool is_broken(const Material& material, const CornerValues& yield_stress_before, const CornerValues& yield_stress,
+               const CornerTensors* plastic_stretch) {
+  for (int i = 0; i < kCorners && std::isfinite(material.fracture_stress); ++i) {
+    const double tau = yield_stress[i];
+    if (tau > yield_stress_before[i] && tau > material.fracture_stress) return true;
+  }
+  if (!std::isfinite(material.fracture_stretch)) return false;
+  return std::any_of(plastic_stretch->begin(), plastic_stretch->end(), [&](const Mat3& Fp) {
+    if (Fp.norm() < material.fracture_stretch) return false;  // no singular value is above the norm
+    return Eigen::JacobiSVD<Mat3>(Fp).singularValues()[0] > material.fracture_stretch;
+  });
 }
 
 ElementStep flow_element(const FlowInput& at, const ElementHistory& before, double dt) {
@@ -112,7 +126,7 @@ ElementStep flow_element(const FlowInput& at, const ElementHistory& before, doub
   if (!step.skipped && (stretches || rotates)) {
     if (stretches) flow_stretch(at, dt, step);
     if (rotates) flow_rotation(at, dt, step);
-    if (step.yielded) apply_increments(at, std::isfinite(at.material.fracture_stretch), step);
+    if (step.yielded) apply_increments(at, step);
   }
 
   if (min_jacobian < at.settings.inversion_threshold) {

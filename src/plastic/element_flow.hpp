@@ -20,6 +20,7 @@ struct FlowInput {
   const ElementSamples& samples;
   const ElementPoints& current;  ///< [m] current corners
   const Mat3& frame;             ///< B: what the paper's rotation modes are measured against
+  bool tracks_stretch = false;   ///< Model::tracks_plastic_stretch
 };
 
 /// One plastic step of one element, with every intermediate.                        theory.md sections 5.1 to 5.4
@@ -40,5 +41,13 @@ ElementStep flow_element(const FlowInput& at, const ElementHistory& before, doub
 
 /// Smallest det J_i(x) / det J_i(X) of an element's corners.
 double min_jacobian_ratio(const CornerValues& initial, const ElementPoints& x);
+
+inline constexpr double kCollapsedJacobian = 0.02;  ///< of the original: averaging may not press a corner below
+
+/// Whether a step has carried an element past its limits at some corner: its yield stress by hardening, or its plastic
+/// stretch (null where the model does not track it). A yield stress that lies beyond the limit without having grown
+/// there breaks nothing: an element without one, for which it is infinite, may still flow by rotation.
+bool is_broken(const Material& material, const CornerValues& yield_stress_before, const CornerValues& yield_stress,
+               const CornerTensors* plastic_stretch);
 
 }  // namespace hexaplast

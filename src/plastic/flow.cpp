@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -17,8 +16,6 @@
 namespace hexaplast {
 
 namespace {
-
-constexpr double kCollapsedJacobian = 0.02;  // of the original: averaging may not press a corner below
 
 /// Rotation that best fits the plastic rest positions of each connected part to the current ones.
 void fit_frames(const ConnectedParts& parts, ConstPoints plastic_rest, ConstPoints current,
@@ -113,7 +110,8 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
                           .x = plastic_rest,
                           .samples = samples,
                           .current = current,
-                          .frame = needs_frames ? work.frames[parts.part_of_node[corners[0]]].rotation : axes};
+                          .frame = needs_frames ? work.frames[parts.part_of_node[corners[0]]].rotation : axes,
+                          .tracks_stretch = model.tracks_plastic_stretch};
     const ElementStep step = flow_element(input, history.element(e), dt);
     // what has but its volume restored is the same whoever does it
     const bool restores = !step.yielded && !step.repaired && std::isfinite(step.dissipated);
@@ -232,27 +230,14 @@ AveragingReport average_safely(const Model& model, LinearSolver& solver, const H
   return report;
 }
 
-/// Whether this step has carried an element past its limits at some corner: its yield stress by hardening, or its
-/// plastic stretch. A yield stress that lies beyond the limit without having grown there breaks nothing: an element
-/// without one, for which it is infinite, may still flow by rotation.
-bool is_broken(const Material& material, const History& before, const History& now, int e) {
-  for (int i = 0; i < kCorners && std::isfinite(material.fracture_stress); ++i) {
-    const double tau = now.yield_stress[e][i];
-    if (tau > before.yield_stress[e][i] && tau > material.fracture_stress) return true;
-  }
-  if (!std::isfinite(material.fracture_stretch)) return false;
-  const CornerTensors& stretch = now.plastic_stretch[e];
-  return std::any_of(stretch.begin(), stretch.end(), [&](const Mat3& Fp) {
-    if (Fp.norm() < material.fracture_stretch) return false;  // no singular value is above the norm
-    return Eigen::JacobiSVD<Mat3>(Fp).singularValues()[0] > material.fracture_stretch;
-  });
-}
-
 /// Removes the elements that broke in this step; returns how many.
 int remove_broken(const Model& model, const History& history, FlowWorkspace& work) {
   int count = 0;
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
-    if (!work.flows[e].yielded || !is_broken(model.material(e), history, work.trial, e)) continue;
+    const CornerTensors* stretch = work.trial.plastic_stretch.empty() ? nullptr : &work.trial.plastic_stretch[e];
+    if (!work.flows[e].yielded ||
+        !is_broken(model.material(e), history.yield_stress[e], work.trial.yield_stress[e], stretch))
+      continue;
     work.trial.alive[e] = 0;
     work.trial.removed.push_back(e);
     ++count;

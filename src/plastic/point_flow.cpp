@@ -9,20 +9,20 @@
 
 namespace hexaplast {
 
-namespace plain = HWY_NAMESPACE;  // the formulas, here of doubles
+namespace scalar = HWY_NAMESPACE;  // the formulas, here of doubles
 
 double stress_norm(const Mat3& sigma, YieldNorm norm) {
   if (norm == YieldNorm::kSpectral)
     return Eigen::SelfAdjointEigenSolver<Mat3>(sigma, Eigen::EigenvaluesOnly).eigenvalues().cwiseAbs().maxCoeff();
-  return plain::stress_norm_bound(plain::symmetric_entries(sigma), norm);
+  return scalar::stress_norm_bound(scalar::symmetric_entries(sigma), norm);
 }
 
 double flow_fraction(double value, double threshold, double rate, double dt, double offset) {
-  return plain::flow_fraction(value, threshold, rate * dt, value + offset);
+  return scalar::flow_fraction(value, threshold, rate * dt, value + offset);
 }
 
 double hardened(double threshold, double hardening, double fraction, double value) {
-  return plain::hardened(threshold, hardening, fraction, value);
+  return scalar::hardened(threshold, hardening, fraction, value);
 }
 
 StretchFlow stretch_flow(const Mat3& S, const Mat3& sigma, YieldNorm norm, double yield_stress, double rate, double dt,
@@ -33,10 +33,10 @@ StretchFlow stretch_flow(const Mat3& S, const Mat3& sigma, YieldNorm norm, doubl
   if (flow.fraction == 0) return flow;
 
   std::uint32_t fails = 0;  // eigenvectors do not
-  const auto stretch = plain::symmetric_entries(S);
-  const auto working = plain::dissipating(law, stretch, plain::symmetric_entries(sigma));
+  const auto stretch = scalar::symmetric_entries(S);
+  const auto working = scalar::dissipating(law, stretch, scalar::symmetric_entries(sigma));
   flow.increment +=
-      to_eigen(plain::stretch_increment(stretch, working, flow.fraction, flow.strain, flow.dissipated, fails));
+      to_eigen(scalar::stretch_increment(stretch, working, flow.fraction, flow.strain, flow.dissipated, fails));
   return flow;
 }
 

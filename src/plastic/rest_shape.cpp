@@ -8,7 +8,7 @@
 
 namespace hexaplast {
 
-namespace plain = HWY_NAMESPACE;  // the formulas, here of doubles
+namespace scalar = HWY_NAMESPACE;  // the formulas, here of doubles
 
 namespace {
 
@@ -31,7 +31,7 @@ void repair_rest_shape(const ElementPoints& initial, double dt, ElementPoints& y
 }
 
 void restore_volume(double volume_ratio, double rate, double dt, ElementPoints& y) {
-  y *= plain::restitution_scale(volume_ratio, rate * dt);
+  y *= scalar::restitution_scale(volume_ratio, rate * dt);
 }
 
 Mat3 fit_rotation(const ElementPoints& from, const ElementPoints& to) { return polar(to.transpose() * from).R; }

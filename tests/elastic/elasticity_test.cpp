@@ -16,12 +16,10 @@
 namespace hexaplast {
 namespace {
 
-using support::dense;
 using support::force_at;
 using support::kEdge;
 using support::mapped;
 using support::Random;
-using support::stacked;
 using support::stiffness_at;
 
 constexpr double kYoung = 5000;  // [Pa]
@@ -205,17 +203,6 @@ TEST(Stiffness, IsTheSlopeOfTheForceAtARigidMotion) {
   body.linearize(x);
   body.add_stiffness_product(1, dx, product);
   EXPECT_TRUE(support::agrees(product, slope, 1e-6));
-}
-
-TEST(StiffnessProduct, AgreesWithTheBlocks) {
-  Random random(99);
-  Body body = elastic_body(support::distorted_block({3, 2, 2}, kEdge, 0.15, 100));
-  const PointArray x = body.mesh().positions() + random.field(36, 0.5 * kEdge), dx = random.field(36, 1);
-  const Eigen::MatrixXd K = stiffness_at(body, x);
-  PointArray product = random.field(36, 1);
-  const PointArray before = product;
-  body.add_stiffness_product(-2.5, dx, product);
-  EXPECT_LE(support::max_abs(stacked(product - before) - 2.5 * K * stacked(dx)), 1e-12 * support::max_abs(K));
 }
 
 TEST(StiffnessProduct, OfASuperposedSpinIsNothing) {

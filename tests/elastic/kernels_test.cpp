@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The kernels against the scalar functions that state the same laws, on every instruction set of this machine.
+// The kernels on every instruction set of this machine; tests/plain compares all options.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,10 +9,9 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/body.hpp"
-#include "kinematics/gradients.hpp"
+#include "hexaplast/solve/conjugate_gradients.hpp"
 #include "kinematics/polar.hpp"
-#include "material/corotated.hpp"
-#include "plastic/element_flow.hpp"
+#include "plain/plain.hpp"
 #include "plastic/flow.hpp"
 #include "plastic/flow_pass.hpp"
 #include "support/compare.hpp"
@@ -85,59 +84,6 @@ TEST_P(OnEverySet, RotationsAreThoseOfTheSingularValueDecomposition) {
   EXPECT_GT(num_unique, count / 100);
 }
 
-/// f, -K p and the energy element by element, as section 4 of the theory states them.
-struct Plain {
-  PointArray force, product;
-  double energy = 0;
-};
-Plain plainly(const Model& model, const PointArray& x, const PointArray& p) {
-  Plain sum{PointArray::Zero(x.rows(), 3), PointArray::Zero(x.rows(), 3), 0};
-  for (int e = 0; e < model.mesh.num_elements(); ++e) {
-    const Hexahedron& corners = model.mesh.hexahedra()[e];
-    const RestOperator rest = rest_operator(gather(model.mesh.positions(), corners), sampling_of(model.settings));
-    const auto F = deformation_gradients(rest, gather(x, corners)),
-               dF = deformation_gradients(rest, gather(p, corners));
-    ElementPoints f = ElementPoints::Zero(), k = ElementPoints::Zero();
-    for (int i = 0; i < kCorners; ++i) {
-      const ElementPoints gradient = rest.volume / kCorners * sample_gradient(rest, i);
-      const Polar at = polar(F[i]);
-      f -= gradient * (at.R * stress(at.S, model.lame[e])).transpose();
-      k += gradient * stress_increment(at.R, dF[i], model.lame[e]).transpose();
-      sum.energy += rest.volume / kCorners * energy_density(at.S, model.lame[e]);
-    }
-    for (int a = 0; a < kCorners; ++a) {
-      sum.force.row(corners[a]) += f.row(a);
-      sum.product.row(corners[a]) += k.row(a);
-    }
-  }
-  return sum;
-}
-
-TEST_P(OnEverySet, ForceProductAndEnergyAreThoseOfTheElements) {
-  for (const Bending scheme : {Bending::kBlended, Bending::kVertex, Bending::kCentre})
-    for (const double distortion : {0.0, 0.15}) {
-      Settings settings = published_element();
-      settings.bending = scheme;
-      const HexMesh mesh = support::distorted_block({3, 4, 5}, kEdge, distortion, 91);
-      Random random(92);
-      const PointArray x = mesh.positions() + random.field(mesh.num_nodes(), 0.2 * kEdge),
-                       p = random.field(mesh.num_nodes(), 1);
-      for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
-        settings.precision = precision;
-        Body body(mesh, {Material{}}, settings);
-        const Plain expected = plainly(body.state().model, x, p);
-        body.linearize(x);
-        PointArray f = PointArray::Zero(x.rows(), 3), k = f;
-        body.add_force(f);
-        body.add_stiffness_product(-1, p, k);
-        EXPECT_LE(support::max_abs(f - expected.force), 1e-12 * support::max_abs(expected.force));
-        EXPECT_NEAR(body.energy(x), expected.energy, 1e-13 * expected.energy);
-        EXPECT_LE(support::max_abs(k - expected.product),
-                  (precision == Precision::kDouble ? 1e-13 : 5e-4) * support::max_abs(expected.product));
-      }
-    }
-}
-
 /// One plastic step of a body of `cells` whose every corner yields, in stretch and in rotation; `size` is that of the
 /// displacements, in edges.
 Body flown(std::array<int, 3> cells, double distortion, YieldNorm norm, double size = 0.1,
@@ -162,35 +108,21 @@ double rounding_of_flow(Precision precision) { return precision == Precision::kD
 
 void expect_the_flow_of_the_elements(YieldNorm norm, double size, Precision precision) {
   const Body body = flown({3, 2, 3}, 0.15, norm, size, precision);
-  const History initial(body.state().model);
-  const PointArray X = body.mesh().positions();
+  const Model& model = body.state().model;
+  History expected(model);
   Random random(94);
-  const PointArray x = X + random.field(body.mesh().num_nodes(), size * kEdge);
-  const Mat3 axes = Mat3::Identity();
+  const PointArray x = body.mesh().positions() + random.field(body.mesh().num_nodes(), size * kEdge);
+  PreconditionedConjugateGradients solver(1e-6, 10000);
+  ASSERT_EQ(plain::flow(model, x, 0.01, solver, expected).yielded, body.mesh().num_elements());
   const double rounding = rounding_of_flow(precision);
-  const Lame& lame = body.state().model.lame[0];
+  const Lame& lame = model.lame[0];
   for (int e = 0; e < body.mesh().num_elements(); ++e) {
-    const Hexahedron& corners = body.mesh().hexahedra()[e];
-    const ElementPoints material = gather(X, corners), current = gather(x, corners);
-    const ElementSamples samples =
-        element_samples(material, current, body.state().model.lame[e], body.state().model.settings);
-    const ElementStep step = flow_element({.material = body.state().model.material(e),
-                                           .settings = body.state().model.settings,
-                                           .initial_shape = body.state().model.initial_shape(e),
-                                           .corner_jacobian = body.state().model.corner_jacobian(e),
-                                           .initial_volume = body.state().model.volume[e],
-                                           .x = material,
-                                           .samples = samples,
-                                           .current = current,
-                                           .frame = axes},
-                                          initial.element(e), 0.01);
-    ASSERT_TRUE(step.yielded);
-    const ElementHistory found = body.state().history.element(e);
-    EXPECT_LE(support::max_abs(found.rest_shape - step.next.rest_shape), rounding * kEdge);
+    const ElementHistory found = body.state().history.element(e), plainly = expected.element(e);
+    EXPECT_LE(support::max_abs(found.rest_shape - plainly.rest_shape), rounding * kEdge);
     for (int i = 0; i < kCorners; ++i) {
-      EXPECT_NEAR(found.yield_stress[i], step.next.yield_stress[i], 0.1 * rounding * (3 * lame.lambda + 2 * lame.mu));
-      EXPECT_NEAR(found.rotation_yield[i], step.next.rotation_yield[i], 10 * rounding);
-      EXPECT_NEAR(found.plastic_strain[i], step.next.plastic_strain[i], rounding);
+      EXPECT_NEAR(found.yield_stress[i], plainly.yield_stress[i], 0.1 * rounding * (3 * lame.lambda + 2 * lame.mu));
+      EXPECT_NEAR(found.rotation_yield[i], plainly.rotation_yield[i], 10 * rounding);
+      EXPECT_NEAR(found.plastic_strain[i], plainly.plastic_strain[i], rounding);
     }
   }
 }
@@ -202,7 +134,7 @@ TEST_P(OnEverySet, FlowIsThatOfTheElements) {
         expect_the_flow_of_the_elements(norm, size, precision);
 }
 
-/// Whether flow_block does all elements of a bar of constant volume with this stretch, to the result of the scalar way.
+/// Whether flow_block does all elements of a bar of constant volume with this stretch, to the result of the plain way.
 bool flows_in_lanes(double stretch, Precision precision) {
   const HexMesh mesh = support::distorted_block({4, 4, 2}, kEdge, 0.1, 95);
   Settings settings;
@@ -223,27 +155,15 @@ bool flows_in_lanes(double stretch, Precision precision) {
   for (int block = 0; block < model.partition->num_blocks; ++block)
     if (flow_block(model, at, 0.01, history, block, trial, flows.data()) != 0) return false;
 
+  History expected = history;
+  PreconditionedConjugateGradients solver(1e-6, 10000);
+  EXPECT_EQ(plain::flow(model, x, 0.01, solver, expected).yielded, mesh.num_elements());
   for (int e = 0; e < mesh.num_elements(); ++e) {
-    const ElementPoints material = gather(mesh.positions(), mesh.hexahedra()[e]),
-                        current = gather(x, mesh.hexahedra()[e]);
-    const ElementSamples samples = element_samples(material, current, model.lame[e], settings);
-    const Mat3 axes = Mat3::Identity();
-    const ElementStep step = flow_element({.material = model.material(e),
-                                           .settings = settings,
-                                           .initial_shape = model.initial_shape(e),
-                                           .corner_jacobian = model.corner_jacobian(e),
-                                           .initial_volume = model.volume[e],
-                                           .x = material,
-                                           .samples = samples,
-                                           .current = current,
-                                           .frame = axes},
-                                          history.element(e), 0.01);
-    const ElementHistory found = trial.element(e);
-    EXPECT_TRUE(step.yielded);
-    EXPECT_LE(support::max_abs(found.rest_shape - step.next.rest_shape), rounding * kEdge);
+    const ElementHistory found = trial.element(e), plainly = expected.element(e);
+    EXPECT_LE(support::max_abs(found.rest_shape - plainly.rest_shape), rounding * kEdge);
     for (int i = 0; i < kCorners; ++i) {
-      EXPECT_LE(support::max_abs(found.plastic_stretch[i] - step.next.plastic_stretch[i]), rounding);
-      EXPECT_NEAR(found.plastic_strain[i], step.next.plastic_strain[i], rounding);
+      EXPECT_LE(support::max_abs(found.plastic_stretch[i] - plainly.plastic_stretch[i]), rounding);
+      EXPECT_NEAR(found.plastic_strain[i], plainly.plastic_strain[i], rounding);
     }
   }
   return true;

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <algorithm>
+#include <limits>
+
+#include "mesh/trilinear.hpp"
+#include "plain/plain.hpp"
+
+namespace hexaplast::plain {
+
+namespace {
+
+/// d_e: how far the corners of a hexahedron are from being folded.                                            eq. E22
+double corner_ratio(const ElementPoints& plastic_rest, const ElementPoints& current) {
+  CornerValues det;
+  for (int i = 0; i < kCorners; ++i) det[i] = corner_jacobian(plastic_rest, i).determinant();
+  const double largest = *std::max_element(det.begin(), det.end());
+  double ratio = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kCorners; ++i)
+    ratio = std::min(ratio, 1 + (corner_jacobian(current, i).determinant() - det[i]) / std::max(det[i], largest / 10));
+  return ratio;
+}
+
+}  // namespace
+
+Elasticity::Elasticity(const Model& model, const History& history, ConstPoints x)
+    : model_(&model), elements_(model.mesh.num_elements()) {
+  const bool recovers = model.settings.recovery == RecoveryMode::kCluster;
+  if (recovers) recovery_.corner_ratios.resize(static_cast<std::size_t>(model.partition->num_blocks) * kBlock);
+  for (int e = 0; e < model.mesh.num_elements(); ++e) {
+    if (!history.alive[e]) continue;
+    const Hexahedron& corners = model.mesh.hexahedra()[e];
+    const ElementPoints plastic_rest = gather(history.plastic_rest_positions, corners), current = gather(x, corners);
+    elements_[e].emplace(plastic_rest, current, model.lame[e], model.settings);
+    if (recovers) recovery_.corner_ratios[model.partition->place_of_element[e]] = corner_ratio(plastic_rest, current);
+  }
+  if (recovers) recovery_.find(model, history.alive, history.plastic_rest_positions, x);
+}
+
+double Elasticity::energy() const {
+  double sum = recovery_.energy();
+  for (const std::optional<Element>& element : elements_)
+    if (element) sum += element->energy();
+  return sum;
+}
+
+void Elasticity::add_force(Points f) const {
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    if (!elements_[e]) continue;
+    const ElementPoints force = elements_[e]->force();
+    for (int a = 0; a < kCorners; ++a) f.row(model_->mesh.hexahedra()[e][a]) += force.row(a);
+  }
+  recovery_.add_force(f);
+}
+
+void Elasticity::add_stiffness_product(double factor, ConstPoints dx, Points df) const {
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    if (!elements_[e]) continue;
+    const Hexahedron& corners = model_->mesh.hexahedra()[e];
+    const ElementPoints increment = elements_[e]->force_increment(gather(dx, corners));
+    for (int a = 0; a < kCorners; ++a) df.row(corners[a]) += factor * increment.row(a);
+  }
+  recovery_.add_product(-factor, dx, df);
+}
+
+// Column by column. Removed elements add zeros: the pattern is that of the mesh.
+void Elasticity::add_stiffness_blocks(double factor, BlockMatrix& K) const {
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const Hexahedron& corners = model_->mesh.hexahedra()[e];
+    for (int b = 0; b < kCorners; ++b) {
+      std::array<Mat3, kCorners> column;
+      column.fill(Mat3::Zero());
+      for (int axis = 0; axis < 3 && elements_[e]; ++axis) {
+        ElementPoints unit = ElementPoints::Zero();
+        unit(b, axis) = factor;
+        const ElementPoints increment = elements_[e]->force_increment(unit);
+        for (int a = 0; a < kCorners; ++a) column[a].col(axis) = increment.row(a).transpose();
+      }
+      for (int a = 0; a < kCorners; ++a) K.add(corners[a], corners[b], column[a]);
+    }
+  }
+  recovery_.add_blocks(-factor, K);
+}
+
+}  // namespace hexaplast::plain

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/finite.hpp"
+#include "hexaplast/base/error.hpp"
+#include "kinematics/polar.hpp"
+#include "plain/plain.hpp"
+#include "plastic/element_flow.hpp"
+#include "plastic/rest_shape.hpp"
+
+namespace hexaplast::plain {
+
+namespace {
+
+/// B of the paper's rotation modes: per connected part, the rotation that fits the plastic rest positions best to the
+/// current ones.                                                                                        theory.md 5.6
+std::vector<Mat3> fit_frames(const ConnectedParts& parts, ConstPoints plastic_rest, ConstPoints current) {
+  std::vector<Mat3> frames;
+  for (int part = 0; part < parts.count; ++part) {
+    std::vector<int> nodes;
+    for (int n = 0; n < plastic_rest.rows(); ++n)
+      if (parts.part_of_node[n] == part) nodes.push_back(n);
+    const PointArray from = plastic_rest(nodes, Eigen::all), to = current(nodes, Eigen::all);
+    frames.push_back(
+        polar(Mat3((to.rowwise() - to.colwise().mean()).transpose() * (from.rowwise() - from.colwise().mean()))).R);
+  }
+  return frames;
+}
+
+/// One plastic step of a body: from `before` to `next`.
+class Step {
+ public:
+  History next;
+  FlowReport report;
+
+  Step(const Model& model, ConstPoints x, const History& history)
+      : next(history),
+        model_(model),
+        x_(x),
+        before_(history),
+        parts_(connected_parts(model.mesh, history.alive)),
+        changed_(model.mesh.num_elements(), 0),
+        outcomes_(model.mesh.num_elements()) {}
+
+  /// Stretch, rotation, hardening, rest shape and volume of every element by itself.              theory.md 5.1 to 5.4
+  void flow_elements(double dt) {
+    const bool has_frames = model_.maps_per_element() > 1 && model_.settings.rotation_frame == RotationFrame::kBestFit;
+    const std::vector<Mat3> frames =
+        has_frames ? fit_frames(parts_, before_.plastic_rest_positions, x_) : std::vector<Mat3>();
+    const Mat3 axes = Mat3::Identity();
+    for (int e = 0; e < model_.mesh.num_elements(); ++e) {
+      if (!before_.alive[e]) continue;
+      const ElementPoints plastic_rest = rest_of(e, before_), current = gather(x_, model_.mesh.hexahedra()[e]);
+      const Element element(plastic_rest, current, model_.lame[e], model_.settings);
+      const ElementStep step = flow_element({.material = model_.material(e),
+                                             .settings = model_.settings,
+                                             .initial_shape = model_.initial_shape(e),
+                                             .corner_jacobian = model_.corner_jacobian(e),
+                                             .initial_volume = model_.volume[e],
+                                             .x = plastic_rest,
+                                             .samples = element.samples(),
+                                             .current = current,
+                                             .frame = has_frames ? frames[part_of(e)] : axes,
+                                             .tracks_stretch = model_.tracks_plastic_stretch},
+                                            before_.element(e), dt);
+      next.set_element(e, step.next);
+      if (model_.can_flow() && !(next.is_finite(e) && std::isfinite(step.dissipated)))
+        throw NumericalError(fmt::format("the plastic history of hexahedron {} is not finite", e));
+      const double volume_error = std::abs(step.volume_ratio - 1);
+      outcomes_[e] = {.yielded = step.yielded, .repaired = step.repaired, .dissipated = step.dissipated};
+      changed_[e] = step.yielded || step.repaired || volume_error >= kVolumeAtRest;
+      report.inverted += step.inverted;
+      report.skipped += step.skipped;
+      if (model_.can_flow()) report.worst_volume_error = std::max(report.worst_volume_error, volume_error);
+    }
+  }
+
+  bool has_changed() const {
+    return std::any_of(changed_.begin(), changed_.end(), [](auto c) { return c != 0; });
+  }
+
+  /// The joined rest shape. Where it would press an element flat, that element keeps its shape; where this does not
+  /// suffice, its connected part does.                                                              theory.md 5.4, 5.5
+  void join(LinearSolver& solver) {
+    report.averaging = join_rest_shapes(model_, changed_, solver, next);
+    std::vector<int> collapsing = find_collapsing();
+    if (collapsing.empty()) return;
+    for (const int e : collapsing) roll_back(e);
+    next.plastic_rest_positions = before_.plastic_rest_positions;
+    report.averaging = join_rest_shapes(model_, changed_, solver, next);
+
+    std::vector<unsigned char> stays(parts_.count, 0);
+    for (const int e : find_collapsing()) stays[part_of(e)] = 1;
+    for (int e = 0; e < model_.mesh.num_elements(); ++e)
+      if (before_.alive[e] && stays[part_of(e)]) roll_back(e);
+    for (int n = 0; n < model_.mesh.num_nodes(); ++n)
+      if (parts_.part_of_node[n] >= 0 && stays[parts_.part_of_node[n]])
+        next.plastic_rest_positions.row(n) = before_.plastic_rest_positions.row(n);
+  }
+
+  /// Fracture.                                                                                            theory.md 5.7
+  void remove_broken() {
+    for (int e = 0; e < model_.mesh.num_elements(); ++e) {
+      const CornerTensors* stretch = next.plastic_stretch.empty() ? nullptr : &next.plastic_stretch[e];
+      if (!outcomes_[e].yielded ||
+          !is_broken(model_.material(e), before_.yield_stress[e], next.yield_stress[e], stretch))
+        continue;
+      next.alive[e] = 0;
+      next.removed.push_back(e);
+      ++report.removed;
+    }
+  }
+
+  void count() {
+    for (const Outcome& outcome : outcomes_) {
+      report.yielded += outcome.yielded;
+      report.repaired += outcome.repaired;
+      report.rolled_back += outcome.rolled_back;
+      next.dissipated_energy += outcome.dissipated;
+    }
+  }
+
+ private:
+  struct Outcome {
+    bool yielded = false, repaired = false, rolled_back = false;
+    double dissipated = 0;  // [J]
+  };
+
+  ElementPoints rest_of(int e, const History& history) const {
+    return gather(history.plastic_rest_positions, model_.mesh.hexahedra()[e]);
+  }
+  int part_of(int e) const { return parts_.part_of_node[model_.mesh.hexahedra()[e][0]]; }
+
+  /// Elements with a corner that is nearly flat, and was less so before.
+  std::vector<int> find_collapsing() const {
+    std::vector<int> found;
+    for (int e = 0; e < model_.mesh.num_elements(); ++e) {
+      if (!before_.alive[e]) continue;
+      const CornerValues initial = model_.corner_jacobian(e);
+      const double now = min_jacobian_ratio(initial, rest_of(e, next));
+      if (now < kCollapsedJacobian && now < min_jacobian_ratio(initial, rest_of(e, before_))) found.push_back(e);
+    }
+    return found;
+  }
+
+  /// Takes back the step of one element: its present shape becomes its rest shape.
+  void roll_back(int e) {
+    ElementHistory element = before_.element(e);
+    const ElementPoints x = about_mean(rest_of(e, before_));
+    for (int i = 0; i < kCorners; ++i) element.rest_shape.row(i) = x.row(i) * element.rotation_map[i];
+    next.set_element(e, element);
+    outcomes_[e] = {.rolled_back = changed_[e] != 0};
+  }
+
+  const Model& model_;
+  const ConstPoints x_;
+  const History& before_;
+  ConnectedParts parts_;
+  std::vector<unsigned char> changed_;  // per element: its rest shape is another than before
+  std::vector<Outcome> outcomes_;       // per element
+};
+
+}  // namespace
+
+FlowReport flow(const Model& model, ConstPoints x, double dt, LinearSolver& solver, History& history) {
+  Step step(model, x, history);
+  step.flow_elements(dt);
+  if (!model.can_flow() || !step.has_changed()) return step.report;
+  step.join(solver);
+  require_finite(step.next.plastic_rest_positions, "plastic rest position");
+  step.remove_broken();
+  step.count();
+  step.next.version = history.version + 1;
+  history = std::move(step.next);
+  return step.report;
+}
+
+}  // namespace hexaplast::plain
