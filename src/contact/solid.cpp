@@ -110,8 +110,9 @@ class SurfaceShape final : public Solid::Shape {
         max = max.cwiseMax(p);
         reach_ = std::max(reach_, p.norm());
       }
-    smallest_radius_ = (max - min).minCoeff() / 2;
-    for (const Facet& facet : triangles_) smallest_radius_ = std::min(smallest_radius_, thickness_at(facet) / 2);
+    double thickness = (max - min).minCoeff();
+    for (const Facet& facet : triangles_) thickness = thickness_at(facet, thickness);
+    smallest_radius_ = thickness / 2;
   }
 
   SignedDistance distance(const Vec3& point) const override {
@@ -136,6 +137,7 @@ class SurfaceShape final : public Solid::Shape {
 
  private:
   struct Facet {
+    Triangle nodes;
     std::array<Vec3, 3> corners;
     std::array<Vec3, 7> normals;  // of its features, of length 1
   };
@@ -145,6 +147,7 @@ class SurfaceShape final : public Solid::Shape {
     std::vector<Facet> facets;
     for (std::size_t t = 0; t < triangles.size(); ++t) {
       Facet& facet = facets.emplace_back();
+      facet.nodes = triangles[t];
       for (int k = 0; k < 3; ++k) {
         const int node = triangles[t][k];
         if (node < 0 || node >= positions.rows())
@@ -171,28 +174,57 @@ class SurfaceShape final : public Solid::Shape {
     return (facet.corners[1] - facet.corners[0]).cross(facet.corners[2] - facet.corners[0]);
   }
 
-  /// From the middle of a triangle straight inwards to where the surface is left again.
-  double thickness_at(const Facet& facet) const {
-    constexpr double kRounding = 1e-9;  // a ray must not pass between two triangles
-    const Vec3 middle = (facet.corners[0] + facet.corners[1] + facet.corners[2]) / 3,
-               inwards = -facet.normals[TrianglePlace::kFace];
-    double thickness = std::numeric_limits<double>::infinity();
-    tree_.for_each_along(middle, inwards, [&](int t) {
-      const Facet& other = triangles_[t];
-      const Vec3& normal = other.normals[TrianglePlace::kFace];
-      const double along = normal.dot(inwards);
-      if (!(along > 0)) return thickness;
-      const double length = normal.dot(other.corners[0] - middle) / along;
-      if (!(length > 0 && length < thickness)) return thickness;
-      const Vec3 place = middle + length * inwards;
-      for (int k = 0; k < 3; ++k) {
-        const Vec3 edge = other.corners[(k + 1) % 3] - other.corners[k];
-        if (normal.dot(edge.cross(place - other.corners[k])) < -kRounding * edge.squaredNorm()) return thickness;
-      }
-      thickness = length;
-      return thickness;
-    });
+  /// The thickness [m] of the solid below a triangle, or `thickness` if that is less: from its middle straight inwards
+  /// to where the surface is left again. A long triangle may lie above what is thinner than there: it is measured from
+  /// its corners and along its edges too, at distances of the thickness as far as kMaxPerEdge goes. The surface beside
+  /// it does not count then: towards a sharp edge or tip everything becomes thin.
+  double thickness_at(const Facet& facet, double thickness) const {
+    constexpr double kMaxPerEdge = 16;
+    const auto touches = [&](const Facet& other) {
+      return std::ranges::any_of(facet.nodes,
+                                 [&](int node) { return std::ranges::find(other.nodes, node) != other.nodes.end(); });
+    };
+    const Vec3& normal = facet.normals[TrianglePlace::kFace];
+    thickness = length_inwards((facet.corners[0] + facet.corners[1] + facet.corners[2]) / 3, normal, thickness,
+                               [](const Facet&) { return false; });
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 &from = facet.corners[k], edge = facet.corners[(k + 1) % 3] - from;
+      thickness = length_inwards(from, facet.normals[k], thickness, [&](const Facet& other) {
+        return std::ranges::find(other.nodes, facet.nodes[k]) != other.nodes.end();
+      });
+      const double count = std::clamp(std::ceil(edge.norm() / thickness), 2.0, kMaxPerEdge);
+      for (double i = 0; i < count; ++i)
+        for (const Vec3& outwards : {normal, facet.normals[3 + k]})
+          thickness = length_inwards(from + i / count * edge, outwards, thickness, touches);
+    }
     return thickness;
+  }
+
+  /// From a place of the surface straight inwards to where it is left again, or `longest` if that is nearer.
+  /// is_left_out: says of facets whether they do not count.
+  template <class IsLeftOut>
+  double length_inwards(const Vec3& from, const Vec3& outwards, double longest, const IsLeftOut& is_left_out) const {
+    constexpr double kRounding = 1e-9;  // a ray must not pass between two triangles, nor end where it begins
+    constexpr double kFacing = 0.01;    // sine of the angle to what a ray leaves: it may run within a plane
+    tree_.for_each_along(
+        from, -outwards,
+        [&](int t) {
+          const Facet& other = triangles_[t];
+          const Vec3& normal = other.normals[TrianglePlace::kFace];
+          const double along = -normal.dot(outwards);
+          if (!(along > kFacing) || is_left_out(other)) return longest;
+          const double length = normal.dot(other.corners[0] - from) / along;
+          if (!(length > kRounding * reach_ && length < longest)) return longest;
+          const Vec3 place = from - length * outwards;
+          for (int k = 0; k < 3; ++k) {
+            const Vec3 edge = other.corners[(k + 1) % 3] - other.corners[k];
+            if (normal.dot(edge.cross(place - other.corners[k])) < -kRounding * edge.squaredNorm()) return longest;
+          }
+          longest = length;
+          return longest;
+        },
+        longest);
+    return longest;
   }
 
   // Each edge is that of two triangles, which run along it in opposite directions.

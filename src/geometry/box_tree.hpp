@@ -32,11 +32,11 @@ class BoxTree {
     descend(0, point, reach, visit);
   }
 
-  /// Calls visit(e) for boxes e that a ray meets nearer to its origin than what visit returned last, in multiples of
-  /// the direction's length.
+  /// Calls visit(e) for boxes e that a ray meets nearer to its origin than what visit returned last, at first `reach`,
+  /// in multiples of the direction's length.
   template <class Visit>
-  void for_each_along(const Vec3& origin, const Vec3& direction, const Visit& visit) const {
-    double reach = std::numeric_limits<double>::infinity();
+  void for_each_along(const Vec3& origin, const Vec3& direction, const Visit& visit,
+                      double reach = std::numeric_limits<double>::infinity()) const {
     descend_along(0, origin, direction, reach, visit);
   }
 

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "hexaplast/base/error.hpp"
 #include "support/random.hpp"
@@ -120,6 +122,58 @@ TEST(Solid, TheSmallestRadiusOfASurfaceIsThatOfItsThinnestPart) {
   const double radius = Solid::closed_surface(wire.positions, wire.triangles).smallest_radius();
   EXPECT_LE(radius, 0.001);
   EXPECT_GT(radius, 0.0009);
+}
+
+// Rings of `kAround` nodes around z, each { z, radius }, and the ends closed by a node in the middle.
+Surface rings(const std::vector<std::array<double, 2>>& profile, int num_around) {
+  const int count = static_cast<int>(profile.size());
+  Surface surface{PointArray(count * num_around + 2, 3), {}};
+  for (int i = 0; i < count; ++i)
+    for (int j = 0; j < num_around; ++j) {
+      const double angle = 2 * std::numbers::pi * j / num_around;
+      surface.positions.row(i * num_around + j) << profile[i][1] * std::cos(angle), profile[i][1] * std::sin(angle),
+          profile[i][0];
+    }
+  const int bottom = count * num_around, top = bottom + 1;
+  surface.positions.row(bottom) << 0, 0, profile.front()[0];
+  surface.positions.row(top) << 0, 0, profile.back()[0];
+  for (int j = 0; j < num_around; ++j) {
+    const int next = (j + 1) % num_around;
+    surface.triangles.push_back({bottom, next, j});
+    surface.triangles.push_back({top, (count - 1) * num_around + j, (count - 1) * num_around + next});
+    for (int i = 0; i + 1 < count; ++i) {
+      const int a = i * num_around + j, b = i * num_around + next;
+      surface.triangles.push_back({a, b, b + num_around});
+      surface.triangles.push_back({a, b + num_around, a + num_around});
+    }
+  }
+  return surface;
+}
+
+// An hourglass of long triangles, whose middles lie where it is wide: what counts is its neck. A tip is no neck.
+TEST(Solid, TheSmallestRadiusOfLongTrianglesIsThatOfTheThinnestPart) {
+  for (const int num_around : {4, 8, 16}) {
+    const Surface glass = rings({{-0.02, 0.01}, {0, 0.00025}, {0.02, 0.01}}, num_around);
+    const double least = 0.00025 * std::cos(std::numbers::pi / num_around);
+    const double radius = Solid::closed_surface(glass.positions, glass.triangles).smallest_radius();
+    EXPECT_LE(radius, 0.00025 + 1e-12) << num_around;
+    EXPECT_GE(radius, least - 1e-12) << num_around;
+  }
+  // a notch across a bar: nothing but its deepest edge is near the other side
+  Surface notch{PointArray(10, 3), {{0, 3, 4}, {0, 1, 3}, {1, 2, 3}, {5, 9, 8}, {5, 8, 6}, {6, 8, 7}}};
+  const double x[] = {-0.05, 0.05, 0.05, 0, -0.05}, z[] = {0, 0, 0.01, 0.0006, 0.01};
+  for (int k = 0; k < 5; ++k) {
+    const int next = (k + 1) % 5;
+    notch.positions.row(k) << x[k], -0.02, z[k];
+    notch.positions.row(5 + k) << x[k], 0.02, z[k];
+    notch.triangles.push_back({k, 5 + k, 5 + next});
+    notch.triangles.push_back({k, 5 + next, next});
+  }
+  EXPECT_NEAR(Solid::closed_surface(notch.positions, notch.triangles).smallest_radius(), 0.0003, 1e-12);
+  // a needle with a sharp tip
+  Surface needle = rings({{-0.05, 0.001}, {0, 0.001}}, 16);
+  needle.positions(needle.positions.rows() - 1, 2) = 0.004;
+  EXPECT_GT(Solid::closed_surface(needle.positions, needle.triangles).smallest_radius(), 0.0006);
 }
 
 // A star with deep notches: whether a point is inside is asked by counting the triangles above it.

@@ -33,7 +33,7 @@ class Solid {
   SignedDistance distance(const Vec3& point) const;
 
   /// [m] Half of the smallest thickness: what it can slip through between points on a surface. That of a closed surface
-  /// is measured inwards from the middle of each triangle.
+  /// is measured inwards from the middle of each triangle, and from places on its edges.
   double smallest_radius() const;
 
   /// [m] A sphere around the origin of this radius holds it.
