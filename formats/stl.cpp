@@ -36,6 +36,7 @@ class JoinedTriangles {
 
   ImportedMesh take() {
     mesh_.positions = Eigen::Map<const PointArray>(points_.data(), static_cast<Eigen::Index>(points_.size() / 3), 3);
+    merge_copies(mesh_);
     return std::move(mesh_);
   }
 

@@ -337,7 +337,8 @@ std::vector<CageCell> cells_around(ConstPoints x, std::span<const Triangle> tria
     const Vec3 a = corner(edges.open[0][0]), b = corner(edges.open[0][1]);
     throw InputError(fmt::format(
         "the surface is open, and {} cells inside would stay empty: {} edges belong to one face alone, the first from "
-        "({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g}); close the holes, or use larger cells",
+        "({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g}); close the holes, or use "
+        "larger cells; where the wall alone is meant, make layers on the surface (offset)",
         num_leaks, edges.open.size(), a[0], a[1], a[2], b[0], b[1], b[2]));
   }
   return cells.take();

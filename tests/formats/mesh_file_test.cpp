@@ -249,6 +249,9 @@ TEST(MeshFile, HoldsACellOnceThatStandsThereAgain) {
     EXPECT_EQ(mesh.num_copies, 3);
     EXPECT_EQ(what_is_left_out(mesh), (std::vector<std::string>{"3 cells stand there again, and are taken once"}));
   }
+  const ImportedMesh surface = parse_obj(obj_text(written), "a.obj");
+  EXPECT_EQ(surface.quads, (std::vector<Quad>{{0, 1, 2, 3}, {4, 5, 6, 7}, {1, 2, 3, 0}}));
+  EXPECT_EQ(surface.num_copies, 2) << "an edge and a quad";
   // the cell of the first copy, behind an edge and two quads
   const ImportedState state = parse_vtu_state(vtu_text(written), "a.vtu");
   EXPECT_EQ(state.mesh.hexahedra.size(), 2u);

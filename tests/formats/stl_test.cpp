@@ -51,6 +51,13 @@ double volume_within(const ImportedMesh& mesh) {
   return volume;
 }
 
+TEST(StlFile, HoldsATriangleOnceThatStandsThereAgain) {
+  const std::string first = facet("0 0 0", "1 0 0", "0 1 0"), turned = facet("1 0 0", "0 0 0", "0 1 0");
+  const ImportedMesh mesh = parse_stl("solid a\n" + first + turned + first + "endsolid a\n", "a.stl");
+  EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {1, 0, 2}}));
+  EXPECT_EQ(mesh.num_copies, 1);
+}
+
 TEST(StlFile, HoldsWhatMeshioWrote) {
   for (const char* file : {"organ_ascii.stl", "organ_binary.stl"}) {
     SCOPED_TRACE(file);

@@ -206,9 +206,10 @@ TEST(Cage, ASurfaceWithAHoleIsRefusedWhereTheCageWouldBeHollow) {
   EXPECT_EQ(cage_of(open, grid).mesh.num_elements(), 216);
   open.quads.pop_back();
   for (int turn = 0; turn < 3; ++turn) {
-    EXPECT_TRUE(refuses<InputError>([&] { cage_of(open, grid); },
-                                    {"the surface is open", "64 cells inside", "4 edges belong to one face alone",
-                                     "close the holes, or use larger cells"}));
+    EXPECT_TRUE(refuses<InputError>(
+        [&] { cage_of(open, grid); },
+        {"the surface is open", "64 cells inside", "4 edges belong to one face alone",
+         "close the holes, or use larger cells; where the wall alone is meant, make layers on the surface"}));
     if (turn == 0)
       for (Quad& quad : open.quads) std::ranges::reverse(quad);
     else
