@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "parts/hexahedral_body.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "base/memory.hpp"
@@ -36,7 +38,9 @@ HexahedralBody::HexahedralBody(ConstPoints rest, const std::vector<Hexahedron>& 
 
 Body HexahedralBody::made(ConstPoints rest, const std::vector<Hexahedron>& hexahedra, HexahedralBodyOptions options) {
   check(options, dt_);
-  require_memory(static_cast<double>(hexahedra.size()), bytes_per_hexahedron(options.materials, options.settings));
+  const auto count = static_cast<double>(hexahedra.size());
+  memory_ = grant_memory(fmt::format("a body of {:.10g} hexahedra", count),
+                         count * bytes_per_hexahedron(options.materials, options.settings));
   return Body(HexMesh(rest, hexahedra), std::move(options.materials), options.settings);
 }
 

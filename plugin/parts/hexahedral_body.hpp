@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -88,6 +89,7 @@ class HexahedralBody {
 
   double dt_;  // [s] that the rates were checked with
   std::vector<Remark> warnings_;
+  std::shared_ptr<const void> memory_;  // granted for the body
   Body body_;
   FlowReport report_;
   std::size_t num_announced_ = 0;  // of the hexahedra that have gone

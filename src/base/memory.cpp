@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <fstream>
 #include <limits>
 #include <string>
@@ -61,15 +62,20 @@ std::uint64_t available_memory(const fs::path& root) {
   return physical == 0 && limit == kUnlimited ? 0 : std::min(physical > 0 ? physical : kUnlimited, limit);
 }
 
-void require_memory_for(std::string_view what, double bytes, std::uint64_t available) {
-  if (available > 0 && bytes > static_cast<double>(available))
-    throw InputError(fmt::format("{} needs about {:.3g} GB of memory, the machine or its container has {:.3g} GB", what,
-                                 bytes / 1e9, static_cast<double>(available) / 1e9));
+GrantedMemory grant_memory(std::string_view what, double bytes, std::uint64_t available) {
+  static std::atomic<double> granted = 0;  // [byte] of all that is kept: each part alone would fit
+  const double others = granted.fetch_add(bytes);
+  GrantedMemory grant(&granted, [bytes](const void*) { granted.fetch_sub(bytes); });
+  if (available > 0 && others + bytes > static_cast<double>(available))
+    throw InputError(fmt::format("{} needs about {:.3g} GB of memory, the machine or its container has {:.3g} GB{}",
+                                 what, bytes / 1e9, static_cast<double>(available) / 1e9,
+                                 others > 0 ? fmt::format(", of which {:.3g} GB are taken", others / 1e9) : ""));
+  return grant;
 }
 
 void require_memory(double num_hexahedra, double bytes_per_hexahedron, std::uint64_t available) {
-  require_memory_for(fmt::format("a body of {:.10g} hexahedra", num_hexahedra), num_hexahedra * bytes_per_hexahedron,
-                     available);
+  static_cast<void>(grant_memory(fmt::format("a body of {:.10g} hexahedra", num_hexahedra),
+                                 num_hexahedra * bytes_per_hexahedron, available));
 }
 
 }  // namespace hexaplast

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string_view>
 
 namespace hexaplast {
@@ -19,12 +20,16 @@ std::uint64_t available_memory(const std::filesystem::path& root = "/");
 inline constexpr double kMinBytesPerHexahedron = 3300;
 
 /// Throws InputError where a body of so many hexahedra, at so many bytes each, does not fit into a memory of
-/// `available` bytes: the machine would not refuse it, but swap until nothing moves, and a container would be killed.
-/// 0: unknown, everything fits.
+/// `available` bytes beside what is granted already: the machine would not refuse it, but swap until nothing moves, and
+/// a container would be killed. 0: unknown, everything fits.
 void require_memory(double num_hexahedra, double bytes_per_hexahedron = kMinBytesPerHexahedron,
                     std::uint64_t available = available_memory());
 
-/// The same of anything else. what: begins the message, "... needs about".
-void require_memory_for(std::string_view what, double bytes, std::uint64_t available = available_memory());
+/// Memory that counts as taken in this process while it is kept.
+using GrantedMemory = std::shared_ptr<const void>;
+
+/// The same of anything, which is granted that memory. what: begins the message, "... needs about". By any thread.
+[[nodiscard]] GrantedMemory grant_memory(std::string_view what, double bytes,
+                                         std::uint64_t available = available_memory());
 
 }  // namespace hexaplast

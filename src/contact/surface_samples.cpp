@@ -42,10 +42,42 @@ int parts_of(double longest_edge, double wanted, int max_parts) {
 /// [byte] of a sample, what contact keeps for it, and what finding it takes.
 constexpr double kBytesPerSample = 400;
 
-/// `per_face` of each face of a surface, or of each triangle.
-void check_memory(std::size_t num_faces, double per_face, int parts) {
-  require_memory_for(fmt::format("contact at points of {} faces, edges in {} parts,", num_faces, parts),
-                     static_cast<double>(num_faces) * per_face * kBytesPerSample);
+/// What samples are made by: into how many parts edges are divided, the same on every face, so that neighbours have
+/// their points in common.
+struct Plan {
+  int parts;
+  SurfaceSamples samples;  // none yet
+};
+
+/// per_parts: samples of each face or triangle, for the square of the parts.
+Plan planned(double longest_edge, double wanted, int max_parts, std::size_t num_faces, double per_parts) {
+  const int parts = parts_of(longest_edge, wanted, max_parts);
+  return {parts,
+          {.samples = {},
+           .spacing = longest_edge / parts,
+           .memory = grant_memory(fmt::format("contact at points of {} faces, edges in {} parts,", num_faces, parts),
+                                  static_cast<double>(num_faces) * per_parts * parts * parts * kBytesPerSample)}};
+}
+
+Plan plan_on(const HexMesh& mesh, std::size_t num_faces, double wanted, int max_parts) {
+  check(wanted, max_parts);
+  // also of edges inside, so that samples stay the same when hexahedra go
+  double longest = 0;
+  for (const Hexahedron& nodes : mesh.hexahedra())
+    for (const auto& [a, b] : kEdges)
+      longest = std::max(longest, (mesh.positions().row(nodes[a]) - mesh.positions().row(nodes[b])).norm());
+  return planned(longest, wanted, max_parts, num_faces, 1);
+}
+
+Plan plan_on_embedded(ConstPoints surface, const std::vector<Triangle>& triangles, double wanted, int max_parts) {
+  check(wanted, max_parts);
+  double longest = 0;
+  for (const Triangle& triangle : triangles) {
+    require_nodes("SurfaceSamples", triangle, surface.rows());
+    for (int a = 0; a < 3; ++a)
+      longest = std::max(longest, (surface.row(triangle[a]) - surface.row(triangle[(a + 1) % 3])).norm());
+  }
+  return planned(longest, wanted, max_parts, triangles.size(), 0.5);
 }
 
 /// A point of a face by its nodes and the fractions that it has of them, in parts of the edges, ascending: the same
@@ -65,24 +97,15 @@ FaceWeights<N> key_of(const std::array<int, N>& nodes, const std::array<int, N>&
 
 SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned char> alive, double wanted,
                                   int max_parts) {
-  check(wanted, max_parts);
   const std::vector<Quad> faces = mesh.boundary_faces(alive);
   std::vector<Patch> patches;
   for (const Quad& face : faces) {
     Patch& patch = patches.emplace_back();
     for (int a = 0; a < 4; ++a) patch.corners[a] = mesh.positions().row(face[a]).transpose();
   }
-  // also of edges inside, so that samples stay the same when hexahedra go
-  double longest = 0;
-  for (const Hexahedron& nodes : mesh.hexahedra())
-    for (const auto& [a, b] : kEdges)
-      longest = std::max(longest, (mesh.positions().row(nodes[a]) - mesh.positions().row(nodes[b])).norm());
-  // the same on every face, so that neighbours have their points in common
-  const int parts = parts_of(longest, wanted, max_parts);
-
-  SurfaceSamples found;
-  found.spacing = longest / parts;
-  check_memory(faces.size(), 1.0 * parts * parts, parts);
+  Plan plan = plan_on(mesh, faces.size(), wanted, max_parts);
+  const int parts = plan.parts;
+  SurfaceSamples found = std::move(plan.samples);
   found.samples.reserve(faces.size() * static_cast<std::size_t>(parts) * static_cast<std::size_t>(parts) + 2);
   std::map<FaceWeights<4>, std::size_t> known;  // on the edges of faces
   for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -116,18 +139,9 @@ SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned 
 SurfaceSamples SurfaceSamples::on_embedded(const HexMesh& mesh, std::span<const unsigned char> alive,
                                            ConstPoints surface, const std::vector<Triangle>& triangles, double wanted,
                                            int max_parts) {
-  check(wanted, max_parts);
-  double longest = 0;
-  for (const Triangle& triangle : triangles) {
-    require_nodes("SurfaceSamples", triangle, surface.rows());
-    for (int a = 0; a < 3; ++a)
-      longest = std::max(longest, (surface.row(triangle[a]) - surface.row(triangle[(a + 1) % 3])).norm());
-  }
-  const int parts = parts_of(longest, wanted, max_parts);
-
-  SurfaceSamples found;
-  found.spacing = longest / parts;
-  check_memory(triangles.size(), 0.5 * parts * parts, parts);
+  Plan plan = plan_on_embedded(surface, triangles, wanted, max_parts);
+  const int parts = plan.parts;
+  SurfaceSamples found = std::move(plan.samples);
   std::map<FaceWeights<3>, std::size_t> known;
   std::vector<Vec3> points;
   std::vector<std::pair<std::size_t, double>> of_triangle;  // its points and their areas, triangle by triangle
@@ -175,6 +189,16 @@ SurfaceSamples SurfaceSamples::on_embedded(const HexMesh& mesh, std::span<const 
                              .area = areas[k]});
   }
   return found;
+}
+
+SurfaceSamples SurfaceSamples::planned_on(const HexMesh& mesh, std::span<const unsigned char> alive, double wanted,
+                                          int max_parts) {
+  return plan_on(mesh, mesh.boundary_faces(alive).size(), wanted, max_parts).samples;
+}
+
+SurfaceSamples SurfaceSamples::planned_on_embedded(ConstPoints surface, const std::vector<Triangle>& triangles,
+                                                   double wanted, int max_parts) {
+  return plan_on_embedded(surface, triangles, wanted, max_parts).samples;
 }
 
 }  // namespace hexaplast

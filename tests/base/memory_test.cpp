@@ -31,6 +31,18 @@ TEST(Memory, ABodyThatDoesNotFitIsRefused) {
   EXPECT_NO_THROW(require_memory(1e15, 2500, 0)) << "unknown";
 }
 
+// What is kept counts, and each part alone would fit.
+TEST(Memory, IsGrantedAsLongAsTheSumFits) {
+  GrantedMemory body = grant_memory("a body", 6e9, 10 * kGB);
+  const GrantedMemory contact = grant_memory("a contact", 4e9, 10 * kGB);
+  EXPECT_TRUE(refuses<InputError>(
+      [] { static_cast<void>(grant_memory("another contact", 1e9, 10 * kGB)); },
+      {"another contact needs about 1 GB", "the machine or its container has 10 GB, of which 10 GB are taken"}));
+  EXPECT_TRUE(refuses<InputError>([] { require_memory(1000, 2500, 10 * kGB); }, {"1000 hexahedra"}));
+  body.reset();
+  const GrantedMemory other = grant_memory("another body", 6e9, 10 * kGB);
+}
+
 // BodyMemory.IsWhatTheGuardCounts measures it.
 TEST(Memory, OfABodyDependsOnWhatItIsMadeOf) {
   const Material elastic, yields{.yield_stress = 300, .flow_rate = 2}, turns{.rotation_flow_rate = 1};

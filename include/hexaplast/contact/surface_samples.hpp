@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -43,11 +44,12 @@ struct SurfaceSamples {
   };
 
   std::vector<Sample> samples;
-  double spacing = 0;  ///< [m] the largest distance between neighbours
+  double spacing = 0;                       ///< [m] the largest distance between neighbours
+  std::shared_ptr<const void> memory = {};  ///< counts as taken while this is there
 
   /// On the faces of the mesh. Parts of an edge of a face: as many as make neighbours no farther apart than `wanted`
   /// [m], but not more than `max_parts`. alive: empty, or one per hexahedron. Throws InputError for a `wanted` or
-  /// `max_parts` that is not positive.
+  /// `max_parts` that is not positive, and for more samples than there is memory for.
   static SurfaceSamples on(const HexMesh& mesh, std::span<const unsigned char> alive, double wanted, int max_parts);
 
   /// The same on triangles that are embedded in the hexahedra (Embedding) and have the positions `surface` [m] in the
@@ -55,6 +57,12 @@ struct SurfaceSamples {
   /// throws, and InputError for a node that is not there.
   static SurfaceSamples on_embedded(const HexMesh& mesh, std::span<const unsigned char> alive, ConstPoints surface,
                                     const std::vector<Triangle>& triangles, double wanted, int max_parts);
+
+  /// The spacing and the memory of what `on` and `on_embedded` make, without a sample.
+  static SurfaceSamples planned_on(const HexMesh& mesh, std::span<const unsigned char> alive, double wanted,
+                                   int max_parts);
+  static SurfaceSamples planned_on_embedded(ConstPoints surface, const std::vector<Triangle>& triangles, double wanted,
+                                            int max_parts);
 };
 
 }  // namespace hexaplast
