@@ -12,8 +12,8 @@ inline constexpr Attribute kTangentialStiffness{.name = "tangentialStiffness",
                                                 .range = kNotNegative,
                                                 .help =
                                                     "Shear stress per displacement of tissue that sticks. Default: "
-                                                    "contactStiffness. At most a thousand times the default "
-                                                    "of contactStiffness."};
+                                                    "contactStiffness. At most 200 times the default of "
+                                                    "contactStiffness."};
 inline constexpr Attribute kFriction{
     .name = "friction",
     .type = Type::kReal,
@@ -99,7 +99,8 @@ inline constexpr Attribute kInstrumentContactAttributes[] = {
      .range = kPositive,
      .help = "Pressure per depth of penetration. Default: 30 E / edge length of the body's hexahedra (the greatest "
              "Young's modulus, the mean edge): a pressure of .3 E is held at a hundredth of an edge. It follows a "
-             "modulus that changes, in the same step. At most a thousand times the default."},
+             "modulus that changes, in the same step. At most 200 times the default; from 30 times on a "
+             "MultigridCGLinearSolver needs a tolerance of 1e-8."},
     kTangentialStiffness,
     kFriction,
     kContactDistance,
@@ -150,8 +151,8 @@ inline constexpr Attribute kTissueContactAttributes[] = {
      .unit = "Pa/m",
      .range = kPositive,
      .help = "Pressure per depth of penetration. Default: 30 E / edge length (the greatest Young's modulus, the mean "
-             "edge) of that body for which it is less. It follows a modulus that changes, in the same step. At most a "
-             "thousand times the default."},
+             "edge) of that body for which it is less. It follows a modulus that changes, in the same step. At most "
+             "200 times the default; from 30 times on a MultigridCGLinearSolver needs a tolerance of 1e-8."},
     kTangentialStiffness,
     kFriction,
     kContactDistance,

@@ -37,7 +37,7 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
         reject(fmt::format("its EulerImplicitSolver has {}: contact needs implicit Euler", scheme));
     instrument_.emplace(accepted(*this, [&] { return parts::Instrument(options(), *body_field_->body()); }));
     shape_ = parts::shape_of(instrument_->options());
-    instrument_->look_at_start(present_pose(node().clock().time), state_->positions());
+    accepted(*this, [&] { instrument_->look_at_start(present_pose(node().clock().time), state_->positions()); });
     pass_on(*this, instrument_->take_warnings());
   }
 
@@ -57,6 +57,7 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
       else
         instrument_->begin_step(clock.time, clock.dt, rayleigh_stiffness, state_->positions(), state_->velocities());
     });
+    pass_on(*this, instrument_->take_warnings());
   }
   void end_step(double) override { instrument_->end_step(state_->positions(), state_->velocities()); }
   void reset() override { instrument_->reset(); }

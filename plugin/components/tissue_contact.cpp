@@ -50,18 +50,21 @@ class TissueContactForceField final : public scene::OneSidedInteraction {
       if (integrator_->boolean(scheme))
         reject(fmt::format("its EulerImplicitSolver has {}: contact needs implicit Euler", scheme));
     accepted(*this, [&] { tissues_.emplace(options(), *body_fields_[0]->body(), *body_fields_[1]->body()); });
-    pass_on(*this, tissues_->look_at_start(positions()));
+    tissues_->look_at_start(positions());
+    pass_on(*this, tissues_->take_warnings());
     warn_of_same_pair();
   }
 
   void refresh() override {
     accepted(*this, [&] { tissues_->set_options(options()); });
+    warn_of_same_pair();
   }
 
   void begin_step() override {
     accepted(*this, [&] {
       tissues_->begin_step(node().clock().dt, integrator_->real("rayleighStiffness"), positions(), velocities());
     });
+    pass_on(*this, tissues_->take_warnings());
   }
   void end_step(double) override { tissues_->end_step(positions(), velocities()); }
   void reset() override { tissues_->reset(); }
@@ -99,12 +102,16 @@ class TissueContactForceField final : public scene::OneSidedInteraction {
   }
 
  private:
-  /// Of another contact before it between the same bodies.
+  /// Once, of another active contact between the same bodies that was there before.
   void warn_of_same_pair() {
+    if (has_warned_of_pair_ || !boolean("active")) return;
     for (auto* other : node().root().all<TissueContactForceField>()) {
-      if (other == this) return;
-      if (boolean("active") && other->boolean("active") && std::ranges::is_permutation(states_, other->states_))
-        pass_on(*this, {parts::same_pair(other->name())});
+      if (other == this || !other->tissues_ || other->has_warned_of_pair_ || !other->boolean("active") ||
+          !std::ranges::is_permutation(states_, other->states_))
+        continue;
+      has_warned_of_pair_ = true;
+      pass_on(*this, {parts::same_pair(other->name())});
+      return;
     }
   }
 
@@ -120,6 +127,7 @@ class TissueContactForceField final : public scene::OneSidedInteraction {
   std::array<scene::ForceField*, 2> body_fields_ = {};  // that have the bodies
   scene::OdeSolver* integrator_ = nullptr;
   std::optional<parts::Tissues> tissues_;
+  bool has_warned_of_pair_ = false;
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 
 #include "hexaplast/body.hpp"
 #include "hexaplast/contact/contact_terms.hpp"
@@ -36,6 +37,13 @@ struct ContactOptions {
   /// Throws OptionError for a contact_distance above half of a mean edge [m] of hexahedra.
   void check_distance(double edge) const;
 };
+
+/// What is said of a stiffness that was accepted and is refused in a run: which body has become softer than it was,
+/// from and to which Young's modulus [Pa].
+OptionError softened(const OptionError& refusal, std::string_view body, double from, double to);
+
+/// [Pa] of a body as it is.
+double greatest_young_modulus(const Body& body);
 
 /// [m] of the hexahedra of a body, those that have gone among them.
 double mean_edge(const Body& body);

@@ -85,6 +85,15 @@ void check(const InstrumentOptions& options) {
   ranges.throw_all();
 }
 
+template <class Make>
+SurfaceSamples fitting_samples(const Make& make) {
+  try {
+    return make();
+  } catch (const InputError& error) {  // too many for the memory
+    throw OptionError("max_subdivision", error.what());
+  }
+}
+
 }  // namespace
 
 Pose moved(const Pose& pose, const Vec3& velocity, const Vec3& angular_velocity, double duration) {
@@ -112,13 +121,15 @@ void Instrument::set_options(InstrumentOptions options) {
   if (has_same_shape) {
     options_ = std::move(options);
     default_stiffness_ = stiffness;
+    young_modulus_ = greatest_young_modulus(body_);
     contact_->set_settings(settings);
     return;
   }
   const Solid solid = solid_of(options);
   options_ = std::move(options);
   default_stiffness_ = stiffness;
-  SurfaceSamples samples = samples_of(solid);
+  young_modulus_ = greatest_young_modulus(body_);
+  SurfaceSamples samples = planned_samples(solid);
   const double wanted = kPerRadius * solid.smallest_radius();
   if (samples.spacing > (1 + 1e-6) * wanted)
     warnings_.push_back(
@@ -128,44 +139,68 @@ void Instrument::set_options(InstrumentOptions options) {
                      samples.spacing, wanted)});
   num_removed_ = body_.removed().size();
   contact_.emplace(solid, settings, std::move(samples));
+  has_samples_ = false;
 }
 
-SurfaceSamples Instrument::samples_of(const Solid& solid) const {
+SurfaceSamples Instrument::planned_samples(const Solid& solid) const {
   const double wanted = kPerRadius * solid.smallest_radius();
   const int max_parts = options_.contact.max_subdivision;
-  try {
+  return fitting_samples([&] {
+    if (options_.embedded_triangles.empty())
+      return SurfaceSamples::planned_on(body_.mesh(), body_.alive(), wanted, max_parts);
+    return SurfaceSamples::planned_on_embedded(options_.embedded_positions, options_.embedded_triangles, wanted,
+                                               max_parts);
+  });
+}
+
+void Instrument::make_samples() {
+  const double wanted = kPerRadius * contact_->solid().smallest_radius();
+  const int max_parts = options_.contact.max_subdivision;
+  if (!has_samples_) contact_->set_samples({});  // gives back the memory that was planned
+  contact_->set_samples(fitting_samples([&] {
     if (options_.embedded_triangles.empty()) return SurfaceSamples::on(body_.mesh(), body_.alive(), wanted, max_parts);
     return SurfaceSamples::on_embedded(body_.mesh(), body_.alive(), options_.embedded_positions,
                                        options_.embedded_triangles, wanted, max_parts);
-  } catch (const InputError& error) {  // too many for the memory
-    throw OptionError("max_subdivision", error.what());
-  }
+  }));
+  has_samples_ = true;
+}
+
+/// An embedded surface may reach beyond the nodes, whose box tells nothing of it.
+bool Instrument::comes_near(ConstPoints x, ConstPoints v, double dt, const Pose& from, const Pose& to) const {
+  return options_.contact.active && (!options_.embedded_triangles.empty() || contact_->can_touch(x, v, dt, from, to));
 }
 
 void Instrument::look_at_start(const Pose& pose, ConstPoints x) {
-  if (!options_.contact.active) return;
+  if (options_.contact.active) look(options_.is_prescribed ? "rigid" : "positions", "begins", pose, x);
+}
+
+void Instrument::look(const char* option, const char* begins, const Pose& pose, ConstPoints x) {
+  has_looked_ = true;
+  if (!comes_near(x, x, 0, pose, pose)) return;
+  if (!has_samples_) make_samples();
   const Solid& solid = contact_->solid();
-  const Eigen::Quaterniond to_frame = pose.orientation.conjugate();
   double depth = 0;
-  for (const SurfaceSamples::Sample& sample : contact_->samples().samples)
-    depth = std::max(depth, -solid.distance(to_frame * (sample.at(x) - pose.position)).value);
-  const char* option = options_.is_prescribed ? "rigid" : "positions";
+  for (const SurfaceSamples::Sample& sample : contact_->samples().samples) {
+    const Vec3 own = pose.to_own(sample.at(x));
+    if (own.norm() < solid.reach()) depth = std::max(depth, -solid.distance(own).value);
+  }
   if (depth > kDeep * solid.smallest_radius()) {
-    warnings_.push_back({option, fmt::format("it begins {:.3g} m deep in the body, which is pushed out", depth)});
+    warnings_.push_back({option, fmt::format("it {} {:.3g} m deep in the body, which is pushed out", begins, depth)});
   } else if (depth == 0 && options_.embedded_triangles.empty()) {  // the cage of an embedded surface reaches beyond it
     const PointArray place = pose.position.transpose();
     const auto beyond = (x.rowwise() - place.row(0)).array();
     if ((beyond.colwise().minCoeff() > 0).any() || (beyond.colwise().maxCoeff() < 0).any()) return;
     if (Embedding(x, body_.mesh().hexahedra(), place).num_outside() == 0)
       warnings_.push_back(
-          {option, "it begins within the body and reaches no point of its surface: nothing pushes it out"});
+          {option,
+           fmt::format("it {} within the body and reaches no point of its surface: nothing pushes it out", begins)});
   }
 }
 
 void Instrument::follow_surface() {
   if (body_.removed().size() == num_removed_) return;
   num_removed_ = body_.removed().size();
-  contact_->set_samples(samples_of(contact_->solid()));
+  if (has_samples_) make_samples();
 }
 
 Pose Instrument::pose_at(double time) const {
@@ -190,8 +225,15 @@ void Instrument::begin_step(const Pose& from, const Pose& to, double dt, double 
                             ConstPoints v) {
   follow_surface();
   default_stiffness_ = default_contact_stiffness(body_, edge_);
-  contact_->set_settings(options_.contact.settings(default_stiffness_));
+  try {
+    contact_->set_settings(options_.contact.settings(default_stiffness_));
+  } catch (const OptionError& refusal) {
+    throw softened(refusal, "the body that it touches", young_modulus_, greatest_young_modulus(body_));
+  }
   rayleigh_stiffness_ = rayleigh_stiffness;
+  if (options_.contact.active && !has_looked_) look("active", "becomes active", from, x);
+  // once, as an event: no step after it allocates for them
+  if (!has_samples_ && comes_near(x, v, dt, from, to)) make_samples();
   contact_->begin_step(x, v, dt, from, to);
 }
 
@@ -201,9 +243,18 @@ void Instrument::reset() {
 }
 
 void Instrument::serialize(Archive& archive) {
-  if (archive.reads()) {  // as many may have gone, and others
-    num_removed_ = body_.removed().size();
-    contact_->set_samples(samples_of(contact_->solid()));
+  bool has_samples = has_samples_;
+  archive(has_samples);
+  if (archive.reads()) {
+    num_removed_ = body_.removed().size();  // as many may have gone, and others
+    has_looked_ = options_.contact.active;
+    if (has_samples) {
+      make_samples();
+    } else {
+      contact_->set_samples({});
+      contact_->set_samples(planned_samples(contact_->solid()));
+      has_samples_ = false;
+    }
   }
   follow_surface();
   contact_->serialize(archive);

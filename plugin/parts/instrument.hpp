@@ -60,13 +60,14 @@ class Instrument {
   /// OptionError.
   void set_options(InstrumentOptions options);
 
-  /// Remarks where it is within the body at the beginning. x: num_nodes x 3 [m].
+  /// Remarks where it is within the body at the beginning, if it is active. x: num_nodes x 3 [m].
   void look_at_start(const Pose& pose, ConstPoints x);
 
   /// What it remarked on the way here.
   std::vector<Remark> take_warnings() { return std::exchange(warnings_, {}); }
 
-  /// Finds the contacts of a step from `time` that lasts dt [s], by what the body is at present. rayleigh_stiffness
+  /// Finds the contacts of a step from `time` that lasts dt [s], by what the body is at present. Remarks where it is
+  /// within the body, in the first step in which it is active. rayleigh_stiffness
   /// [s]: that of the time integrator, which does not act on contact. Throws OptionError for a stiffness far beyond
   /// that of the body.
   void begin_step(double time, double dt, double rayleigh_stiffness, ConstPoints x, ConstPoints v);
@@ -94,15 +95,21 @@ class Instrument {
   Pose pose_at(double time) const;  ///< along its path
 
  private:
-  SurfaceSamples samples_of(const Solid& solid) const;
+  SurfaceSamples planned_samples(const Solid& solid) const;
+  void make_samples();
+  bool comes_near(ConstPoints x, ConstPoints v, double dt, const Pose& from, const Pose& to) const;
+  void look(const char* option, const char* begins, const Pose& pose, ConstPoints x);
   void follow_surface();  // where hexahedra have gone since the last call
 
   const Body& body_;
   double edge_;                   // [m] of its hexahedra
   double default_stiffness_ = 0;  // [Pa/m] in the settings of the contact
+  double young_modulus_ = 0;      // [Pa] of the body when the options were accepted
   std::size_t num_removed_ = 0;
   InstrumentOptions options_;
   std::optional<InstrumentContact> contact_;
+  bool has_samples_ = false;  // made when it first comes near: they may be millions
+  bool has_looked_ = false;   // where it is when it is first active
   double rayleigh_stiffness_ = 0;
   std::vector<Remark> warnings_;
 };

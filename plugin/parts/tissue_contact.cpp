@@ -42,6 +42,7 @@ void Tissues::set_options(const ContactOptions& options) {
   if (const double edge = (other ? *other : *contact_).edge(); edge > 0) options.check_distance(edge);
   options_ = options;
   default_stiffness_ = stiffness;
+  young_moduli_ = young_moduli();
   if (other) {
     contact_ = std::move(other);
     num_removed_ = num_removed();
@@ -60,20 +61,37 @@ void Tissues::follow_surface() {
   set_surface(*contact_);
 }
 
-std::vector<Remark> Tissues::look_at_start(const OfTwo<ConstPoints>& x) {
-  if (!options_.active) return {};
+std::array<double, 2> Tissues::young_moduli() const {
+  return {greatest_young_modulus(*bodies_[0]), greatest_young_modulus(*bodies_[1])};
+}
+
+void Tissues::look_at_start(const OfTwo<ConstPoints>& x) {
+  if (options_.active) look("", x);
+}
+
+void Tissues::look(const char* to_touch, const OfTwo<ConstPoints>& x) {
+  has_looked_ = true;
   const double depth = contact_->depth_at(x);
-  if (!(depth > kOverlap * contact_->edge())) return {};
-  if (bodies_[0] == bodies_[1]) return {{"object1", fmt::format("the body begins {:.3g} m deep in itself", depth)}};
-  return {{"object2", fmt::format("the bodies begin {:.3g} m deep in each other", depth)}};
+  if (!(depth > kOverlap * contact_->edge())) return;
+  if (bodies_[0] == bodies_[1])
+    warnings_.push_back({"object1", fmt::format("the body begins{} {:.3g} m deep in itself", to_touch, depth)});
+  else
+    warnings_.push_back({"object2", fmt::format("the bodies begin{} {:.3g} m deep in each other", to_touch, depth)});
 }
 
 void Tissues::begin_step(double dt, double rayleigh_stiffness, const OfTwo<ConstPoints>& x,
                          const OfTwo<ConstPoints>& v) {
   follow_surface();
   default_stiffness_ = default_stiffness();
-  contact_->set_settings(options_.settings(default_stiffness_));
+  try {
+    contact_->set_settings(options_.settings(default_stiffness_));
+  } catch (const OptionError& refusal) {
+    const std::array now = young_moduli();
+    const std::size_t k = now[0] / edges_[0] < now[1] / edges_[1] ? 0 : 1;  // that has the lesser stiffness
+    throw softened(refusal, k == 0 ? "the body of object1" : "the body of object2", young_moduli_[k], now[k]);
+  }
   rayleigh_stiffness_ = rayleigh_stiffness;
+  if (options_.active && !has_looked_) look(" to touch", x);
   contact_->begin_step(x, v, dt);
 }
 
@@ -86,6 +104,7 @@ void Tissues::serialize(Archive& archive) {
   if (archive.reads()) {  // as many may have gone, and others
     num_removed_ = num_removed();
     set_surface(*contact_);
+    has_looked_ = options_.active;
   }
   follow_surface();
   contact_->serialize(archive);

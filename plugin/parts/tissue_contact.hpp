@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "hexaplast/body.hpp"
@@ -26,11 +27,15 @@ class Tissues {
   /// OptionError.
   void set_options(const ContactOptions& options);
 
-  /// Warnings of bodies that overlap at the beginning. x [m].
-  std::vector<Remark> look_at_start(const OfTwo<ConstPoints>& x);
+  /// Remarks bodies that overlap at the beginning, if it is active. x [m].
+  void look_at_start(const OfTwo<ConstPoints>& x);
 
-  /// Finds the contacts of a step of dt [s], by what the bodies are at present. rayleigh_stiffness [s]: that of the
-  /// time integrator, which does not act on contact. Throws OptionError for a stiffness far beyond that of the bodies.
+  /// What it remarked on the way here.
+  std::vector<Remark> take_warnings() { return std::exchange(warnings_, {}); }
+
+  /// Finds the contacts of a step of dt [s], by what the bodies are at present. Remarks bodies that overlap in the
+  /// first step in which it is active. rayleigh_stiffness [s]: that of the time integrator, which does not act on
+  /// contact. Throws OptionError for a stiffness far beyond that of the bodies.
   void begin_step(double dt, double rayleigh_stiffness, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v);
 
   void end_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) { contact_->end_step(x, v); }
@@ -56,15 +61,20 @@ class Tissues {
     return {bodies_[0]->removed().size(), bodies_[1]->removed().size()};
   }
   void follow_surface();  // where hexahedra have gone since the last call
+  void look(const char* to_touch, const OfTwo<ConstPoints>& x);
   double default_stiffness() const;
+  std::array<double, 2> young_moduli() const;  // [Pa] the greatest of each body
 
   std::array<const Body*, 2> bodies_;
-  std::array<double, 2> edges_;   // [m] of their hexahedra
-  double default_stiffness_ = 0;  // [Pa/m] in the settings of the contact
+  std::array<double, 2> edges_;              // [m] of their hexahedra
+  double default_stiffness_ = 0;             // [Pa/m] in the settings of the contact
+  std::array<double, 2> young_moduli_ = {};  // [Pa] when the options were accepted
   std::array<std::size_t, 2> num_removed_ = {};
   ContactOptions options_;
   std::optional<TissueContact> contact_;
   double rayleigh_stiffness_ = 0;
+  bool has_looked_ = false;  // whether they overlap when it is first active
+  std::vector<Remark> warnings_;
 };
 
 }  // namespace hexaplast::parts

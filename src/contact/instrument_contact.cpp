@@ -74,9 +74,11 @@ void InstrumentContact::forget_touching() {
 // By the box of the places that samples have relative to the instrument on their straight ways. As the instrument
 // turns, they lie beside it by no more than a point of the body does that turns with it.
 bool InstrumentContact::can_touch(ConstPoints x, ConstPoints v, double h, const Pose& begin, const Pose& end) const {
-  if (!settings_.is_active || nodes_.empty()) return false;
+  if (!settings_.is_active) return false;
   Eigen::AlignedBox3d first, last;
-  for (const int node : nodes_) {
+  const Eigen::Index count = nodes_.empty() ? x.rows() : std::ssize(nodes_);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::Index node = nodes_.empty() ? k : nodes_[static_cast<std::size_t>(k)];
     const Vec3 p = x.row(node).transpose();
     first.extend(p);
     last.extend(Vec3(p + h * v.row(node).transpose()));
@@ -101,7 +103,7 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
   terms_.terms.clear();
   loaded_ = {};
   num_examined_ = 0;
-  if (!can_touch(x, v, h, begin, end)) return forget_touching();
+  if (samples_.samples.empty() || !can_touch(x, v, h, begin, end)) return forget_touching();
 
   const auto num_samples = static_cast<int>(samples_.samples.size());
   num_examined_ = num_samples;

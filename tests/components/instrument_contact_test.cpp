@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/memory.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/body.hpp"
 #include "support/compare.hpp"
@@ -228,6 +229,19 @@ TEST(InstrumentContactForceField, CanBeSwitchedOff) {
   }
 }
 
+// A needle with millions of samples far away: they are counted, each alone would fit, and are made when it comes near.
+TEST(InstrumentContactForceField, MemoryIsCheckedForTheSumOfItsParts) {
+  const std::string needle =
+      "<InstrumentContactForceField radius='.0005' maxSubdivision='64' keyTimes='0' positions='0 0 5'/>";
+  constexpr double kTwoThirdsMore = 150e6;  // [byte] one takes 92
+  const GrantedMemory others = grant_memory("others", static_cast<double>(available_memory()) - kTwoThirdsMore);
+  EXPECT_EQ(errors_of(block(needle)), "");
+  const std::string errors = errors_of(block(needle + needle));
+  EXPECT_NE(errors.find("maxSubdivision: contact at points of 144 faces, edges in 40 parts, needs about 0.0922 GB"),
+            std::string::npos)
+      << errors;
+}
+
 TEST(InstrumentContactForceField, ContinuesWhereItSticks) {
   const std::string text = block(
       "<InstrumentContactForceField name='probe' radius='.01' friction='.8' keyTimes='0 .1 .4' "
@@ -254,6 +268,58 @@ TEST(InstrumentContactForceField, ContinuesWhereItSticks) {
   second.reset();
   support::run(second, 35);
   EXPECT_EQ(nodes(straight), nodes(second));
+
+  // one that was near goes on as one that was not yet
+  std::string from_afar = text;
+  from_afar.replace(from_afar.find(".03 .03 .042"), 12, ".03 .03 .142");
+  scene::Scene far = read_and_init(from_afar), near = read_and_init(from_afar);
+  support::run(far, 3);
+  support::run(near, 12);
+  support::go_on_in(far, near);
+  support::run(far, 12);
+  support::run(near, 12);
+  EXPECT_EQ(nodes(far), nodes(near));
+  EXPECT_GT(force_on(near, "probe").z(), 1e-3);
+}
+
+// Where it is when it is first active: at the beginning, or later.
+TEST(InstrumentContactForceField, WarnsWhereItBecomesActiveWithinTheBody) {
+  scene::Scene scene = read_and_init(
+      block("<AttributeChange component='@ball' attribute='active' keyTimes='.02 .04 .06' values='true; false; true'/>"
+            "<InstrumentContactForceField name='ball' radius='.008' keyTimes='0' active='false' "
+            "positions='.03 .03 .032'/>"));
+  std::string said;
+  for (int k = 0; k < 8; ++k) {
+    EXPECT_EQ(said.empty(), k < 3) << k;
+    scene.step();
+    for (const scene::Message& warning : scene.diagnostics().take_warnings()) said += warning.text;
+  }
+  EXPECT_EQ(said,
+            "InstrumentContactForceField.active: it becomes active 0.006 m deep in the body, which is pushed out");
+}
+
+// A stiffness that was accepted is refused for a body that has become much softer: it says what has changed.
+TEST(InstrumentContactForceField, SaysThatItsBodyHasBecomeTooSoft) {
+  scene::Scene scene = read_and_init(
+      block("<InstrumentContactForceField name='probe' radius='.008' contactStiffness='1e8' keyTimes='0' "
+            "positions='0 0 1'/>")
+          .insert(std::string("<Node dt='.01' gravity='0 0 0'>").size(),
+                  "<AttributeChange component='@body' attribute='youngModulus' keyTimes='.02' values='5'/>"));
+  support::run(scene, 2);
+  try {
+    scene.step();
+    FAIL();
+  } catch (const scene::SceneError& error) {
+    EXPECT_NE(
+        std::string(error.what()).find("InstrumentContactForceField.contactStiffness: is 1e+08, must be at most "),
+        std::string::npos)
+        << error.what();
+    EXPECT_NE(std::string(error.what())
+                  .find("; the greatest Young's modulus of the body that it touches was 5000 Pa when that was "
+                        "accepted, and is 5 Pa now"),
+              std::string::npos)
+        << error.what();
+  }
 }
 
 // The default stiffness is that of the body as it is: with a body whose modulus changes in the first step everything is
@@ -377,7 +443,7 @@ TEST(InstrumentContactForceField, SaysWhatIsWrong) {
   for (const char* stiffness : {"contactStiffness", "tangentialStiffness"})
     EXPECT_EQ(errors("radius='1' " + std::string(stiffness) + "='1e14'"),
               prefix + "." + stiffness +
-                  ": is 1e+14, must be at most 1.5e+10 Pa/m, a thousand times the default of contactStiffness, 30 E / "
+                  ": is 1e+14, must be at most 3e+09 Pa/m, 200 times the default of contactStiffness, 30 E / "
                   "edge length");
   EXPECT_EQ(errors_of("<Node><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/><MechanicalObject "
                       "position='0 0 0'/><UniformMass totalMass='1'/><InstrumentContactForceField radius='1' "

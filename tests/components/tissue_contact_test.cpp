@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -329,6 +330,48 @@ TEST(TissueContactForceField, WarnsOfWhatIsHardlyMeant) {
   EXPECT_EQ(warnings_of(twice),
             "TissueContactForceField.object2: 'other' is between the same bodies: both act, and their stiffnesses add "
             "up\n");
+}
+
+// The same in the step in which it becomes active, once, by whichever of the two becomes active last.
+TEST(TissueContactForceField, WarnsWhenItBecomesActive) {
+  Stack deep;
+  deep.upper = "n='3 3 3' min='.0113 .013 .005' max='.0213 .023 .015'";
+  deep.contact = "active='false'";
+  std::string text = deep.text();
+  text.insert(text.find("<EulerImplicit"),
+              "<AttributeChange component='@contact' attribute='active' keyTimes='.01 .02 .03' values='1;0;1'/>");
+  text.insert(text.find("</Node></Node>") + 7,
+              "<TissueContactForceField name='other' object1='@upper/state' object2='@lower/state'/>");
+  scene::Scene scene = read_and_init(text);
+  scene.diagnostics().take_warnings();  // of the other one
+  std::string said;
+  for (int k = 0; k < 10; ++k) {
+    EXPECT_EQ(said.empty(), k < 3) << k;
+    scene.step();
+    for (const scene::Message& warning : scene.diagnostics().take_warnings())
+      said += warning.text.substr(0, warning.text.find(" m deep")) + "\n";
+  }
+  EXPECT_EQ(said.find("TissueContactForceField.object2: 'other' is between the same bodies: both act, and their "
+                      "stiffnesses add up\nTissueContactForceField.object2: the bodies begin to touch 0.0"),
+            0U)
+      << said;
+  EXPECT_EQ(std::ranges::count(said, '\n'), 2) << said;
+}
+
+TEST(TissueContactForceField, SaysWhichBodyHasBecomeTooSoft) {
+  Stack stiff;
+  stiff.contact = "contactStiffness='1e8'";
+  std::string text = stiff.text();
+  text.insert(text.find("<EulerImplicit"),
+              "<AttributeChange component='@upper/body' attribute='youngModulus' keyTimes='.01' values='5'/>");
+  const std::string of_upper = "youngModulus='10000'";
+  text.insert(text.rfind(of_upper), "name='body' ");
+  scene::Scene scene = read_and_init(text);
+  support::run(scene, 2);
+  EXPECT_TRUE(support::refuses<scene::SceneError>(
+      [&] { scene.step(); }, {"contactStiffness: is 1e+08, must be at most ",
+                              "the greatest Young's modulus of the body of object2 was 10000 Pa when that was "
+                              "accepted, and is 5 Pa now"}));
 }
 
 TEST(TissueContactForceField, RefusesWhatCannotBe) {

@@ -13,6 +13,7 @@
 #include "attributes/parts.hpp"
 #include "attributes/shapes.hpp"
 #include "attributes/words.hpp"
+#include "hexaplast/geometry/grid.hpp"
 #include "parts/grasp.hpp"
 #include "parts/grids.hpp"
 #include "parts/instrument.hpp"
@@ -190,6 +191,26 @@ TEST(Grasp, KeepsItsGripWhereOptionsChange) {
   EXPECT_DOUBLE_EQ(tool.energy(0, x), 3000 * 1e-4 / 2) << "as before";
   tool.reset();
   EXPECT_FALSE(tool.is_closed());
+}
+
+// They may be millions, of which one that is far away or not active needs none.
+TEST(Instrument, HasSamplesFromWhenItFirstComesNear) {
+  const Body body(regular_grid({2, 2, 2}, {0, 0, 0}, {1, 1, 1}), {Material()}, Settings());
+  const PointArray& x = body.mesh().positions();
+  const PointArray v = PointArray::Zero(x.rows(), 3);
+  InstrumentOptions options{.radius = 0.2, .key_times = {0, 1, 2}, .positions = PointArray(3, 3)};
+  options.positions << 0.5, 0.5, 9, 0.5, 0.5, 9, 0.5, 0.5, 1.1;
+  for (const bool is_active : {false, true}) {
+    options.contact.active = is_active;
+    Instrument tool(options, body);
+    const auto num_samples = [&] { return tool.contact().samples().samples.size(); };
+    tool.look_at_start(tool.pose_at(0), x);
+    tool.begin_step(0, 0.1, 0, x, v);
+    EXPECT_EQ(num_samples(), 0U);
+    tool.begin_step(1.9, 0.1, 0, x, v);
+    EXPECT_EQ(num_samples() > 0, is_active);
+    EXPECT_EQ(tool.contact().num_touching() > 0, is_active);
+  }
 }
 
 TEST(Grasp, WarnsWhereItClosesOnNothing) {

@@ -58,6 +58,10 @@ class InstrumentContact {
   /// Other samples of the same body, as after hexahedra have gone. Samples that were there before keep their state.
   void set_samples(SurfaceSamples samples);
 
+  /// Whether boxes tell that something may touch in such a step: that of the nodes that move samples, or of all where
+  /// there are no samples.
+  bool can_touch(ConstPoints x, ConstPoints v, double h, const Pose& begin, const Pose& end) const;
+
   /// Finds the contacts of the step to come, of h [s]. x, v: at its beginning.
   void begin_step(ConstPoints x, ConstPoints v, double h, const Pose& begin, const Pose& end);
 
@@ -104,7 +108,6 @@ class InstrumentContact {
   };
 
   void take_samples(SurfaceSamples samples);
-  bool can_touch(ConstPoints x, ConstPoints v, double h, const Pose& begin, const Pose& end) const;
   void forget_touching();  // no sample has an anchor
 
   Solid solid_;

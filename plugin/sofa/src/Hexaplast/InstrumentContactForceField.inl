@@ -102,6 +102,7 @@ void InstrumentContactForceField<TDataTypes>::beginStep(SReal time, SReal dt)
         m_instrument->begin_step(poseAfter(0), poseAfter(dt), dt, ofIntegrator, x, v);
     else
         m_instrument->begin_step(time, dt, ofIntegrator, x, v);
+    pass_on(*this, m_instrument->take_warnings());
     this->openStep(dt, m_instrument->rayleigh_stiffness());
 }
 

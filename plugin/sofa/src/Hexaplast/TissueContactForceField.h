@@ -72,7 +72,7 @@ protected:
 private:
     OfTwo<ConstPoints> positions() const;
     OfTwo<ConstPoints> velocities() const;
-    void warnOfSamePair() const;  ///< of another contact before it between the same bodies
+    void warnOfSamePair();  ///< once, of another active contact between the same bodies that was there before
     bool isWithItself() const { return this->mstate1.get() == this->mstate2.get(); }
 
     template <class OfPair>
@@ -81,6 +81,7 @@ private:
 
     std::optional<parts::Tissues> m_tissues;
     std::array<BodyField*, 2> m_bodyFields = {};
+    bool m_hasWarnedOfPair = false;
     std::array<int, 2> m_bodiesMade = {};  // which of the bodies that these fields have made
 };
 

@@ -36,24 +36,28 @@ void TissueContactForceField<TDataTypes>::bwdInit()
     Inherit::bwdInit();
     this->initPart();
     if (!this->works()) return;
-    attempt(*this, [&] { pass_on(*this, m_tissues->look_at_start(positions())); });
+    attempt(*this, [&] { m_tissues->look_at_start(positions()); });
+    pass_on(*this, m_tissues->take_warnings());
     warnOfSamePair();
 }
 
 template <class TDataTypes>
-void TissueContactForceField<TDataTypes>::warnOfSamePair() const
+void TissueContactForceField<TDataTypes>::warnOfSamePair()
 {
+    if (m_hasWarnedOfPair || !this->d_active.getValue()) return;
     std::vector<TissueContactForceField*> all;
     this->getContext()->getRootContext()->template get<TissueContactForceField>(
         &all, sofa::core::objectmodel::BaseContext::SearchDown);
     const std::array own = {this->mstate1.get(), this->mstate2.get()};
     for (const TissueContactForceField* other : all)
     {
-        if (other == this) return;
         const std::array states = {other->mstate1.get(), other->mstate2.get()};
-        if (this->d_active.getValue() && other->d_active.getValue() &&
-            std::is_permutation(own.begin(), own.end(), states.begin()))
-            pass_on(*this, {parts::same_pair(other->getName())});
+        if (other == this || !other->works() || other->m_hasWarnedOfPair || !other->d_active.getValue() ||
+            !std::is_permutation(own.begin(), own.end(), states.begin()))
+            continue;
+        m_hasWarnedOfPair = true;
+        pass_on(*this, {parts::same_pair(other->getName())});
+        return;
     }
 }
 
@@ -90,6 +94,7 @@ void TissueContactForceField<TDataTypes>::updatePart()
 {
     if (othersHaveChanged()) return makePart();
     m_tissues->set_options(this->template readOptions<parts::ContactOptions>());
+    warnOfSamePair();
 }
 
 template <class TDataTypes>
@@ -123,6 +128,7 @@ template <class TDataTypes>
 void TissueContactForceField<TDataTypes>::beginStep(SReal, SReal dt)
 {
     m_tissues->begin_step(dt, this->rayleighStiffnessOfIntegrator(), positions(), velocities());
+    pass_on(*this, m_tissues->take_warnings());
     this->openStep(dt, m_tissues->rayleigh_stiffness());
 }
 
