@@ -8,6 +8,7 @@
 #include "attributes/stock.hpp"
 #include "components/between_states.hpp"
 #include "components/components.hpp"
+#include "components/system_solver.hpp"
 #include "hexaplast/base/error.hpp"
 #include "scene/interfaces.hpp"
 #include "scene/visuals.hpp"
@@ -34,22 +35,23 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
     if (states_[0] == states_[1])
       reject("object2", fmt::format("leads to '{}', as object1 does: must lead to another state", states_[1]->name()));
     is_two_way_ = boolean("twoWay");
-    position_factor_ = real("positionFactor");
-    velocity_factor_ = real("velocityFactor");
-    min_distance_ = real("minDistance");
-    end_time_ = real("endTime");
+    read_factors();
   }
 
   // Its time integrator, which may stand before it, has asked for its pairs already.
   void bwd_init() override {
-    require_one_integrator(*this, states_);
+    integrator_ = dynamic_cast<SystemSolver*>(&require_one_integrator(*this, states_));
     pairs();
   }
 
+  // What the matrix and the order of the states are made by stays; whether others hold its nodes too, the integrator
+  // checks.
   void refresh() override {
-    init();
+    if (boolean("twoWay") != is_two_way_) reject("twoWay", "cannot change during a run");
+    read_factors();
     has_pairs_ = has_failed_ = false;
     pairs();
+    if (integrator_) integrator_->constraints_changed();
   }
 
   void serialize(Archive& archive) override {
@@ -109,6 +111,13 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
   }
 
  private:
+  void read_factors() {
+    position_factor_ = real("positionFactor");
+    velocity_factor_ = real("velocityFactor");
+    min_distance_ = real("minDistance");
+    end_time_ = real("endTime");
+  }
+
   struct Pair {
     int first = 0, second = 0;
     double factor = 1;
@@ -168,6 +177,7 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
   }
 
   std::array<scene::MechanicalState*, 2> states_ = {};
+  SystemSolver* integrator_ = nullptr;
   bool is_two_way_ = false;
   double position_factor_ = 1, velocity_factor_ = 1;
   double min_distance_ = -1;  // [m] -1: any

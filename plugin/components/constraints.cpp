@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <numeric>
+#include <utility>
 
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
 #include "components/part.hpp"
+#include "components/system_solver.hpp"
 #include "hexaplast/base/error.hpp"
 #include "scene/interfaces.hpp"
 #include "scene/supports.hpp"
@@ -20,7 +23,10 @@ class NodeConstraint : public scene::ProjectiveConstraint {
  public:
   using ProjectiveConstraint::ProjectiveConstraint;
 
-  void refresh() override { init(); }
+  void refresh() override {
+    init();
+    constraints_changed();
+  }
 
   void provide(scene::Data& output) override {
     const std::string_view name = output.attribute().name;
@@ -58,6 +64,10 @@ class NodeConstraint : public scene::ProjectiveConstraint {
     for (const int node : nodes_)
       for (int axis = 0; axis < 3; ++axis)
         if (held_[axis]) field(node, axis) = 0;
+  }
+
+  void constraints_changed() {
+    if (auto* solver = dynamic_cast<SystemSolver*>(node().nearest<scene::OdeSolver>())) solver->constraints_changed();
   }
 
   int num_nodes() { return needed_ready<scene::MechanicalState>().num_nodes(); }
@@ -103,17 +113,44 @@ class KeyedMotion final : public NodeConstraint {
   using NodeConstraint::NodeConstraint;
 
   void init() override {
-    first_ = needed_ready<scene::MechanicalState>().positions();
-    KeyedMotion::refresh();
+    state_ = &needed_ready<scene::MechanicalState>();
+    read();
+    anchors_ = state_->positions();
   }
 
-  // It goes on from where the nodes began.
+  // It goes on from where the nodes began. Those that join in a run begin where they are then.
   void refresh() override {
-    take_nodes();
-    if (find_data("movedDirections")) take_directions("movedDirections");
-    is_relative_ = !find_data("relativeMovements") || boolean("relativeMovements");
-    movements_ = vectors3("movements");
-    times_ = key_times(*this, "keyTimes", "movements", static_cast<std::size_t>(movements_.rows()));
+    std::vector<int> before = nodes_;
+    read();
+    std::ranges::sort(before);
+    if (is_running_)
+      for (const int node : nodes_)
+        if (!std::ranges::binary_search(before, node)) join(node);
+    constraints_changed();
+  }
+
+  void begin_step() override { is_running_ = true; }
+
+  void reset() override {
+    is_running_ = false;
+    joined_.clear();
+    anchors_ = state_->positions();
+  }
+
+  void serialize(Archive& archive) override {
+    std::vector<int> nodes = nodes_, joined = joined_;
+    PointArray anchors(std::ssize(joined), 3);
+    for (std::size_t k = 0; k < joined.size(); ++k) anchors.row(static_cast<Eigen::Index>(k)) = anchors_.row(joined[k]);
+    archive(is_running_, nodes, joined, anchors);
+    if (!archive.reads()) return;
+    const auto is_there = [&](int node) { return node >= 0 && node < anchors_.rows(); };
+    if (!std::ranges::all_of(nodes, is_there) || !std::ranges::all_of(joined, is_there) ||
+        anchors.rows() != std::ssize(joined) || !anchors.allFinite())
+      throw InputError("a prescribed motion is saved of other nodes");
+    nodes_ = std::move(nodes);
+    joined_ = std::move(joined);
+    for (std::size_t k = 0; k < joined_.size(); ++k)
+      anchors_.row(joined_[k]) = anchors.row(static_cast<Eigen::Index>(k));
   }
 
   void project_motion(double time, Points x, Points v) const override {
@@ -123,7 +160,7 @@ class KeyedMotion final : public NodeConstraint {
     for (const int node : nodes_)
       for (int axis = 0; axis < 3; ++axis) {
         if (!held_[axis]) continue;
-        x(node, axis) = (is_relative_ ? first_(node, axis) : 0) + movement[axis];
+        x(node, axis) = (is_relative_ ? anchors_(node, axis) : 0) + movement[axis];
         v(node, axis) = velocity[axis];
       }
   }
@@ -134,10 +171,29 @@ class KeyedMotion final : public NodeConstraint {
     return phase.key >= 0 && phase.key + 1 < static_cast<int>(times_.size());
   }
 
+  void read() {
+    if (find_data("movedDirections")) take_directions("movedDirections");
+    is_relative_ = !find_data("relativeMovements") || boolean("relativeMovements");
+    movements_ = vectors3("movements");
+    times_ = key_times(*this, "keyTimes", "movements", static_cast<std::size_t>(movements_.rows()));
+    take_nodes();
+  }
+
+  // The latest step has moved the others by what holds at its beginning.
+  void join(int node) {
+    const scene::Clock& clock = this->node().clock();
+    const KeyPhase phase = phase_at(times_, clock.time - clock.dt);
+    anchors_.row(node) = state_->positions().row(node);
+    if (lies_between_keys(phase)) anchors_.row(node) -= interpolate(phase, movements_);
+    if (std::ranges::find(joined_, node) == joined_.end()) joined_.push_back(node);
+  }
+
+  scene::MechanicalState* state_ = nullptr;
   std::vector<double> times_;  // [s]
   PointArray movements_;       // [m] one row per time
-  PointArray first_;           // [m] positions at the beginning
-  bool is_relative_ = true;
+  PointArray anchors_;         // [m] per node: its position without the movement
+  std::vector<int> joined_;    // nodes whose anchors are not their first positions
+  bool is_relative_ = true, is_running_ = false;
 };
 
 class AffineMotion final : public NodeConstraint {

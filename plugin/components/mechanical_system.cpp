@@ -98,6 +98,11 @@ void NodeSystem::find_constraints() {
     }
     constraints_.push_back(constraint);
   });
+  require_commuting();
+}
+
+void NodeSystem::require_commuting() {
+  constraints_changed_ = false;
   for (const Constraint& constraint : constraints_)
     if (constraint.of_two && constraint.of_two->couples()) require_commuting(constraint);
 }

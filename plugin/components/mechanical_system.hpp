@@ -40,6 +40,7 @@ class NodeSystem final : public MechanicalSystem {
   /// move(x, v) with the positions and velocities of all independent states, which then have what it made of them.
   template <class Move>
   auto advance(const Move& move) {
+    if (constraints_changed_) require_commuting();
     if (num_roots_ == 1) {
       auto result = move(root(0).state->positions(), root(0).state->velocities());
       root(0).state->accept();
@@ -50,6 +51,9 @@ class NodeSystem final : public MechanicalSystem {
     scatter();
     return result;
   }
+
+  /// Constraints have changed: whether they go together is checked when it advances next, after all of them have.
+  void constraints_changed() { constraints_changed_ = true; }
 
   /// The rows of a field of the system that belong to an independent state of it.
   ConstPoints rows_of_state(const scene::State& state, ConstPoints of_all) const;
@@ -158,6 +162,7 @@ class NodeSystem final : public MechanicalSystem {
   std::size_t layer_of(const scene::State* state) const;
   void find_interactions();
   void find_constraints();
+  void require_commuting();
   void require_commuting(const Constraint& constraint) const;
   void add_interaction_forces(bool of_roots, double time, ConstPoints x, ConstPoints v, Points f) const;
   void add_interactions(bool of_roots, const OperatorFactors& factors, ConstPoints dx, Points df) const;
@@ -179,6 +184,7 @@ class NodeSystem final : public MechanicalSystem {
   std::size_t num_roots_ = 0;                      // independent states
   mutable std::vector<Interaction> interactions_;  // likewise
   std::vector<Constraint> constraints_;            // in the order of the scene
+  bool constraints_changed_ = false;
   int num_nodes_ = 0;
   mutable Others others_ = Others(*this);
   PointArray x_, v_;       // of several independent states

@@ -29,6 +29,11 @@ class SystemSolver : public scene::OdeSolver {
     if (begins) system_->project_motion(0);
   }
 
+  /// Told by constraints of what it moves that hold other nodes from now on.
+  void constraints_changed() {
+    if (system_) system_->constraints_changed();
+  }
+
   void reset() override {
     memory().reset();
     system_->project_motion(0);

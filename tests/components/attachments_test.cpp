@@ -176,6 +176,33 @@ TEST(AttachProjectiveConstraint, MistakesAreNamed) {
   EXPECT_EQ(errors_of(same), at_start + ".object2: leads to 'state', as object1 does: must lead to another state");
 }
 
+// What init refuses is refused when it comes to be in a run, after all that changes in a step has changed.
+TEST(AttachProjectiveConstraint, ChangesAreChecked) {
+  const auto error_of = [](const std::string& changes, const std::string& fixed) {
+    std::string text = tied("name='tie' twoWay='true' indices1='0' indices2='0'", "<CGLinearSolver/>",
+                            "<FixedProjectiveConstraint name='fixed' indices='" + fixed + "'/>");
+    text.insert(text.find("<EulerImplicit"), changes);
+    scene::Scene scene = read_and_init(text);
+    try {
+      support::run(scene, 3);
+      return std::string();
+    } catch (const scene::SceneError& error) {
+      return std::string(error.what());
+    }
+  };
+  const auto change = [](const std::string& component, const std::string& attribute, const std::string& value) {
+    return "<AttributeChange component='@" + component + "' attribute='" + attribute + "' keyTimes='.5' values='" +
+           value + "'/>";
+  };
+  const std::string at_start = "test.scn:1: error: AttachProjectiveConstraint";
+  EXPECT_EQ(error_of(change("tie", "twoWay", "false"), "1"), at_start + ".twoWay: cannot change during a run");
+  const std::string of_both =
+      at_start + ": ties nodes that FixedProjectiveConstraint 'fixed' constrains too: each node must have one of both";
+  EXPECT_EQ(error_of(change("tie", "indices1", "1"), "1"), of_both);
+  EXPECT_EQ(error_of(change("first/fixed", "indices", "0"), "1"), of_both);
+  EXPECT_EQ(error_of(change("first/fixed", "indices", "0") + change("tie", "indices1", "1"), "1"), "");
+}
+
 // A hook that moves along, and drags the node behind it.
 TEST(RestShapeSpringsForceField, PullsToWhereAnotherStateIs) {
   const auto text = [](const std::string& springs) {

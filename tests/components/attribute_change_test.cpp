@@ -158,6 +158,36 @@ TEST(AttributeChange, APrescribedMotionGoesOnFromItsBeginning) {
   expect(motion, change("indices", "0 1"), {3, 3.1, 3.2, 3.3, 3.4});
 }
 
+// A node that joins a motion begins where it is then, and goes on so after a checkpoint.
+TEST(AttributeChange, ANodeThatJoinsAMotionBeginsWhereItIs) {
+  const std::string text =
+      in_root("gravity='0 0 0' dt='0.1'",
+              "<AttributeChange component='@move' attribute='indices' keyTimes='0.25 0.55' values='0 1; 1'/>"
+              "<MechanicalObject name='nodes' position='3 1 0  5 1 0' velocity='0 0 0  0 2 0'/>"
+              "<UniformMass vertexMass='1'/><LinearMovementProjectiveConstraint name='move' indices='0' "
+              "keyTimes='0 1' movements='.4 0 0  1.4 0 0'/>");
+  scene::Scene scene = read_and_init(text), resumed = read_and_init(text);
+  for (int round = 0; round < 2; ++round) {
+    for (const double x : {5.0, 5.0, 5.0, 5.1, 5.2, 5.3, 5.4}) {
+      run(scene, 1);
+      EXPECT_NEAR(support::nodes(scene)(1, 0), x, 1e-12) << "t = " << scene.time() << ", round " << round;
+    }
+    EXPECT_NEAR(support::nodes(scene)(1, 1), 1.6, 1e-12) << "it was free before";
+    EXPECT_NEAR(support::nodes(scene)(0, 0), 3.9 + 0.1, 1e-12) << "it goes on with its last velocity";
+    scene.reset();
+  }
+  for (const int steps : {4, 6}) {
+    scene::Scene straight = read_and_init(text);
+    run(straight, steps);
+    const std::vector<std::byte> bytes = support::saved(straight);
+    Archive in{std::span<const std::byte>(bytes)};
+    resumed.serialize(in);
+    run(straight, 3);
+    run(resumed, 3);
+    EXPECT_EQ(support::nodes(straight), support::nodes(resumed)) << steps;
+  }
+}
+
 TEST(AttributeChange, RefusesWhatItCannotChange) {
   const auto expect = [](const std::string& text, const std::string& error) {
     const std::string said = errors_of(text);
