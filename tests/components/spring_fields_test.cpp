@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,33 +29,67 @@ TEST(SpringForceField, TakesWholeSpringsOrLists) {
   }
 }
 
-// Damping that takes more than the momentum of a node in a step, as the default of SOFA does of light nodes.
+/// Whether small motions grow in a scene that is at rest.
+bool grows(const std::string& text) {
+  scene::Scene scene = read_and_init(text);
+  PointArray& v = at<scene::MechanicalState>(scene, "nodes").velocities();
+  for (Eigen::Index i = 0; i < v.size(); ++i) v.data()[i] = 1e-9 * std::sin(1.0 + 3.0 * static_cast<double>(i));
+  try {
+    support::run(scene, 80);
+  } catch (const std::exception&) {
+    return true;
+  }
+  return v.cwiseAbs().maxCoeff() > 1e-8;
+}
+
+std::string warnings_of(const std::string& text) {
+  scene::Scene scene = read_and_init(text);
+  std::string said;
+  for (const scene::Message& warning : scene.diagnostics().take_warnings()) said += warning.text;
+  return said;
+}
+
+// Damping acts by the velocities at the beginning of a step. Too much of it, as SOFA's default is for light nodes,
+// makes motions grow: what warns is what grows.
 TEST(SpringForceField, WarnsOfDampingThatThrowsNodesBack) {
-  const auto warnings_of = [](const std::string& springs) {
-    scene::Scene scene = read_and_init(four_nodes("<SpringForceField " + springs + "/>"));
-    std::string said;
-    for (const scene::Message& warning : scene.diagnostics().take_warnings()) said += warning.text;
-    return said;
+  const auto chain = [](double stiffness, double damping) {
+    return four_nodes(fmt::format("<SpringForceField spring='0 1 {0} {1} 2.2360679775  1 2 {0} {1} 3.6055512755'/>",
+                                  stiffness, damping));
   };
-  EXPECT_EQ(warnings_of("spring='0 1 10 1 2  1 2 10 1 2'"), "") << "1 kg / .5 s";
-  EXPECT_EQ(warnings_of("spring='0 1 10 1.25 2  1 2 10 1.25 2'"),
-            "SpringForceField.spring: springs damp node 1 of 'nodes' with 2.5 N s/m: they may throw it back within a "
-            "step, as damping acts by the velocities at the beginning of a step");
-  EXPECT_NE(warnings_of("indices1='0' indices2='1'").find("SpringForceField.damping: springs damp node 0"),
+  // 1 kg, .5 s: 2 of h / m (2 + 4 / sqrt(65)) times the damping
+  EXPECT_EQ(warnings_of(chain(0, 1.55)), "");
+  EXPECT_EQ(
+      warnings_of(chain(0, 1.65)),
+      "SpringForceField.spring: springs damp node 1 of 'nodes' with 3.3 N s/m: they throw it back harder in every "
+      "step, as damping acts by the velocities at the beginning of a step");
+  for (const double stiffness : {0.0, 10.0})
+    for (const double damping : {1.0, 1.55, 1.65, 10.0, 14.0})
+      EXPECT_EQ(grows(chain(stiffness, damping)), !warnings_of(chain(stiffness, damping)).empty())
+          << stiffness << " " << damping;
+  EXPECT_NE(warnings_of(four_nodes("<SpringForceField stiffness='0' indices1='0' indices2='1'/>"))
+                .find("SpringForceField.damping: springs damp node "),
             std::string::npos);
-  // of a body, whose stiffness holds a node back too: E = 3000 Pa, cells of 1 cm, nodes of at least 1/8 g
-  const auto body = [](const std::string& damping) {
-    scene::Scene scene = read_and_init(
-        support::in_root("dt='.01'",
-                         "<RegularGridTopology n='9 5 3' min='-.04 -.02 0' max='.04 .02 .02'/><MechanicalObject/>"
-                         "<DiagonalMass massDensity='1000'/><HexahedronElastoplasticFEMForceField youngModulus='3000'/>"
-                         "<SpringForceField indices1='120' indices2='95' stiffness='5' length='.01' " +
-                             damping + "/>"));
-    return scene.diagnostics().take_warnings().size();
+
+  // of a body, whose stiffness holds a node back too, but not all nodes of a layer together; nodes of 1/8 to 1 g
+  const auto body = [](const std::string& springs) {
+    return support::in_root("gravity='0 0 0' dt='.01'",
+                            "<RegularGridTopology n='9 5 3' min='-.04 -.02 0' max='.04 .02 .02'/>"
+                            "<MechanicalObject name='nodes'/><DiagonalMass massDensity='1000'/>"
+                            "<HexahedronElastoplasticFEMForceField youngModulus='3000'/>"
+                            "<FixedProjectiveConstraint indices='0-44'/><SpringForceField " +
+                                springs + "/>");
   };
-  EXPECT_EQ(body(""), 1U) << "5 N s/m";
-  EXPECT_EQ(body("damping='.2'"), 1U) << "ends in the fourth step";
-  EXPECT_EQ(body("damping='.05'"), 0U) << ".5 g";
+  const std::string one = "indices1='120' indices2='95' stiffness='5' length='.0360555128' damping='",
+                    layer = "indices1='90-134' indices2='0-44' stiffness='0' length='.02' damping='";
+  bool has_grown = false, has_not = false;
+  for (const std::string& springs : {one, layer})
+    for (const char* damping : {".02", ".05", ".1", ".15", ".2", ".3", "5"}) {
+      const std::string text = body(springs + damping + "'");
+      const bool is_too_much = grows(text);
+      EXPECT_EQ(!warnings_of(text).empty(), is_too_much) << springs << damping;
+      (is_too_much ? has_grown : has_not) = true;
+    }
+  EXPECT_TRUE(has_grown && has_not);
 }
 
 TEST(SpringForceField, MistakesAreNamed) {
