@@ -15,7 +15,6 @@
 #include "attributes/stock/regions.hpp"
 #include "attributes/stock/rigid.hpp"
 #include "attributes/stock/simplices.hpp"
-#include "attributes/stock/sofa_names.hpp"
 #include "attributes/stock/solvers.hpp"
 #include "attributes/stock/springs.hpp"
 #include "attributes/stock/topological_mappings.hpp"
@@ -82,8 +81,7 @@ inline constexpr Description kRequiredPlugin{.class_name = "RequiredPlugin",
                                              .category = "Settings",
                                              .help =
                                                  "Loads plugins by name. Names that begin with Sofa. are SOFA's own "
-                                                 "modules, and need no loading here; nor do the "
-                                                 "plugins of SOFA's source tree, SofaCUDA for example.",
+                                                 "modules, and need no loading here.",
                                              .attributes = kRequiredPluginAttributes};
 
 inline constexpr Attribute kDefaultAnimationLoopAttributes[] = {

@@ -92,13 +92,8 @@ class DiagonalMass final : public LumpedMass {
     const auto num_given = static_cast<Eigen::Index>(masses.size());
     if (num_given == 1) return Eigen::VectorXd::Constant(num_nodes, masses[0]);
     if (num_given == num_nodes) return Eigen::Map<const Eigen::VectorXd>(masses.data(), num_nodes);
-    const std::string problem = fmt::format("{} values given for {} nodes", num_given, num_nodes);
-    if (!node().is_read_as_sofa() || num_given == 0 || num_given > num_nodes)
-      reject("vertexMass", problem + ", must be one or one per node");
-    remark(scene::Severity::kWarning, "vertexMass", problem + ": the last one is that of all others, as in SOFA");
-    Eigen::VectorXd found = Eigen::VectorXd::Constant(num_nodes, masses.back());
-    found.head(num_given) = Eigen::Map<const Eigen::VectorXd>(masses.data(), num_given);
-    return found;
+    reject("vertexMass",
+           fmt::format("{} values given for {} nodes, must be one or one per node", num_given, num_nodes));
   }
 
   Eigen::VectorXd rest_volumes(Eigen::Index num_nodes) {

@@ -512,9 +512,7 @@ void NodeSystem::require_mass() const {
     if (layers_[i].mapping && has_mass[i]) has_mass[layers_[i].above] = true;
     if (layers_[i].mapping || has_mass[i]) continue;
     scene::State& state = *layers_[i].state;
-    if (!node_.is_read_as_sofa())
-      throw InputError(fmt::format("no mass on {} '{}' of its node and below", state.class_name(), state.name()));
-    state.remark(scene::Severity::kWarning, {}, "no mass on it: moves without inertia and weight, as in SOFA");
+    throw InputError(fmt::format("no mass on {} '{}' of its node and below", state.class_name(), state.name()));
   }
 }
 

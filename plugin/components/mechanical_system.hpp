@@ -62,8 +62,7 @@ class NodeSystem final : public MechanicalSystem {
   /// of which one follows another one. `why`: who asks for a matrix.
   void require_matrix(const std::string& why) const;
 
-  /// Throws InputError, naming the first independent state on which no mass acts, nor on those that follow it. A scene
-  /// that is read as SOFA reads it moves without mass: a warning then.
+  /// Throws InputError, naming the first independent state on which no mass acts, nor on those that follow it.
   void require_mass() const;
   /// Throws InputError where there are rigid frames: for those who move positions several times, which turns do not
   /// bear.

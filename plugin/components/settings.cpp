@@ -147,9 +147,7 @@ class Ignored final : public scene::Component {
   using Component::Component;
 
   void init() override {
-    const std::string_view category = description().category;
-    if (category == "Visual" || category == "Interaction")
-      remark(scene::Severity::kNote, {}, std::string(description().help));
+    if (description().category == "Visual") remark(scene::Severity::kNote, {}, std::string(description().help));
   }
   void refresh() override {}
 };

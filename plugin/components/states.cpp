@@ -85,13 +85,6 @@ class MechanicalObject final : public scene::MechanicalState {
     const Eigen::Index num_rows = first_positions_.rows();
     const PointArray field = vectors3(name);
     if (field.rows() == 0) return PointArray::Zero(num_rows, 3);
-    if (field.rows() < num_rows && node().is_read_as_sofa()) {
-      remark(scene::Severity::kWarning, name,
-             fmt::format("{} vectors given for {} nodes: the others have 0 0 0, as in SOFA", field.rows(), num_rows));
-      PointArray all = PointArray::Zero(num_rows, 3);
-      all.topRows(field.rows()) = field;
-      return all;
-    }
     if (field.rows() != num_rows) reject(name, fmt::format("{} vectors given for {} nodes", field.rows(), num_rows));
     return field;
   }

@@ -28,8 +28,8 @@ constexpr XmlLimits kXmlOfScenes{.elements = 10'000, .attributes_of_one = 1000, 
 /// Parses files and carries out their includes.
 class Importer {
  public:
-  Importer(Diagnostics& diagnostics, InputFiles* inputs, const SearchPath& search, Severity idle_replacement)
-      : diagnostics_(diagnostics), inputs_(inputs), search_(search), idle_replacement_(idle_replacement) {}
+  Importer(Diagnostics& diagnostics, InputFiles* inputs, const SearchPath& search)
+      : diagnostics_(diagnostics), inputs_(inputs), search_(search) {}
 
   /// `origin`: the file as messages name it, and where it is included.
   Element import(std::string_view text, const fs::path& file, const Place& origin) {
@@ -142,8 +142,8 @@ class Importer {
       const std::string owner = is_for_one ? given.name.substr(0, separator) : "";
       const std::string attribute = is_for_one ? given.name.substr(separator + 2) : given.name;
       if (replace(root, owner, attribute, given) > 0) continue;
-      diagnostics_.add(
-          idle_replacement_, given.place,
+      diagnostics_.error(
+          given.place,
           fmt::format("include.{}: replaces nothing: '{}' is given in no {} of '{}'", given.name, attribute,
                       is_for_one ? fmt::format("element named '{}'", owner) : "element", root.place.file));
     }
@@ -215,7 +215,6 @@ class Importer {
   Diagnostics& diagnostics_;
   InputFiles* inputs_;  // null: nobody asks
   const SearchPath& search_;
-  Severity idle_replacement_;
   std::vector<OpenFile> open_files_;  // from the scene to the file being read
   int num_includes_ = 0;
   int num_elements_ = 0;
@@ -254,8 +253,8 @@ std::string read_scene_file(const fs::path& file) {
 }
 
 Element read_document(std::string_view text, const fs::path& file, Diagnostics& diagnostics, InputFiles* inputs,
-                      const SearchPath& search, Severity idle_replacement) {
-  return Importer(diagnostics, inputs, search, idle_replacement).import(text, file, {file.string(), 0, nullptr});
+                      const SearchPath& search) {
+  return Importer(diagnostics, inputs, search).import(text, file, {file.string(), 0, nullptr});
 }
 
 std::string write_document(const Element& root, const std::string& comment) {

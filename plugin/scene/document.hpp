@@ -51,11 +51,9 @@ std::string read_scene_file(const std::filesystem::path& file);
 /// and name of something that stands before it there lends it its attributes and children, the rest is added.
 ///
 /// Includes that cannot be carried out are left out and added to `diagnostics`; a file that is not well-formed is a
-/// SceneError. The files that are included are added to `inputs`. `idle_replacement`: what an attribute of an include
-/// is that replaces nothing.
+/// SceneError. The files that are included are added to `inputs`.
 Element read_document(std::string_view text, const std::filesystem::path& file, Diagnostics& diagnostics,
-                      InputFiles* inputs = nullptr, const SearchPath& search = {},
-                      Severity idle_replacement = Severity::kError);
+                      InputFiles* inputs = nullptr, const SearchPath& search = {});
 
 /// The text of an element and of what is in it, in UTF-8, as a file of its own. `comment`: before the root; must not
 /// have `--` in it.

@@ -106,7 +106,6 @@ class Resolver {
   void resolve(Data& data, Node& node, Component* self) {
     const std::string_view path = std::string_view(data.link()).substr(1);
     if (data.attribute().type == Type::kLink) {
-      if (path.empty() && data.attribute().name == kSource && node.is_read_as_sofa()) return pass_over(data);
       const PathResult found = resolve_path(node, self, path);
       if (!found.target) return refuse(data, found.problem, found.hint);
       data.point_to(*found.target);
@@ -129,20 +128,12 @@ class Resolver {
     if (Data* source = arrays ? arrays->array(name) : nullptr) return connect(data, *source, data.link());
     std::vector<std::string_view> names;
     for (const auto& other : found.target->all_data()) names.push_back(other->attribute().name);
-    if (leads_to_skipped(data, *found.target)) return;
+    if (is_unknown(*found.target)) return;
     refuse(data, fmt::format("stops at {}, which has no attribute '{}'", describe(*found.target), name),
            did_you_mean(name, names));
   }
 
  private:
-  /// SOFA takes a source without a path for none.
-  void pass_over(Data& data) {
-    diagnostics_.add(Severity::kWarning, data.place(),
-                     fmt::format("{}.{}: link '{}' is empty, ignored", data.owner().class_name(), data.attribute().name,
-                                 data.link()));
-    data.unset();
-  }
-
   void refuse(const Data& data, const std::string& problem, std::string hint = {}) {
     diagnostics_.error(
         data.place(),
@@ -150,17 +141,7 @@ class Resolver {
         std::move(hint));
   }
 
-  bool leads_to_skipped(Data& data, const Object& target) {
-    const std::string_view category = target.description().category;
-    if (category == kUnknown) return true;
-    const bool is_drawing = data.owner().description().category == "Visual";
-    if (category != kUnknownToSofa && !(category == kSkipped && is_drawing)) return false;
-    diagnostics_.add(Severity::kWarning, data.place(),
-                     fmt::format("{}.{}: link '{}' leads to {}, which is ignored: so is the link",
-                                 data.owner().class_name(), data.attribute().name, data.link(), describe(target)));
-    data.unset();
-    return true;
-  }
+  static bool is_unknown(const Object& target) { return target.description().category == kUnknown; }
 
   void connect(Data& data, Data& source, const std::string& link) {
     if (are_compatible(source.attribute(), data.attribute())) {
@@ -196,7 +177,7 @@ class Resolver {
       has_common = true;
       if (!data->is_given()) connect(*data, *source, fmt::format("{}.{}", src.link(), offered.name));
     }
-    if (!has_common && !leads_to_skipped(src, loader))
+    if (!has_common && !is_unknown(loader))
       refuse(src, fmt::format("leads to {}, which has no attribute that belongs here", describe(loader)));
   }
 

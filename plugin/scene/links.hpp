@@ -9,11 +9,8 @@
 
 namespace hexaplast::scene {
 
-/// Categories of what stands for components that a scene read as SOFA does may have and that do not exist: links to
-/// them lead nowhere. SOFA passes over that too where it does not know the component, and drawing needs none.
-inline constexpr std::string_view kUnknownToSofa = "UnknownToSofa";
-inline constexpr std::string_view kSkipped = "Skipped";
-inline constexpr std::string_view kUnknown = "Unknown";  // an error by itself
+/// Category of what stands for an unknown component, which is an error by itself: links to it are none.
+inline constexpr std::string_view kUnknown = "Unknown";
 
 /// Where a path leads. Paths are SOFA's: `/from/the/root`, `./here`, `../above`, `name/inner`, `[-1]` (the component
 /// before this one), `[]` (itself). A bare first name is looked for in the node, nodes before components, then in the

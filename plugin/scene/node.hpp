@@ -36,10 +36,6 @@ class Node final : public Object {
   /// The root's clock, the same for all nodes.
   Clock& clock() { return root().clock_; }
 
-  /// Whether the whole scene is read as SOFA reads it: what SOFA passes over with a message is then a warning.
-  bool is_read_as_sofa() { return root().is_read_as_sofa_; }
-  void read_as_sofa() { root().is_read_as_sofa_ = true; }
-
   /// What the whole scene reads and writes.
   OutputFiles& files() { return root().files_; }
 
@@ -79,7 +75,6 @@ class Node final : public Object {
  private:
   Node* parent_;
   Clock clock_;
-  bool is_read_as_sofa_ = false;
   OutputFiles files_;
   std::vector<std::unique_ptr<Component>> components_;
   std::vector<std::unique_ptr<Node>> children_;

@@ -10,8 +10,6 @@
 #include <fstream>
 #include <optional>
 
-#include "attributes/stock/sofa_names.hpp"
-
 namespace hexaplast::scene {
 namespace {
 
@@ -144,7 +142,7 @@ PluginLoader::PluginLoader(Factory& factory, std::vector<std::filesystem::path> 
 }
 
 void PluginLoader::load(const std::string& name) {
-  if (attributes::is_plugin_of_sofa(name) || std::ranges::count(loaded_, name) > 0) return;
+  if (name.starts_with("Sofa.") || std::ranges::count(loaded_, name) > 0) return;
   const auto refusal = [&](const std::string& reason) {
     std::string message = fmt::format("plugin '{}': {}; search path: ", name, reason);
     for (const std::filesystem::path& directory : directories_)
@@ -171,7 +169,7 @@ void PluginLoader::load(const std::string& name) {
       return;
     }
   }
-  throw PluginMissing(refusal(fmt::format("there is no {0}.so or lib{0}.so", name)));
+  throw PluginError(refusal(fmt::format("there is no {0}.so or lib{0}.so", name)));
 }
 
 }  // namespace hexaplast::scene

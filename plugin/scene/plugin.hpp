@@ -20,14 +20,8 @@ class PluginError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A plugin that is not in the search path.
-class PluginMissing : public PluginError {
- public:
-  using PluginError::PluginError;
-};
-
 /// Number of this component interface; grows with every change that a compiled plugin would notice.
-inline constexpr std::uint32_t kInterfaceNumber = 9;
+inline constexpr std::uint32_t kInterfaceNumber = 10;
 
 /// What a plugin and its host must agree on before one may call the other. Plain data without pointers: the host reads
 /// it from the plugin's file, before any code of the plugin runs.
@@ -76,8 +70,8 @@ class PluginLoader {
                std::filesystem::path installation = {}, std::filesystem::path untrusted = {});
 
   /// Does nothing when the plugin is loaded already, or when the name begins with "Sofa.": those modules are SOFA's
-  /// own, and what we have of them is built in. Throws PluginMissing, or PluginError: the name is a path, the file is
-  /// no plugin or made for another interface.
+  /// own, and what we have of them is built in. Throws PluginError: there is no such file in the search path, the name
+  /// is a path, the file is no plugin or made for another interface.
   void load(const std::string& name);
 
  private:

@@ -11,9 +11,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "attributes/renamed.hpp"
 #include "attributes/stock.hpp"
-#include "attributes/stock/sofa_names.hpp"
 #include "formats/readable_file.hpp"
 #include "hexaplast/base/error.hpp"
 #include "scene/document.hpp"
@@ -38,26 +36,20 @@ class RequiredPlugin final : public Component {
   }
 };
 
-/// Stands for a component that does not exist here, so that links to it say so.
+/// Stands for an unknown component, which is an error by itself: links to it are none.
 struct ForeignClass {
   std::string class_name;
   Description description;
 };
 class Placeholder final : private ForeignClass, public Component {
  public:
-  Placeholder(std::string_view name, std::string_view category)
+  explicit Placeholder(std::string_view name)
       : ForeignClass{std::string(name), {}}, Component(ForeignClass::description) {
     ForeignClass::description.class_name = ForeignClass::class_name;
-    ForeignClass::description.category = category;
+    ForeignClass::description.category = kUnknown;
     ForeignClass::description.takes_anything = true;
   }
 };
-
-// What a class is called now; empty: the table does not know the name.
-std::string_view present_name(std::span<const attributes::RenamedClass> table, std::string_view class_name) {
-  const auto found = std::ranges::find(table, class_name, &attributes::RenamedClass::old_name);
-  return found == table.end() ? std::string_view() : found->name;
-}
 
 // What cannot be read is reported where the attributes of the node are.
 bool is_active(const Element& node) {
@@ -83,8 +75,8 @@ void visit_elements(Node& node, Element& element, const std::function<void(Objec
 /// Makes the graph of a scene from its elements.
 class Reader {
  public:
-  Reader(Scene& scene, const Factory& factory, PluginLoader& plugins, Grammar grammar)
-      : scene_(scene), diagnostics_(scene.diagnostics()), factory_(factory), plugins_(plugins), grammar_(grammar) {}
+  Reader(Scene& scene, const Factory& factory, PluginLoader& plugins)
+      : scene_(scene), diagnostics_(scene.diagnostics()), factory_(factory), plugins_(plugins) {}
 
   void read(const Element& root) {
     if (root.tag != "Node") {
@@ -98,13 +90,6 @@ class Reader {
   }
 
  private:
-  // What SOFA passes over with a message is an error here, unless the scene is read as SOFA does.
-  void complain(const Place& place, std::string text, std::string hint = {}) {
-    const Severity severity = grammar_ == Grammar::kStrict ? Severity::kError : Severity::kWarning;
-    if (severity == Severity::kWarning) text += ", ignored";
-    diagnostics_.add(severity, place, std::move(text), std::move(hint));
-  }
-
   void read_node(const Element& element, Node& node) {
     const ElementAttribute* given_name = element.find("name");
     node.introduce(given_name ? given_name->value : default_name(node.parent(), "Node"), element.place, diagnostics_);
@@ -138,27 +123,20 @@ class Reader {
     }
   }
 
-  void read_component(const Element& element, std::string_view written_class, Node& node) {
-    const std::string_view new_name = present_name(attributes::kRenamedClasses, written_class);
-    const std::string_view class_name = new_name.empty() ? written_class : new_name;
-    if (!new_name.empty())
-      diagnostics_.add(
-          Severity::kNote, element.place,
-          fmt::format("{}: this name is deprecated, the component is called {} now", written_class, new_name));
-
+  void read_component(const Element& element, std::string_view class_name, Node& node) {
     std::unique_ptr<Component> made = class_name == attributes::kRequiredPlugin.class_name
                                           ? std::make_unique<RequiredPlugin>()
                                           : made_for_frames(element, class_name, node);
     if (!made) made = factory_.make(class_name);
     if (!made) {
-      made = std::make_unique<Placeholder>(class_name, refuse_class(element.place, class_name, node));
+      refuse_class(element.place, class_name);
+      made = std::make_unique<Placeholder>(class_name);
     }
 
     Component& component = node.add(std::move(made));
     const ElementAttribute* given_name = element.find("name");
     component.introduce(given_name ? given_name->value : default_name(&node, class_name), element.place, diagnostics_);
     warn_of_twin(&node, component);
-    if (component.description().category == attributes::kCollision) refuse_contact(component);
     if (component.description().takes_anything) return;
 
     read_template(element, component);
@@ -205,55 +183,19 @@ class Reader {
     return std::ranges::find(names, name) != names.end();
   }
 
-  // Gives the category of what stands for the component.
-  std::string_view refuse_class(const Place& place, std::string_view class_name, const Node& node) {
-    const bool is_lenient = grammar_ == Grammar::kSofaCompatible;
-    const std::string_view now = present_name(attributes::kRetiredClasses, class_name);
-    if (!now.empty()) {
-      complain(place, fmt::format("{}: unknown component", class_name), fmt::format("SOFA calls it '{}' now", now));
-      return is_lenient ? kUnknownToSofa : kUnknown;
-    }
-    const std::string_view instead = present_name(attributes::kGoneClasses, class_name);
-    if (!instead.empty()) {
-      complain(place, fmt::format("{}: unknown component, of SOFA v26.06 too", class_name),
-               fmt::format("in its place: {}", instead));
-      return is_lenient ? kUnknownToSofa : kUnknown;
-    }
-    const bool maps_motion = class_name.ends_with("Mapping") && node.local<State>();
-    if (is_lenient && (attributes::is_physics_of_sofa(class_name) || maps_motion)) {
-      diagnostics_.error(place, fmt::format("{}: changes the motion, and is not there in Hexaplast", class_name));
-      return kUnknown;
-    }
+  void refuse_class(const Place& place, std::string_view class_name) {
     std::vector<std::string_view> known = {"Node", attributes::kRequiredPlugin.class_name};
     for (const Description* description : factory_.descriptions()) known.push_back(description->class_name);
-    complain(place, fmt::format("{}: unknown component", class_name), did_you_mean(class_name, known));
-    return is_lenient ? kSkipped : kUnknown;
-  }
-
-  // SOFA would keep bodies apart, here they pass through each other: said once where SOFA's reading is asked for.
-  void refuse_contact(const Component& component) {
-    const bool is_first = !std::exchange(has_met_contact_, true);
-    if (grammar_ == Grammar::kStrict) {
-      diagnostics_.error(
-          component.place(), fmt::format("{}: there is no contact between bodies", component.class_name()),
-          is_first ? "leave it out, or pass over it with --sofa-compat: bodies pass through each other" : "");
-    } else if (is_first) {
-      diagnostics_.add(
-          Severity::kWarning, component.place(),
-          fmt::format(
-              "{}: there is no contact: bodies pass through each other, whatever collision components the scene has",
-              component.class_name()));
-    }
+    std::string hint = did_you_mean(class_name, known);
+    hint += fmt::format("{} scene with other components of SOFA runs in SOFA, with the plugin Hexaplast",
+                        hint.empty() ? "a" : " A");
+    diagnostics_.error(place, fmt::format("{}: unknown component", class_name), std::move(hint));
   }
 
   void load_plugins(RequiredPlugin& required) {
     for (const std::string& plugin : required.plugins()) {
       try {
         plugins_.load(plugin);
-      } catch (const PluginMissing& error) {
-        if (grammar_ == Grammar::kStrict)
-          throw PluginError(format_error(required.place(), fmt::format("RequiredPlugin: {}", error.what())));
-        complain(required.place(), fmt::format("RequiredPlugin: there is no plugin '{}'", plugin));
       } catch (const PluginError& error) {
         throw PluginError(format_error(required.place(), fmt::format("RequiredPlugin: {}", error.what())));
       }
@@ -274,7 +216,7 @@ class Reader {
       for (const auto& other : object.all_data())
         if (other->attribute().access != Access::kOutput) known.push_back(other->attribute().name);
       const std::string similar = did_you_mean(attribute.name, known);
-      complain(
+      diagnostics_.error(
           attribute.place, where + ": unknown attribute",
           similar.empty() ? fmt::format("'hexaplast list {}' shows its attributes", object.class_name()) : similar);
       return;
@@ -298,15 +240,8 @@ class Reader {
     if (std::ranges::count(accepted, std::string_view(given->value)) > 0) return;
     const std::string allowed = accepted.empty() ? "there is none for this component"
                                                  : fmt::format("must be one of: {}", component.description().templates);
-    const std::string problem = fmt::format("{}.template: '{}', {}", component.class_name(), given->value, allowed);
-    // SOFA falls back from templates that it does not know, but these it knows, and means something else by them.
-    const bool is_of_other_kind = std::ranges::any_of(
-        kOtherKinds, [&](std::string_view kind) { return std::string_view(given->value).starts_with(kind); });
-    if (is_of_other_kind) {
-      diagnostics_.error(given->place, problem);
-    } else {
-      complain(given->place, problem);
-    }
+    diagnostics_.error(given->place,
+                       fmt::format("{}.template: '{}', {}", component.class_name(), given->value, allowed));
   }
 
   std::string default_name(const Node* node, std::string_view class_name) {
@@ -347,28 +282,23 @@ class Reader {
     std::unordered_map<std::string, int> counter;  // per class, of default names
   };
 
-  static constexpr std::string_view kOtherKinds[] = {"Rigid", "Vec1", "Vec2", "Vec6"};
   Scene& scene_;
   Diagnostics& diagnostics_;
   std::unordered_map<const Node*, Names> names_;
   const Factory& factory_;
   PluginLoader& plugins_;
-  Grammar grammar_;
-  bool has_met_contact_ = false;
 };
 
 }  // namespace
 
 Scene read_scene_text(std::string_view text, const std::string& name, const Factory& factory, PluginLoader& plugins,
-                      Grammar grammar, const SearchPath& search) {
+                      const SearchPath& search) {
   Scene scene;
   OutputFiles& files = scene.root().files();
   files.inputs.add(name);
   files.search = search;
-  if (grammar == Grammar::kSofaCompatible) scene.root().read_as_sofa();
-  const Element root = read_document(text, name, scene.diagnostics(), &files.inputs, search,
-                                     grammar == Grammar::kStrict ? Severity::kError : Severity::kWarning);
-  Reader(scene, factory, plugins, grammar).read(root);
+  const Element root = read_document(text, name, scene.diagnostics(), &files.inputs, search);
+  Reader(scene, factory, plugins).read(root);
   return scene;
 }
 
@@ -377,7 +307,7 @@ void require_readable(const std::filesystem::path& file) {
     throw FileError(format_error({file.string(), 0}, reason));
 }
 
-Scene read_scene(const std::filesystem::path& file, const Factory& factory, PluginLoader& plugins, Grammar grammar,
+Scene read_scene(const std::filesystem::path& file, const Factory& factory, PluginLoader& plugins,
                  const SearchPath& search) {
   std::string text;
   try {
@@ -385,9 +315,7 @@ Scene read_scene(const std::filesystem::path& file, const Factory& factory, Plug
   } catch (const InputError& error) {
     throw FileError(format_error({file.string(), 0}, error.what()));
   }
-  SearchPath whole = search;
-  whole.add_sofa_tree(file);
-  return read_scene_text(text, file.string(), factory, plugins, grammar, whole);
+  return read_scene_text(text, file.string(), factory, plugins, search);
 }
 
 void for_each_element(Scene& scene, Element& document, const std::function<void(Object&, Element&)>& visit) {

@@ -18,14 +18,6 @@ namespace hexaplast::scene {
 /// Throws FileError with the reason where a file cannot be read.
 void require_readable(const std::filesystem::path& file);
 
-/// How a scene is read.
-enum class Grammar {
-  kStrict,         ///< what is not understood is an error
-  kSofaCompatible  ///< unknown components, attributes, templates and plugins are passed over with a warning, as SOFA
-                   ///< does, but for those that would change the motion; components of collision too, though SOFA does
-                   ///< not: one warning for all
-};
-
 /// Reads a scene file in SOFA's XML grammar (document.hpp). Plugins that it requires are loaded at once.
 ///
 /// The root is a Node; nodes hold nodes and components (`<Class/>` or `<Object type="Class"/>`). Attributes whose name
@@ -33,14 +25,13 @@ enum class Grammar {
 /// scene's diagnostics: call init() to have them thrown together. Throws FileError, PluginError, and SceneError for a
 /// file that is not well-formed.
 ///
-/// Files that it names and that do not lie beside it are looked for in the directories of `search`, and in the SOFA
-/// tree that it lies in (SearchPath).
+/// Files that it names and that do not lie beside it are looked for in the directories of `search`.
 Scene read_scene(const std::filesystem::path& file, const Factory& factory, PluginLoader& plugins,
-                 Grammar grammar = Grammar::kStrict, const SearchPath& search = {});
+                 const SearchPath& search = {});
 
 /// The same from text; `name` stands for the file in messages, and for the place from which includes are looked for.
 Scene read_scene_text(std::string_view text, const std::string& name, const Factory& factory, PluginLoader& plugins,
-                      Grammar grammar = Grammar::kStrict, const SearchPath& search = {});
+                      const SearchPath& search = {});
 
 /// Visits the nodes and components of a scene with the elements of the document that it was read from: what is in a
 /// node before the node itself. What was added to the scene later has no element. `document`: read_document of the same

@@ -16,27 +16,7 @@ bool leads_somewhere(const fs::path& file) {
   return fs::exists(file, unknown);
 }
 
-bool is_folder(const fs::path& folder) {
-  std::error_code unknown;
-  return fs::is_directory(folder, unknown);
-}
-
 }  // namespace
-
-void SearchPath::add_sofa_tree(const fs::path& scene) {
-  std::error_code unknown;
-  const fs::path place = fs::weakly_canonical(fs::absolute(scene, unknown), unknown);
-  if (unknown) return;
-  for (fs::path folder = place.parent_path(); folder.has_relative_path(); folder = folder.parent_path()) {
-    if (!is_folder(folder / "examples")) continue;
-    for (const fs::path& share : {folder / "share", folder}) {
-      if (!is_folder(share / "mesh")) continue;
-      directories_.push_back(share);
-      directories_.push_back(folder / "examples");
-      return;
-    }
-  }
-}
 
 bool SearchPath::looks_for(const fs::path& name) const {
   return !directories_.empty() && name.is_relative() && std::find(name.begin(), name.end(), "..") == name.end();

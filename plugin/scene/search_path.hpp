@@ -13,11 +13,6 @@ class SearchPath {
   SearchPath() = default;
   explicit SearchPath(std::vector<std::filesystem::path> directories) : directories_(std::move(directories)) {}
 
-  /// For scenes in a source tree or an installation of SOFA, adds its share and examples folders behind the others, as
-  /// SOFA itself finds them: of the nearest folder above the scene that has `share/mesh` and `examples`, or `mesh` and
-  /// `examples`.
-  void add_sofa_tree(const std::filesystem::path& scene);
-
   /// The file of that name. An absolute name is the file itself. Others count from `folder`, that of the file that
   /// names it; where nothing is there, from the directories of this path in their order. Names with `..` count from
   /// `folder` alone. Where nothing is found, the place in `folder`.
@@ -25,8 +20,6 @@ class SearchPath {
 
   /// "looked for in A and B too", for a name that nothing is found of; empty where there is nothing to add.
   std::string places_of(const std::filesystem::path& name) const;
-
-  const std::vector<std::filesystem::path>& directories() const { return directories_; }
 
  private:
   bool looks_for(const std::filesystem::path& name) const;

@@ -82,9 +82,9 @@ class SceneBody final : public BodyState {
 class Scene {
  public:
   Scene(const path& file, const std::vector<std::string>& assignments, const std::vector<std::string>& plugins,
-        std::vector<path> plugin_path, bool sofa_compat, std::vector<path> mesh_path, scene::OutputRules output)
-      : scene_(std::make_shared<scene::Scene>(load(file, assignments, plugins, std::move(plugin_path), sofa_compat,
-                                                   std::move(mesh_path), std::move(output)))),
+        std::vector<path> plugin_path, std::vector<path> mesh_path, scene::OutputRules output)
+      : scene_(std::make_shared<scene::Scene>(
+            load(file, assignments, plugins, std::move(plugin_path), std::move(mesh_path), std::move(output)))),
         states_(scene::moving_states(*scene_)),
         shown_states_(scene::shown_states(*scene_)),
         solvers_(scene::integrators_of(*scene_)),
@@ -174,7 +174,7 @@ class Scene {
 
  private:
   static scene::Scene load(const path& file, const std::vector<std::string>& assignments,
-                           const std::vector<std::string>& plugins, std::vector<path> plugin_path, bool sofa_compat,
+                           const std::vector<std::string>& plugins, std::vector<path> plugin_path,
                            std::vector<path> mesh_path, scene::OutputRules output) {
     plugin_path.push_back(installed_plugins());
     scene::Factory factory;
@@ -182,8 +182,7 @@ class Scene {
     loader.load("Hexaplast");  // the stock components, which every scene needs
     for (const std::string& plugin : plugins) loader.load(plugin);
 
-    const scene::Grammar grammar = sofa_compat ? scene::Grammar::kSofaCompatible : scene::Grammar::kStrict;
-    scene::Scene scene = scene::read_scene(file, factory, loader, grammar, scene::SearchPath(std::move(mesh_path)));
+    scene::Scene scene = scene::read_scene(file, factory, loader, scene::SearchPath(std::move(mesh_path)));
     scene.root().files().rules = std::move(output);
     // a scene with mistakes may lack what an override is meant for: then init reports the mistakes
     if (!scene.diagnostics().has_errors())
@@ -245,15 +244,14 @@ class Scene {
 };
 
 std::unique_ptr<Scene> make_scene(const path& file, const py::dict& overrides, const std::vector<std::string>& plugins,
-                                  const std::vector<path>& plugin_path, bool sofa_compat,
-                                  const std::vector<path>& mesh_path, const path& out, bool allow_outside, bool force) {
+                                  const std::vector<path>& plugin_path, const std::vector<path>& mesh_path,
+                                  const path& out, bool allow_outside, bool force) {
   scene::OutputRules output{.directory = out,
                             .allows_outside = allow_outside,
                             .replaces = force,
                             .how_outside = "allow_outside=True permits that",
                             .how_to_replace = "force=True replaces it"};
-  return std::make_unique<Scene>(file, assignments_from(overrides), plugins, plugin_path, sofa_compat, mesh_path,
-                                 std::move(output));
+  return std::make_unique<Scene>(file, assignments_from(overrides), plugins, plugin_path, mesh_path, std::move(output));
 }
 
 }  // namespace
@@ -273,8 +271,8 @@ void add_scene(py::module_& module) {
                     "velocities are read-only views that follow it.")
       .def(py::init(&make_scene), py::arg("file"), py::arg("overrides") = py::dict(), py::kw_only(),
            py::arg("plugins") = std::vector<std::string>(), py::arg("plugin_path") = std::vector<path>(),
-           py::arg("sofa_compat") = false, py::arg("mesh_path") = std::vector<path>(), py::arg("out") = path("."),
-           py::arg("allow_outside") = false, py::arg("force") = false,
+           py::arg("mesh_path") = std::vector<path>(), py::arg("out") = path("."), py::arg("allow_outside") = false,
+           py::arg("force") = false,
            "overrides: {'bar/material.yieldStress': 500, ...}, as --set of the command takes them.\n"
            "mesh_path: directories to look for the scene's meshes and includes in\n"
            "out: directory below which the scene's exporters write; allow_outside: also elsewhere; force: also over\n"

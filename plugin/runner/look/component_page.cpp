@@ -8,7 +8,6 @@
 
 #include "attributes/admissible.hpp"
 #include "attributes/examples.hpp"
-#include "attributes/renamed.hpp"
 #include "scene/value.hpp"
 
 namespace hexaplast::runner {
@@ -50,16 +49,10 @@ only in elements named X. A root named `Group` is replaced by its members; one n
 including node, class by class and name by name. At most 16 levels.
 
 **Files.** The name of a mesh or of an included file counts from the file that names it. If nothing is there, it is looked
-for in the directories of `--mesh-path`, then in those of the variable `SOFA_DATA_PATH` (not in Python; separated by colons),
-then, for a scene that lies in a source tree or an installation of SOFA, in its folders `share` and `examples`. Names with
-`..` and absolute names are not searched for.
+for in the directories of `--mesh-path`. Names with `..` and absolute names are not searched for.
 
 **Strictness.** Unknown components and attributes, values out of range and links without a target are errors, with file,
-line and the name that was probably meant. `--sofa-compat` skips unknown components, attributes, templates and plugins with
-a warning, as SOFA does. It does not skip components of SOFA that would change the motion and do not exist here (force
-fields, masses, constraints, solvers, mappings of mechanical states): they are errors. There is no contact between bodies:
-SOFA's collision components are errors too, and with `--sofa-compat` they give one warning that bodies pass through each
-other.
+line and the name that was probably meant. A scene with other components of SOFA runs in SOFA, with the [plugin](sofa.md).
 
 **Attributes of every component.**
 
@@ -142,20 +135,9 @@ std::string ignored_components(const std::vector<const Description*>& components
     names += fmt::format("{}`{}`", names.empty() ? "" : ", ", component->class_name);
   }
   std::string text =
-      "\n## Components without effect\n\nTheir attributes are not read. All but the collision components are accepted, "
-      "so that scenes written for SOFA can be read.\n\n| components | here |\n| --- | --- |\n";
+      "\n## Components without effect\n\nThey are accepted, and their attributes are not read.\n\n| components | here "
+      "|\n| --- | --- |\n";
   for (const auto& [reason, names] : names_of) text += fmt::format("| {} | {} |\n", names, reason);
-  return text;
-}
-
-std::string renamed_components() {
-  std::string text =
-      "\n## Old names\n\nAccepted with a note; names that SOFA has removed are refused with a hint.\n\n| old name | | "
-      "name |\n| --- | --- | --- |\n";
-  for (const auto& renamed : attributes::kRenamedClasses)
-    text += fmt::format("| `{}` | accepted | `{}` |\n", renamed.old_name, renamed.name);
-  for (const auto& retired : attributes::kRetiredClasses)
-    text += fmt::format("| `{}` | refused | `{}` |\n", retired.old_name, retired.name);
   return text;
 }
 
@@ -216,7 +198,7 @@ std::string component_page(const std::vector<const Description*>& components) {
     page += fmt::format("\n## {}\n", group.category);
     for (const Description* component : group.components) page += section(*component);
   }
-  return page + ignored_components(components) + renamed_components();
+  return page + ignored_components(components);
 }
 
 }  // namespace hexaplast::runner

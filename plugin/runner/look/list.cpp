@@ -11,7 +11,6 @@
 #include <nlohmann/json.hpp>
 
 #include "attributes/admissible.hpp"
-#include "attributes/renamed.hpp"
 #include "attributes/stock.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/look/component_page.hpp"
@@ -60,19 +59,10 @@ Json json_of(const Attribute& attribute) {
   return json;
 }
 
-/// What a component does for a scene.
-std::string_view role_of(const Description& component) {
-  if (!component.takes_anything) return "ours";
-  if (component.category == attributes::kCollision) return "contact";
-  if (component.category == "Interaction") return "devices";
-  return component.category == "Visual" ? "seen" : "organises";
-}
-
 Json json_of(const Description& component) {
   Json json = {{"name", component.class_name}, {"category", component.category}, {"help", component.help}};
   if (!component.variant.empty()) json["variant"] = component.variant;
   json["has_effect"] = !component.takes_anything;
-  json["role"] = role_of(component);
   json["templates"] = words(component.templates);
   json["attributes"] = Json::array();
   for (const Attribute& attribute : component.attributes) json["attributes"].push_back(json_of(attribute));
@@ -80,10 +70,9 @@ Json json_of(const Description& component) {
 }
 
 Json json_of(const Descriptions& components) {
-  Json json = {{"components", Json::array()}, {"common_attributes", Json::array()}, {"renamed", Json::object()}};
+  Json json = {{"components", Json::array()}, {"common_attributes", Json::array()}};
   for (const Description* component : components) json["components"].push_back(json_of(*component));
   for (const Attribute& attribute : attributes::kCommon) json["common_attributes"].push_back(json_of(attribute));
-  for (const auto& renamed : attributes::kRenamedClasses) json["renamed"][std::string(renamed.old_name)] = renamed.name;
   return json;
 }
 

@@ -61,7 +61,7 @@ std::unique_ptr<scene::Component> make_component(std::string_view class_name) {
 scene::Element document_of(const SceneOptions& options, scene::Scene& scene) {
   scene::Diagnostics diagnostics;
   return scene::read_document(scene::read_scene_file(options.file), options.file, diagnostics, nullptr,
-                              scene.root().files().search, scene::Severity::kWarning);
+                              scene.root().files().search);
 }
 
 void print_outcome(Simulation& simulation, const std::string& title) {

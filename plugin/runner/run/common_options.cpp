@@ -34,10 +34,6 @@ void add_scene(CLI::App& command, SceneOptions& options) {
   command.add_option("--set", options.overrides, "Replace an attribute of the scene; may be repeated")
       ->type_name("PATH.attribute=VALUE")
       ->allow_extra_args(false);
-  command.add_flag(
-      "--sofa-compat", options.sofa_compat,
-      "Pass over unknown components, attributes, templates and plugins with a warning, as SOFA does, but for "
-      "those that would change the motion");
   add_mesh_path(command, options);
   add_plugin_options(command, options.plugins, options.plugin_path);
 }

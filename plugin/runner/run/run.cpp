@@ -107,10 +107,8 @@ RunRecord record_of(const RunOptions& options, long num_steps) {
   RunRecord record{options, simd_target(), hash_scene_files(options.scene)};
   record.options.steps = num_steps;
   record.options.scene.file = std::filesystem::absolute(options.scene.file).lexically_normal();
-  record.options.scene.mesh_path.clear();
-  const scene::SearchPath search = search_path_of(options.scene);
-  for (const std::filesystem::path& directory : search.directories())
-    record.options.scene.mesh_path.push_back(std::filesystem::absolute(directory).lexically_normal());
+  for (std::filesystem::path& directory : record.options.scene.mesh_path)
+    directory = std::filesystem::absolute(directory).lexically_normal();
   return record;
 }
 
@@ -420,7 +418,7 @@ void serialize(Archive& archive, RunRecord& record) {
   for (const std::filesystem::path& directory : options.scene.mesh_path) mesh_path.push_back(directory.string());
   archive(mesh_path);
   options.scene.mesh_path.assign(mesh_path.begin(), mesh_path.end());
-  archive(options.scene.overrides, options.scene.plugins, options.scene.sofa_compat, options.field);
+  archive(options.scene.overrides, options.scene.plugins, options.field);
   pass(options.steps);
   pass(options.frames);
   pass(options.checkpoint_every);

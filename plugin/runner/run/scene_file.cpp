@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <cstdlib>
 #include <string_view>
 
 #include "scene/reader.hpp"
@@ -38,24 +37,12 @@ scene::PluginLoader load_components(scene::Factory& factory, const std::vector<s
   return loader;
 }
 
-scene::SearchPath search_path_of(const SceneOptions& options) {
-  std::vector<path> directories = options.mesh_path;
-  const char* const variable = std::getenv("SOFA_DATA_PATH");
-  for (std::string_view rest = variable ? variable : ""; !rest.empty();) {
-    const std::size_t colon = rest.find(':');
-    if (colon != 0) directories.emplace_back(rest.substr(0, colon));
-    rest = colon == rest.npos ? std::string_view() : rest.substr(colon + 1);
-  }
-  return scene::SearchPath(std::move(directories));
-}
-
 scene::Scene read_scene(const SceneOptions& options) {
   // Both are needed for reading alone: the code of a loaded plugin stays.
   scene::Factory factory;
   scene::PluginLoader plugins = load_components(factory, options.plugins, options.plugin_path, options.untrusted);
 
-  const scene::Grammar grammar = options.sofa_compat ? scene::Grammar::kSofaCompatible : scene::Grammar::kStrict;
-  scene::Scene scene = scene::read_scene(options.file, factory, plugins, grammar, search_path_of(options));
+  scene::Scene scene = scene::read_scene(options.file, factory, plugins, scene::SearchPath(options.mesh_path));
   scene.root().files().rules = options.output;
   // A scene with mistakes may lack what an override is meant for: then init reports the mistakes.
   if (!scene.diagnostics().has_errors())

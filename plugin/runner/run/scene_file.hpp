@@ -17,7 +17,6 @@ struct SceneOptions {
   std::vector<std::string> plugins;                ///< names of plugins to load before the scene is read
   std::vector<std::filesystem::path> plugin_path;  ///< where plugins are looked for before the installation
   std::vector<std::filesystem::path> mesh_path;    ///< where meshes and includes are looked for besides
-  bool sofa_compat = false;                        ///< pass over what is unknown, as SOFA does
   std::filesystem::path untrusted;                 ///< folder below which plugin_path leads to nothing; empty: none
   scene::OutputRules output = {.how_outside = "--allow-outside permits that",
                                .how_to_replace = "--force replaces it"};  ///< of the scene's components
@@ -27,9 +26,6 @@ struct SceneOptions {
 scene::PluginLoader load_components(scene::Factory& factory, const std::vector<std::string>& plugins = {},
                                     const std::vector<std::filesystem::path>& plugin_path = {},
                                     const std::filesystem::path& untrusted = {});
-
-/// The directories of the command line's --mesh-path, then those of the environment variable SOFA_DATA_PATH.
-scene::SearchPath search_path_of(const SceneOptions& options);
 
 /// Reads a scene, replaces the attributes and sets the rules of what it may write, without init. A scene with mistakes
 /// is left as read: init throws them. Throws what reading a scene throws (scene/reader.hpp).

@@ -41,18 +41,14 @@ std::uint64_t identity_of(scene::Scene& scene) {
 std::uint64_t hash_scene_files(const SceneOptions& options) {
   scene::require_readable(options.file);
   scene::Diagnostics diagnostics;
-  scene::SearchPath search = search_path_of(options);
-  search.add_sofa_tree(options.file);
-  scene::Element root =
-      scene::read_document(scene::read_scene_file(options.file), options.file, diagnostics, nullptr, search,
-                           options.sofa_compat ? scene::Severity::kWarning : scene::Severity::kError);
+  scene::Element root = scene::read_document(scene::read_scene_file(options.file), options.file, diagnostics, nullptr,
+                                             scene::SearchPath(options.mesh_path));
   diagnostics.throw_errors();
   StateHash hash;
   Archive archive([&](const void* data, std::size_t size) { hash.add(data, size); });
   add(root, archive);
   std::vector<std::string> overrides = options.overrides, plugins = options.plugins;
-  bool sofa_compat = options.sofa_compat;
-  archive(overrides, plugins, sofa_compat);
+  archive(overrides, plugins);
   return hash.value();
 }
 

@@ -121,7 +121,6 @@ std::vector<std::string> arguments_of(const SweepOptions& options, const SweepTa
   for (const fs::path& directory : options.scene.plugin_path) add("--plugin-path", directory.string());
   for (const fs::path& directory : options.scene.mesh_path) add("--mesh-path", directory.string());
   if (options.strict) words.emplace_back("--strict");
-  if (options.scene.sofa_compat) words.emplace_back("--sofa-compat");
   add("--", options.scene.file.string());
   return words;
 }
@@ -302,8 +301,8 @@ int sweep(const SweepOptions& given) {
   if (!given.merge.empty()) {
     const SceneOptions& scene = given.scene;
     if (!scene.file.empty() || !scene.overrides.empty() || !scene.plugins.empty() || !scene.plugin_path.empty() ||
-        !scene.mesh_path.empty() || scene.sofa_compat || !given.vary.empty() || !given.shard.empty() ||
-        !given.fields.empty() || given.steps || given.threads || given.jobs != 0 || given.strict)
+        !scene.mesh_path.empty() || !given.vary.empty() || !given.shard.empty() || !given.fields.empty() ||
+        given.steps || given.threads || given.jobs != 0 || given.strict)
       throw UsageError("--merge takes --out and --force alone: what the sweep is, its shards know");
     return merge_sweep(given.merge, given.out, given.force);
   }

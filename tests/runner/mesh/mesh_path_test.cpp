@@ -31,9 +31,8 @@ TEST_F(MeshPath, IsAnOptionOfEveryVerbThatReadsScenes) {
   }
 }
 
-TEST_F(MeshPath, IsTheVariableOfSofaToo) {
-  EXPECT_EQ(hexaplast("check a.scn", "SOFA_DATA_PATH=none:far").code, 0);
-  const Outcome outcome = hexaplast("check a.scn", "SOFA_DATA_PATH=none::other");
+TEST_F(MeshPath, ThatHasNoSuchFileIsNamed) {
+  const Outcome outcome = hexaplast("check a.scn --mesh-path none --mesh-path other");
   EXPECT_EQ(outcome.code, 3);
   EXPECT_NE(outcome.err.find("hint: looked for in none, other too"), std::string::npos) << outcome.err;
 }

@@ -300,7 +300,7 @@ TEST_F(MeshVoxels, ScenesLoadTheMesh) {
         "<HexahedronSetTopologyContainer src='@mesh'/><MechanicalObject template='Vec3d'/><DiagonalMass "
         "massDensity='1000'/><HexahedronElastoplasticFEMForceField youngModulus='5000' "
         "poissonRatio='0.4'/></Node></Node>");
-  const Outcome ran = hexaplast("run scene.scn --sofa-compat");
+  const Outcome ran = hexaplast("run scene.scn");
   EXPECT_EQ(ran.code, 0) << ran.err;
 }
 

@@ -227,15 +227,10 @@ TEST_F(Command, CheckAndRunWarnOfFractureThatNeverComesAndRefuseOneFromTheStart)
 TEST_F(Command, CheckEndsAsRunDoes) {
   write("bad.scn", "<Node>\n<Nonsense/></Node>");
   EXPECT_EQ(hexaplast("check bad.scn").code, 3);
-  EXPECT_EQ(hexaplast("check bad.scn --sofa-compat").code, 3);  // nothing moves
   EXPECT_EQ(hexaplast("check absent.scn").code, 5);
   EXPECT_EQ(hexaplast("check").code, 2);
   write("bar.scn", bar(kHeld + "<Nonsense/>"));
   EXPECT_EQ(hexaplast("check bar.scn").code, 3);
-  const Outcome lenient = hexaplast("check bar.scn --sofa-compat");
-  EXPECT_EQ(lenient.code, 0);
-  EXPECT_EQ(lenient.err, "bar.scn:5: warning: Nonsense: unknown component, ignored\n");
-  EXPECT_EQ(hexaplast("run bar.scn --sofa-compat").code, 0);
   EXPECT_EQ(hexaplast("run bar.scn").code, 3);
 }
 
