@@ -52,21 +52,16 @@ ModelCheck check_model(const Body& body, double mass, double dt) {
   }
 
   if (mass > 0) {
-    double stiffest = 0, stiffest_lumped = 0, stiffest_consistent = 0;  // [Pa] largest of the elements
+    double stiffest = 0, stiffest_lumped = 0;  // [Pa] largest of the elements
     const double corner_weight = sampling_of(model.settings).corner_weight;
     for (const Lame& k : model.lame) {
       stiffest = std::max(stiffest, k.lambda + 2 * k.mu);
       // of a cube on its own, which swells or warps; neighbours slow it down
       const double swelling = 3 * k.lambda + 2 * k.mu, warping = corner_weight * corner_weight * (k.lambda + 4 * k.mu);
       stiffest_lumped = std::max({stiffest_lumped, swelling, warping});
-      stiffest_consistent = std::max({stiffest_consistent, 3 * swelling, 27 * warping});
     }
     found.wave_speed = std::sqrt(stiffest / found.density);
-    const auto frequency = [&](double modulus) {
-      return 2 * std::sqrt(modulus / found.density) / found.quality.shortest_edge;
-    };
-    found.highest_frequency = frequency(stiffest_lumped);
-    found.highest_frequency_consistent = frequency(stiffest_consistent);
+    found.highest_frequency = 2 * std::sqrt(stiffest_lumped / found.density) / found.quality.shortest_edge;
     found.cfl_number = found.wave_speed * dt / found.quality.shortest_edge;
     found.steps_across = found.extent.maxCoeff() / (found.wave_speed * dt);
   }

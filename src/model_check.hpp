@@ -30,9 +30,8 @@ struct ModelCheck {
                           ///< without mass
   double highest_frequency = 0;  ///< [rad/s] about that of the fastest vibration of the mesh with lumped masses, rather
                                  ///< more; 0 without mass. theory.md eq. 56
-  double highest_frequency_consistent = 0;  ///< [rad/s] likewise with a ConsistentMass
-  double cfl_number = 0;                    ///< CFL number: shortest edges that such a wave passes in a time step
-  double steps_across = 0;                  ///< time steps that it takes along the longest extent; 0 without mass
+  double cfl_number = 0;         ///< CFL number: shortest edges that such a wave passes in a time step
+  double steps_across = 0;       ///< time steps that it takes along the longest extent; 0 without mass
 };
 
 /// mass [kg] of the whole body, dt [s].

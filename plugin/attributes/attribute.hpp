@@ -93,8 +93,7 @@ struct Description {
   std::string_view help = {};
   std::string_view templates = {};  ///< accepted values of `template`, separated by blanks
   std::span<const Attribute> attributes = {};
-  bool takes_anything = false;    ///< an ignored component: every attribute and template is accepted unread
-  std::string_view variant = {};  ///< of a class that has another form under some templates: that of these; empty: none
+  bool takes_anything = false;  ///< an ignored component: every attribute and template is accepted unread
 };
 
 /// The attribute of that name. Throws, or where it is a constant does not compile, when there is none.

@@ -85,14 +85,6 @@ inline constexpr Attribute kInstrumentContactAttributes[] = {
     {.name = "orientations",
      .type = Type::kReals,
      .help = "Orientation at each key time: quaternions x y z w. In between it turns steadily. Default: not turned."},
-    {.name = "rigid",
-     .type = Type::kLink,
-     .help =
-         "In place of a path: a MechanicalObject of rigid frames (template Rigid3d), or its node, one of which is the "
-         "frame of the instrument. It prescribes the motion of the instrument, and the body does not push it. Within a "
-         "step the "
-         "instrument moves on with the velocity of the frame."},
-    {.name = "rigidIndex", .type = Type::kInteger, .initial = "0", .range = kIndex, .help = "Which of the frames."},
     {.name = "contactStiffness",
      .type = Type::kReal,
      .unit = "Pa/m",
@@ -139,6 +131,25 @@ inline constexpr Description kInstrumentContactForceField{
         "drags by friction, and never pulls. Needs an EulerImplicitSolver.",
     .templates = kVec3Templates,
     .attributes = kInstrumentContactAttributes};
+
+/// What it has in SOFA besides: a rigid frame of a scene in place of its path.
+inline constexpr Attribute kInstrumentFrameAttributes[] = {
+    {.name = "rigid",
+     .type = Type::kLink,
+     .help =
+         "In place of a path: a MechanicalObject of rigid frames (template Rigid3d), or its node, one of which is the "
+         "frame of the instrument. It prescribes the motion of the instrument, and the body does not push it. Within a "
+         "step the "
+         "instrument moves on with the velocity of the frame."},
+    {.name = "rigidIndex", .type = Type::kInteger, .initial = "0", .range = kIndex, .help = "Which of the frames."},
+};
+inline constexpr auto kInstrumentContactInSofaAttributes =
+    joined(kInstrumentContactAttributes, kInstrumentFrameAttributes);
+inline constexpr Description kInstrumentContactInSofa{.class_name = kInstrumentContactForceField.class_name,
+                                                      .category = kInstrumentContactForceField.category,
+                                                      .help = kInstrumentContactForceField.help,
+                                                      .templates = kInstrumentContactForceField.templates,
+                                                      .attributes = kInstrumentContactInSofaAttributes};
 
 inline constexpr Attribute kTissueContactAttributes[] = {
     {.name = "object1", .type = Type::kLink, .help = "The mechanical state of a body; default: that of the node."},

@@ -2,23 +2,16 @@
 #pragma once
 
 #include "attributes/attribute.hpp"
-#include "attributes/stock/bodies.hpp"
 #include "attributes/stock/constraints.hpp"
 #include "attributes/stock/exporters.hpp"
-#include "attributes/stock/extrusion.hpp"
 #include "attributes/stock/geometry.hpp"
 #include "attributes/stock/ignored.hpp"
-#include "attributes/stock/integrators.hpp"
 #include "attributes/stock/loads.hpp"
 #include "attributes/stock/mappings.hpp"
 #include "attributes/stock/masses.hpp"
 #include "attributes/stock/regions.hpp"
-#include "attributes/stock/rigid.hpp"
-#include "attributes/stock/simplices.hpp"
 #include "attributes/stock/solvers.hpp"
 #include "attributes/stock/springs.hpp"
-#include "attributes/stock/topological_mappings.hpp"
-#include "attributes/stock/transforms.hpp"
 #include "attributes/stock/values.hpp"
 #include "attributes/stock/visuals.hpp"
 
@@ -93,21 +86,5 @@ inline constexpr Description kDefaultAnimationLoop{
     .category = "AnimationLoop",
     .help = "The order of events of a time step. A root without animation loop gets this one.",
     .attributes = kDefaultAnimationLoopAttributes};
-
-inline constexpr Attribute kFreeMotionAnimationLoopAttributes[] = {
-    ignored_attribute("solveVelocityConstraintFirst", "Ignored here: there are no Lagrangian constraints."),
-    ignored_attribute("threadSafeVisitor", "Ignored here."),
-    ignored_attribute("parallelCollisionDetectionAndFreeMotion", "Ignored here: there is no contact."),
-    ignored_attribute("parallelODESolving", "Ignored here: solvers run one after another."),
-    ignored_attribute("constraintSolver", "Ignored here: there are no Lagrangian constraints."),
-    ignored_attribute("computeBoundingBox", "Visual: ignored here."),
-};
-inline constexpr Description kFreeMotionAnimationLoop{
-    .class_name = "FreeMotionAnimationLoop",
-    .category = "AnimationLoop",
-    .help =
-        "The same as DefaultAnimationLoop here: its free motion is the motion, as nothing touches and there are no "
-        "Lagrangian constraints.",
-    .attributes = kFreeMotionAnimationLoopAttributes};
 
 }  // namespace hexaplast::attributes

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
 
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
@@ -13,11 +12,11 @@ namespace {
 
 class DefaultAnimationLoop final : public scene::AnimationLoop {
  public:
-  using AnimationLoop::AnimationLoop;
+  DefaultAnimationLoop() : AnimationLoop(attributes::kDefaultAnimationLoop) {}
 
   void bwd_init() override {
     solvers_ = node().all<scene::OdeSolver>();
-    for (scene::State* state : scene::independent_states(node())) {
+    for (scene::MechanicalState* state : scene::independent_states(node())) {
       if (state->node().nearest<scene::OdeSolver>()) continue;
       if (solvers_.empty()) state->reject("nothing moves it: needs an OdeSolver in its node or above");
       state->remark(scene::Severity::kWarning, {}, "nothing moves it: no OdeSolver in its node or above");
@@ -59,9 +58,7 @@ class DefaultAnimationLoop final : public scene::AnimationLoop {
 }  // namespace
 
 void add_animation_loop(scene::Factory& factory) {
-  for (const attributes::Description* description :
-       {&attributes::kDefaultAnimationLoop, &attributes::kFreeMotionAnimationLoop})
-    factory.add(*description, [description] { return std::make_unique<DefaultAnimationLoop>(*description); });
+  factory.add<DefaultAnimationLoop>(attributes::kDefaultAnimationLoop);
 }
 
 }  // namespace hexaplast::components

@@ -29,7 +29,6 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
   void init() override {
     for (int end = 0; end < 2; ++end) {
       const std::string_view object = end == 0 ? "object1" : "object2";
-      require_points(*this, object);
       states_[end] = &linked<scene::MechanicalState>(object);
     }
     if (states_[0] == states_[1])

@@ -12,16 +12,6 @@ bool stands_in(const scene::Node& node, const scene::Node& above) {
 
 }  // namespace
 
-void require_points(scene::Component& component, std::string_view link) {
-  scene::Object* target = component.find_data(link)->target();
-  const auto* holder = dynamic_cast<scene::Node*>(target);
-  const auto* state = holder ? holder->local<scene::State>() : dynamic_cast<scene::State*>(target);
-  if (dynamic_cast<const scene::RigidState*>(state))
-    component.reject(link, fmt::format("leads to '{}', which has rigid frames: must lead to a state of points, such as "
-                                       "one that follows the frames by a RigidMapping",
-                                       state->name()));
-}
-
 scene::OdeSolver& require_one_integrator(scene::Component& component, std::array<scene::MechanicalState*, 2> states) {
   for (scene::MechanicalState* state : states)
     if (state->stage() != scene::Component::Stage::kReady) throw scene::DependencyFailure();

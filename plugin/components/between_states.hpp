@@ -3,16 +3,12 @@
 
 #include <array>
 #include <optional>
-#include <string_view>
 
 #include "scene/interfaces.hpp"
 
 /// What components between two mechanical states, linked by object1 and object2, have in common, and those that act on
 /// bodies.
 namespace hexaplast::components {
-
-/// Rejects the scene where a link leads to rigid frames.
-void require_points(scene::Component& component, std::string_view link);
 
 /// Rejects the scene unless one time integrator, in the component's node or above, moves both states; or one of them,
 /// where nothing moves the other one. The integrator.
@@ -25,13 +21,13 @@ scene::ForceField* body_field_on(scene::MechanicalState& state);
 /// Where nodes of a state are, for what is seen of springs. Valid until the next step.
 class SpringEnds {
  public:
-  explicit SpringEnds(scene::State& state) : state_(state), surviving_(state) {}
+  explicit SpringEnds(scene::MechanicalState& state) : state_(state), surviving_(state) {}
 
   /// [m] None for a node that has lost all its hexahedra.
   std::optional<Vec3> at(int node) const;
 
  private:
-  scene::State& state_;
+  scene::MechanicalState& state_;
   scene::SurvivingCells surviving_;
 };
 

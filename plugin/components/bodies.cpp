@@ -1,18 +1,62 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <optional>
+
 #include "attributes/hexaplast.hpp"
+#include "components/cells.hpp"
 #include "components/components.hpp"
-#include "components/part_body_field.hpp"
+#include "components/material_region.hpp"
+#include "components/part.hpp"
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
+#include "parts/hexahedral_body.hpp"
 #include "scene/potential.hpp"
+#include "scene/scene.hpp"
 
 namespace hexaplast::components {
 namespace {
 
 /// A body as a force field.
-class HexahedronElastoplasticFEMForceField final : public PartBodyField<parts::HexahedralBody>,
-                                                   public scene::Potential {
+class HexahedronElastoplasticFEMForceField final : public BodyField, public scene::Potential {
  public:
-  HexahedronElastoplasticFEMForceField() : PartBodyField(attributes::kHexahedronElastoplasticFEMForceField) {}
+  HexahedronElastoplasticFEMForceField() : BodyField(attributes::kHexahedronElastoplasticFEMForceField) {}
+
+  void init() override {
+    state_ = &needed_ready<scene::MechanicalState>();
+    topology_ = &linked<scene::Topology>("topology");
+    hexahedra_ = &hexahedra_on(*this, *topology_, state_->num_nodes());
+    part_.emplace(accepted(*this, [&] {
+      return parts::HexahedralBody(state_->rest_positions(), *hexahedra_, options(), node().clock().dt);
+    }));
+    pass_on(*this, part_->take_warnings());
+    rayleigh_stiffness_ = real("rayleighStiffness");
+  }
+
+  // The material may change during a run: what flowed stays.
+  void refresh() override {
+    try {
+      accepted(*this, [&] { part_->set_options(options(), node().clock().dt); });
+    } catch (const InputError& error) {
+      reject(error.what());
+    }
+    pass_on(*this, part_->take_warnings());
+    rayleigh_stiffness_ = real("rayleighStiffness");
+  }
+
+  void end_step(double dt) override {
+    part_->end_step(state_->positions(), dt);
+    announce();
+  }
+  void reset() override { part_->reset(); }
+  void serialize(Archive& archive) override { part_->serialize(archive); }
+
+  double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
+  const std::vector<Hexahedron>* hexahedra() const override { return hexahedra_; }
+  const Body* body() const override { return part_ ? &part().body() : nullptr; }
+  const FlowReport* flow_report() const override { return part_ ? &part_->report() : nullptr; }
+  void remove_elements(std::span<const int> elements) override {
+    part_->remove(elements);
+    announce();
+  }
 
   void add_force(double, ConstPoints x, ConstPoints, Points f) override {
     part().body().linearize(x);
@@ -44,16 +88,33 @@ class HexahedronElastoplasticFEMForceField final : public PartBodyField<parts::H
     } else if (name == "volumeRatio") {
       output.set(plastic_volume_ratios(*body()));
     } else if (name == "volume") {
-      output.set(element_volumes(*body(), state().positions()));
+      output.set(element_volumes(*body(), state_->positions()));
     } else if (name == "plasticVolume") {
       output.set(element_volumes(*body(), body()->plastic_rest_positions()));
     }
   }
 
  private:
-  parts::HexahedralBody make(parts::HexahedralBodyOptions options, double dt) override {
-    return {state().rest_positions(), *hexahedra(), std::move(options), dt};
+  parts::HexahedralBody& part() { return *part_; }
+  const parts::HexahedralBody& part() const { return *part_; }
+
+  /// Tells the scene which hexahedra have gone since it was told last.
+  void announce() {
+    if (const std::span<const int> gone = part_->take_removed(); !gone.empty()) scene::announce_removed(*this, gone);
   }
+
+  parts::HexahedralBodyOptions options() {
+    std::vector<parts::MaterialRegion> regions;
+    for (MaterialRegion* region : MaterialRegion::all_of(*this)) regions.push_back(region->values(*hexahedra_));
+    return parts::body_options([this](const auto& row) { return values_of(*this, row); }, hexahedra_->size(),
+                               topology_->fill(), regions);
+  }
+
+  scene::MechanicalState* state_ = nullptr;
+  scene::Topology* topology_ = nullptr;
+  const std::vector<Hexahedron>* hexahedra_ = nullptr;
+  std::optional<parts::HexahedralBody> part_;
+  double rayleigh_stiffness_ = 0;
 };
 
 }  // namespace

@@ -7,37 +7,29 @@
 /// and core; what they mean is written in the attribute table (attributes/hexaplast.hpp, attributes/stock.hpp).
 namespace hexaplast::components {
 
-void add_settings(scene::Factory& factory);              // RunSettings, AttributeChange, and what is ignored
-void add_animation_loop(scene::Factory& factory);        // DefaultAnimationLoop, FreeMotionAnimationLoop
-void add_solvers(scene::Factory& factory);               // EulerImplicitSolver, StaticSolver
-void add_integrators(scene::Factory& factory);           // EulerExplicitSolver and its like, NewmarkImplicitSolver
-void add_linear_solvers(scene::Factory& factory);        // CGLinearSolver, direct solvers, preconditioners
-void add_loaders(scene::Factory& factory);               // MeshGmshLoader, MeshVTKLoader and their like
-void add_topologies(scene::Factory& factory);            // RegularGridTopology, MeshTopology and its like
-void add_sparse_grids(scene::Factory& factory);          // SparseGridTopology and its like
-void add_topological_mappings(scene::Factory& factory);  // Hexa2QuadTopologicalMapping and its like
-void add_shapes(scene::Factory& factory);                // TubeGridTopology, SheetGridTopology, SpherePatchGridTopology
-void add_states(scene::Factory& factory);                // MechanicalObject
-void add_masses(scene::Factory& factory);                // UniformMass, DiagonalMass, MeshMatrixMass
-void add_engines(scene::Factory& factory);               // BoxROI and its like, IndexValueMapper, IndicesFromValues
-void add_transforms(scene::Factory& factory);            // TransformEngine, TransformPosition, SphereLoader
-void add_extrusion(scene::Factory& factory);             // ExtrudeQuadsAndGenerateHexas
-void add_constraints(scene::Factory& factory);           // Fixed, PartialFixed, and the movements
-void add_attachments(scene::Factory& factory);           // AttachProjectiveConstraint
-void add_loads(scene::Factory& factory);                 // forces of the scene, pressure, obstacles, drag
-void add_springs(scene::Factory& factory);               // SpringForceField and its like, RestShapeSpringsForceField
-void add_instruments(scene::Factory& factory);           // GraspForceField
-void add_contact(scene::Factory& factory);               // InstrumentContactForceField
-void add_tissue_contact(scene::Factory& factory);        // TissueContactForceField
-void add_mappings(scene::Factory& factory);              // BarycentricMapping, IdentityMapping
-void add_visuals(scene::Factory& factory);               // OglModel, VisualStyle, InteractiveCamera
-void add_probes(scene::Factory& factory);                // Probe
-void add_exporters(scene::Factory& factory);             // VTKExporter, WriteState
-void add_bodies(scene::Factory& factory);                // HexahedronElastoplasticFEMForceField
-void add_dense_hexahedra(scene::Factory& factory);       // HexahedronFEMForceField and its like
-void add_rigid_states(scene::Factory& factory);          // MechanicalObject of rigid frames, RigidMapping
-void add_rigid_fields(scene::Factory& factory);          // what acts on rigid frames
-void add_simplices(scene::Factory& factory);             // TetrahedronFEMForceField, TriangularFEMForceField
-void add_regions(scene::Factory& factory);               // MaterialRegion
+void add_settings(scene::Factory& factory);        // RunSettings, AttributeChange, and what is ignored
+void add_animation_loop(scene::Factory& factory);  // DefaultAnimationLoop
+void add_solvers(scene::Factory& factory);         // EulerImplicitSolver, StaticSolver
+void add_linear_solvers(scene::Factory& factory);  // CGLinearSolver, SparseLDLSolver, MultigridCGLinearSolver
+void add_loaders(scene::Factory& factory);         // MeshGmshLoader, MeshVTKLoader and their like
+void add_topologies(scene::Factory& factory);      // RegularGridTopology, MeshTopology and its like
+void add_sparse_grids(scene::Factory& factory);    // SparseGridTopology
+void add_shapes(scene::Factory& factory);          // TubeGridTopology, SheetGridTopology, SpherePatchGridTopology
+void add_states(scene::Factory& factory);          // MechanicalObject
+void add_masses(scene::Factory& factory);          // UniformMass, DiagonalMass
+void add_engines(scene::Factory& factory);         // BoxROI and its like, IndexValueMapper, IndicesFromValues
+void add_constraints(scene::Factory& factory);     // Fixed, PartialFixed, and the movements
+void add_attachments(scene::Factory& factory);     // AttachProjectiveConstraint
+void add_loads(scene::Factory& factory);           // forces of the scene, pressure, obstacles
+void add_springs(scene::Factory& factory);         // SpringForceField, RestShapeSpringsForceField
+void add_instruments(scene::Factory& factory);     // GraspForceField
+void add_contact(scene::Factory& factory);         // InstrumentContactForceField
+void add_tissue_contact(scene::Factory& factory);  // TissueContactForceField
+void add_mappings(scene::Factory& factory);        // BarycentricMapping, IdentityMapping
+void add_visuals(scene::Factory& factory);         // OglModel, VisualStyle, InteractiveCamera
+void add_probes(scene::Factory& factory);          // Probe
+void add_exporters(scene::Factory& factory);       // VTKExporter, WriteState
+void add_bodies(scene::Factory& factory);          // HexahedronElastoplasticFEMForceField
+void add_regions(scene::Factory& factory);         // MaterialRegion
 
 }  // namespace hexaplast::components

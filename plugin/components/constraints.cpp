@@ -196,40 +196,6 @@ class KeyedMotion final : public NodeConstraint {
   bool is_relative_ = true, is_running_ = false;
 };
 
-class AffineMotion final : public NodeConstraint {
- public:
-  AffineMotion() : NodeConstraint(attributes::kAffineMovementProjectiveConstraint) {}
-
-  void init() override {
-    first_ = needed_ready<scene::MechanicalState>().positions();
-    AffineMotion::refresh();
-  }
-
-  void refresh() override {
-    take_nodes();
-    begin_ = real("beginConstraintTime");
-    end_ = real("endConstraintTime");
-    if (end_ < begin_)
-      reject("endConstraintTime", fmt::format("is {}, must not be before beginConstraintTime {}", end_, begin_));
-    const std::vector<double>& rows = reals("rotation");
-    if (rows.size() != 9) reject("rotation", fmt::format("{} numbers given, must be nine", rows.size()));
-    const Mat3 A = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
-    last_ = (first_ * A.transpose()).rowwise() + vector3("translation").transpose();
-  }
-
-  void project_motion(double time, Points x, Points v) const override {
-    clear(v);
-    const bool has_begun = time > begin_;
-    if (!has_begun) return;
-    const double fraction = time > end_ ? 1 : (time - begin_) / (end_ - begin_);
-    for (const int node : nodes_) x.row(node) = first_.row(node) + fraction * (last_.row(node) - first_.row(node));
-  }
-
- private:
-  double begin_ = 0, end_ = 20;  // [s]
-  PointArray first_, last_;      // [m]
-};
-
 }  // namespace
 
 void add_constraints(scene::Factory& factory) {
@@ -239,7 +205,6 @@ void add_constraints(scene::Factory& factory) {
   for (const Description* description :
        {&kLinearMovementProjectiveConstraint, &kPartialLinearMovementProjectiveConstraint})
     factory.add(*description, [description] { return std::make_unique<KeyedMotion>(*description); });
-  factory.add<AffineMotion>(kAffineMovementProjectiveConstraint);
 }
 
 }  // namespace hexaplast::components

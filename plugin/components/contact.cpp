@@ -27,8 +27,6 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
     if (!body_field_) reject("no body on its state: contact is that of a body's surface");
     for (const scene::Mapping* mapping : node().root().all<scene::Mapping>())
       if (mapping->output() == state_) reject("its state follows another one: must be one that an integrator moves");
-    prescribing_ = prescribing_frames();
-    frame_ = integer("rigidIndex");
     integrator_ = node().nearest<scene::OdeSolver>();
     if (!integrator_ || integrator_->class_name() != "EulerImplicitSolver")
       reject("needs an EulerImplicitSolver in its node or above");
@@ -37,7 +35,8 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
         reject(fmt::format("its EulerImplicitSolver has {}: contact needs implicit Euler", scheme));
     instrument_.emplace(accepted(*this, [&] { return parts::Instrument(options(), *body_field_->body()); }));
     shape_ = parts::shape_of(instrument_->options());
-    accepted(*this, [&] { instrument_->look_at_start(present_pose(node().clock().time), state_->positions()); });
+    accepted(*this,
+             [&] { instrument_->look_at_start(instrument_->pose_at(node().clock().time), state_->positions()); });
     pass_on(*this, instrument_->take_warnings());
   }
 
@@ -51,11 +50,7 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
     const scene::Clock& clock = node().clock();
     const double rayleigh_stiffness = integrator_->real("rayleighStiffness");
     accepted(*this, [&] {
-      if (prescribing_)
-        instrument_->begin_step(pose_after(0), pose_after(clock.dt), clock.dt, rayleigh_stiffness, state_->positions(),
-                                state_->velocities());
-      else
-        instrument_->begin_step(clock.time, clock.dt, rayleigh_stiffness, state_->positions(), state_->velocities());
+      instrument_->begin_step(clock.time, clock.dt, rayleigh_stiffness, state_->positions(), state_->velocities());
     });
     pass_on(*this, instrument_->take_warnings());
   }
@@ -84,13 +79,13 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
   bool is_one_sided() const override { return true; }
   bool release(ConstPoints x_end, ConstPoints v_end) override { return instrument_->contact().release(x_end, v_end); }
 
-  std::optional<Vec3> place(double time) const override { return present_pose(time).position; }
+  std::optional<Vec3> place(double time) const override { return instrument_->pose_at(time).position; }
   std::optional<scene::ContactEnergy> contact_energy() const override {
     const InstrumentContact& contact = instrument_->contact();
     return scene::ContactEnergy{contact.work(), contact.energy(), contact.friction_loss()};
   }
   std::vector<Triangle> shape_triangles() const override { return shape_.triangles; }
-  PointArray shape_points(double time) const override { return shape_.at(present_pose(time)); }
+  PointArray shape_points(double time) const override { return shape_.at(instrument_->pose_at(time)); }
 
   void provide(scene::Data& output) override {
     if (!instrument_) return;
@@ -105,44 +100,11 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
   }
 
  private:
-  scene::RigidState* prescribing_frames() {
-    scene::Object* target = find_data("rigid")->target();
-    if (!target) return nullptr;
-    scene::State* state = dynamic_cast<scene::State*>(target);
-    if (const auto* holder = dynamic_cast<scene::Node*>(target)) state = holder->local<scene::State>();
-    auto* frames = dynamic_cast<scene::RigidState*>(state);
-    if (!frames)
-      reject("rigid",
-             fmt::format("leads to {} '{}', must lead to a MechanicalObject of rigid frames (template Rigid3d)",
-                         target->class_name(), target->name()));
-    if (frames->stage() != Stage::kReady) throw scene::DependencyFailure();
-    if (integer("rigidIndex") >= frames->num_frames())
-      reject("rigidIndex", fmt::format("{} must lie in [0, {})", integer("rigidIndex"), frames->num_frames()));
-    return frames;
-  }
-
-  /// Of the frame that prescribes the motion, if it keeps its velocity so long [s].
-  Pose pose_after(double duration) const {
-    const auto x = prescribing_->positions().middleRows(2 * frame_, 2),
-               v = prescribing_->velocities().middleRows(2 * frame_, 2);
-    const Pose now{x.row(0).transpose(), scene::turned(prescribing_->orientations()[frame_], x.row(1).transpose())};
-    return parts::moved(now, v.row(0).transpose(), v.row(1).transpose(), duration);
-  }
-
-  parts::InstrumentOptions options() {
-    auto options = read_options<parts::InstrumentOptions>(*this);
-    options.is_prescribed = prescribing_ != nullptr;
-    return options;
-  }
-
-  /// That of a frame that prescribes the motion is known at the present time only.
-  Pose present_pose(double time) const { return prescribing_ ? pose_after(0) : instrument_->pose_at(time); }
+  parts::InstrumentOptions options() { return read_options<parts::InstrumentOptions>(*this); }
 
   scene::MechanicalState* state_ = nullptr;
   scene::ForceField* body_field_ = nullptr;  // that has the body
   scene::OdeSolver* integrator_ = nullptr;
-  scene::RigidState* prescribing_ = nullptr;  // null: it moves along its path
-  int frame_ = 0;                             // that prescribes it
   std::optional<parts::Instrument> instrument_;
   parts::InstrumentShape shape_;
 };

@@ -245,56 +245,6 @@ class SurfacePressureForceField final : public FaceLoad {
   Vec3 direction_ = Vec3::Zero();
 };
 
-class QuadPressureForceField final : public FaceLoad {
- public:
-  QuadPressureForceField() : FaceLoad(attributes::kQuadPressureForceField) {}
-
-  void init() override {
-    const std::vector<Quad>& all = fitting_topology().quads();
-    require_nodes<4>(all);
-    const PointArray& rest = needed_ready<scene::MechanicalState>().rest_positions();
-    quads_ = is_given("quadList") ? chosen<4>("quadList", all) : between_planes(all, rest);
-    if (quads_.empty()) remark(scene::Severity::kWarning, {}, "acts on no quad");
-    std::vector<int> nodes;
-    for (const Quad& quad : quads_) nodes.insert(nodes.end(), quad.begin(), quad.end());
-    note_loaded(std::move(nodes));
-    load_quads();
-  }
-
-  void add_load(double, ConstPoints, ConstPoints, Points f) const override { f += force_; }
-
- private:
-  void leave_out(const scene::SurvivingCells& surviving) override {
-    std::erase_if(quads_, [&](const Quad& quad) { return !surviving.has(quad); });
-    load_quads();
-  }
-
-  void load_quads() {
-    const PointArray& rest = needed_ready<scene::MechanicalState>().rest_positions();
-    const Eigen::RowVector3d pressure = vector3("pressure").transpose();
-    force_ = PointArray::Zero(rest.rows(), 3);
-    for (const Quad& quad : quads_)
-      for (const int node : quad) force_.row(node) += area(quad, rest) / 4 * pressure;
-  }
-
-  std::vector<Quad> between_planes(const std::vector<Quad>& all, ConstPoints rest) {
-    const Vec3 normal = vector3("normal");
-    const double min = real("dmin"), max = real("dmax");
-    if (min == max) return {};
-    const auto lies_between = [&](int node) {
-      const double distance = rest.row(node).dot(normal);
-      return distance > min && distance < max;
-    };
-    std::vector<Quad> some;
-    for (const Quad& quad : all)
-      if (std::ranges::all_of(quad, lies_between)) some.push_back(quad);
-    return some;
-  }
-
-  std::vector<Quad> quads_;
-  PointArray force_;  // [N] per node
-};
-
 class PlaneForceField final : public scene::ForceField, public scene::Load {
  public:
   PlaneForceField() : ForceField(attributes::kPlaneForceField) {}
@@ -336,37 +286,6 @@ class PlaneForceField final : public scene::ForceField, public scene::Load {
   double rayleigh_stiffness_ = 0;
 };
 
-class UniformVelocityDampingForceField final : public scene::ForceField {
- public:
-  UniformVelocityDampingForceField() : ForceField(attributes::kUniformVelocityDampingForceField) {}
-
-  void init() override {
-    num_nodes_ = needed_ready<scene::MechanicalState>().num_nodes();
-    coefficient_ = real("dampingCoefficient");
-    is_implicit_ = boolean("implicit");
-  }
-  void refresh() override { init(); }
-
-  void add_force(double, ConstPoints, ConstPoints v, Points f) override { f -= coefficient_ * v; }
-  void add_damping_product(double factor, ConstPoints dx, Points df) const override {
-    if (is_implicit_) df -= factor * coefficient_ * dx;
-  }
-  bool is_in_matrix() const override { return is_implicit_; }
-  bool describe(double, MatrixFreeSystem&) const override { return true; }  // no stiffness
-  void add_damping_diagonal(double factor, Points diagonal) const override {
-    diagonal.array() -= factor * coefficient_;
-  }
-  void add_damping_blocks(double factor, BlockMatrix& A) const override {
-    if (!is_implicit_) return;
-    for (int node = 0; node < num_nodes_; ++node) A.add(node, node, -factor * coefficient_ * Mat3::Identity());
-  }
-
- private:
-  int num_nodes_ = 0;
-  double coefficient_ = 0;  // [N s/m]
-  bool is_implicit_ = false;
-};
-
 }  // namespace
 
 void add_loads(scene::Factory& factory) {
@@ -374,9 +293,7 @@ void add_loads(scene::Factory& factory) {
   factory.add<LinearForceField>(attributes::kLinearForceField);
   factory.add<TangentialForceField>(attributes::kTangentialForceField);
   factory.add<SurfacePressureForceField>(attributes::kSurfacePressureForceField);
-  factory.add<QuadPressureForceField>(attributes::kQuadPressureForceField);
   factory.add<PlaneForceField>(attributes::kPlaneForceField);
-  factory.add<UniformVelocityDampingForceField>(attributes::kUniformVelocityDampingForceField);
 }
 
 }  // namespace hexaplast::components

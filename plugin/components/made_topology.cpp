@@ -19,21 +19,11 @@ const std::vector<Edge>& MadeTopology::edges() {
 std::vector<Quad> MadeTopology::make_quads() { return faces_of(hexahedra()); }
 std::vector<Edge> MadeTopology::make_edges() { return edges_of(hexahedra()); }
 
-std::vector<Triangle> MadeTopology::halves_of_quads() {
-  std::vector<Triangle> triangles;
-  for (const Quad& quad : quads()) {
-    triangles.push_back({quad[0], quad[1], quad[2]});
-    triangles.push_back({quad[0], quad[2], quad[3]});
-  }
-  return triangles;
-}
-
 void MadeTopology::provide(scene::Data& output) {
   const std::string_view name = output.attribute().name;
   if (name == "position") output.set_once([this] { return flattened(positions()); });
   if (name == "hexahedra") output.set_once([this] { return flattened<8>(hexahedra()); });
   if (name == "quads") output.set_once([this] { return flattened<4>(quads()); });
-  if (name == "triangles") output.set_once([this] { return flattened<3>(halves_of_quads()); });
   if (name == "edges") output.set_once([this] { return flattened<2>(edges()); });
 }
 

@@ -18,13 +18,6 @@ class MadeTopology : public scene::Topology {
   const std::vector<Quad>& quads() final;
   const std::vector<Edge>& edges() final;
 
-  /// Hexahedra along x and y, where it is a grid of them; 2 and 1 otherwise: what SOFA cuts into tetrahedra by.
-  virtual std::array<int, 2> cells_across() { return {2, 1}; }
-
-  /// Every quad as two triangles, for an output of that name: drawing asks for them, and pressures must not, as they
-  /// act on the quads already.
-  std::vector<Triangle> halves_of_quads();
-
  private:
   // those of the hexahedra, in their order, where a topology has no order of its own
   virtual std::vector<Quad> make_quads();

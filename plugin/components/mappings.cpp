@@ -6,17 +6,67 @@
 #include "attributes/stock.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
-#include "components/state_mapping.hpp"
 #include "hexaplast/geometry/embed.hpp"
+#include "scene/interfaces.hpp"
+#include "scene/visuals.hpp"
 
 namespace hexaplast::components {
 namespace {
 
-using PointMapping = StateMapping<scene::MechanicalState>;
-
-class BarycentricMapping final : public PointMapping {
+/// Knows which state follows which.
+class StateMapping : public scene::Mapping {
  public:
-  BarycentricMapping() : PointMapping(attributes::kBarycentricMapping) {}
+  using Mapping::Mapping;
+
+  // When everything has its nodes, and before the solvers above look at it.
+  void bwd_init() override {
+    output_ = at_output<scene::MechanicalState>();
+    if (!output_) return carry_visual_model();
+    input_ = &followed();
+    if (input_ == output_) reject("input", "is the mapped state itself: must be another one");
+    for (const scene::MechanicalState* end : {input_, output_})
+      if (end->stage() != Stage::kReady) throw scene::DependencyFailure();
+    connect(*input_, *output_);
+  }
+
+  scene::MechanicalState* input() const override { return input_; }
+  scene::MechanicalState* output() const override { return output_; }
+
+ protected:
+  virtual void connect(scene::MechanicalState& above, scene::MechanicalState& below) = 0;
+
+  scene::VisualModel* following_visually() { return at_output<scene::VisualModel>(); }
+
+ private:
+  scene::MechanicalState& followed() {
+    if (is_given("input")) return linked<scene::MechanicalState>("input");
+    const scene::Node* above = node().parent();
+    auto* state = above ? above->nearest<scene::MechanicalState>() : nullptr;
+    if (!state) reject("needs a MechanicalState in a node above");
+    return *state;
+  }
+
+  template <class T>
+  T* at_output() {
+    scene::Object* target = find_data("output")->target();
+    if (!target) return node().template local<T>();
+    if (const auto* holder = dynamic_cast<scene::Node*>(target)) return holder->template local<T>();
+    return dynamic_cast<T*>(target);
+  }
+
+  /// An OglModel that follows: pictures look where its points lie; there is nothing to do in a step.
+  void carry_visual_model() {
+    if (scene::VisualModel* model = following_visually()) return model->carry();
+    remark(scene::Severity::kNote, "output", "leads to no mechanical state and to no OglModel: ignored here");
+  }
+
+  scene::MechanicalState* input_ = nullptr;
+  scene::MechanicalState* output_ = nullptr;
+};
+
+class BarycentricMapping final : public StateMapping {
+ public:
+  BarycentricMapping() : StateMapping(attributes::kBarycentricMapping) {}
 
   void apply(ConstPoints above, Points below) const override { embedding_->apply(above, below); }
   void add_transposed(ConstPoints below, Points above) const override { embedding_->add_transposed(below, above); }
@@ -46,9 +96,9 @@ class BarycentricMapping final : public PointMapping {
   std::optional<Embedding> embedding_;
 };
 
-class IdentityMapping final : public PointMapping, public scene::GivesPoints {
+class IdentityMapping final : public StateMapping, public scene::GivesPoints {
  public:
-  IdentityMapping() : PointMapping(attributes::kIdentityMapping) {}
+  IdentityMapping() : StateMapping(attributes::kIdentityMapping) {}
 
   void apply(ConstPoints above, Points below) const override { below = above; }
   void add_transposed(ConstPoints below, Points above) const override { above += below; }
@@ -63,10 +113,9 @@ class IdentityMapping final : public PointMapping, public scene::GivesPoints {
     if (following_visually() != &model) return nullptr;
     scene::Object* target = find_data("input")->target();
     auto* holder = target ? dynamic_cast<scene::Node*>(target) : node().parent();
-    scene::State* state = dynamic_cast<scene::State*>(target);
-    if (holder) state = target ? holder->local<scene::State>() : holder->nearest<scene::State>();
-    const bool is_of_points = dynamic_cast<scene::MechanicalState*>(state);
-    return is_of_points && state->stage() == Stage::kReady ? &state->positions() : nullptr;
+    auto* state = dynamic_cast<scene::MechanicalState*>(target);
+    if (holder) state = target ? holder->local<scene::MechanicalState>() : holder->nearest<scene::MechanicalState>();
+    return state && state->stage() == Stage::kReady ? &state->positions() : nullptr;
   }
 
  private:
@@ -76,70 +125,11 @@ class IdentityMapping final : public PointMapping, public scene::GivesPoints {
   }
 };
 
-/// Nodes that are some of those above.
-class SubsetMapping final : public PointMapping {
- public:
-  SubsetMapping() : PointMapping(attributes::kSubsetMapping) {}
-
-  void apply(ConstPoints above, Points below) const override {
-    for (std::size_t i = 0; i < nodes_.size(); ++i) below.row(static_cast<Eigen::Index>(i)) = above.row(nodes_[i]);
-  }
-  void add_transposed(ConstPoints below, Points above) const override {
-    for (std::size_t i = 0; i < nodes_.size(); ++i) above.row(nodes_[i]) += below.row(static_cast<Eigen::Index>(i));
-  }
-  void add_transposed_blocks(const BlockMatrix& below, BlockMatrix& above) const override {
-    for (int n = 0; n < below.num_nodes(); ++n)
-      for (const BlockMatrix::Entry& entry : below.row(n)) above.add(nodes_[n], nodes_[entry.column], entry.block);
-    for (const auto& [factor, u] : below.rank_ones()) {
-      PointArray carried = PointArray::Zero(above.num_nodes(), 3);
-      add_transposed(u, carried);
-      above.add_rank_one(factor, carried);
-    }
-  }
-  bool is_left(std::span<const int> cell, const scene::SurvivingCells& above) const override {
-    std::vector<int> nodes;
-    for (const int node : cell) nodes.push_back(nodes_[node]);
-    return above.has(nodes);
-  }
-
- private:
-  void connect(scene::MechanicalState& above, scene::MechanicalState& below) override {
-    if (is_given("indices"))
-      nodes_ = indices("indices", above.num_nodes());
-    else
-      find_nodes(above.positions(), below.positions());
-    if (static_cast<int>(nodes_.size()) != below.num_nodes())
-      reject("indices",
-             fmt::format("{} numbers given for {} nodes, must be as many", nodes_.size(), below.num_nodes()));
-  }
-
-  /// The nearest one of those above, the first of several, as in SOFA.
-  void find_nodes(ConstPoints above, ConstPoints below) {
-    const double radius = real("radius");
-    for (Eigen::Index i = 0; i < below.rows(); ++i) {
-      int nearest = -1;
-      double min = radius;
-      for (Eigen::Index n = 0; n < above.rows(); ++n) {
-        const double distance = (below.row(i) - above.row(n)).norm();
-        if (distance >= min) continue;
-        nearest = static_cast<int>(n);
-        min = distance;
-      }
-      if (nearest < 0)
-        reject("radius", fmt::format("no node of the followed state lies within {} m of node {}", radius, i));
-      nodes_.push_back(nearest);
-    }
-  }
-
-  std::vector<int> nodes_;  // of those above
-};
-
 }  // namespace
 
 void add_mappings(scene::Factory& factory) {
   factory.add<BarycentricMapping>(attributes::kBarycentricMapping);
   factory.add<IdentityMapping>(attributes::kIdentityMapping);
-  factory.add<SubsetMapping>(attributes::kSubsetMapping);
 }
 
 }  // namespace hexaplast::components

@@ -10,18 +10,6 @@
 #include "components/part.hpp"
 
 namespace hexaplast::components {
-namespace {
-
-/// What a body says of its material.
-std::vector<std::string_view> members_of(scene::Object& body) {
-  std::vector<std::string_view> names;
-  for (const Row<Material>& row : material_rows())
-    if (body.find_data(row.name)) names.push_back(row.name);
-  return names;
-}
-
-}  // namespace
-
 MaterialRegion::MaterialRegion() : scene::MaterialRegion(attributes::kMaterialRegion) {}
 
 std::vector<MaterialRegion*> MaterialRegion::all_of(const BodyField& body) {
@@ -43,13 +31,7 @@ const parts::MaterialRegion& MaterialRegion::values(const std::vector<Hexahedron
     if (!is_given(attribute)) return std::nullopt;
     return indices(attribute, std::numeric_limits<int>::max());
   };
-  const auto given = [&](const Row<Material>& row) {
-    std::optional<std::vector<double>> found = values_of(*this, row);
-    if (found && !find_body()->find_data(row.name))
-      throw parts::OptionError(row.name, fmt::format("{} has no such value, must be {}", find_body()->class_name(),
-                                                     alternatives(members_of(*find_body()))));
-    return found;
-  };
+  const auto given = [&](const Row<Material>& row) { return values_of(*this, row); };
   return present_ = accepted(*this, [&] {
            std::vector<int> hexahedra = parts::region_hexahedra(numbers("hexahedra"), numbers("indices"), of_body);
            return parts::material_region(given, std::move(hexahedra), node().clock().dt);

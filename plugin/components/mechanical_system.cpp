@@ -14,8 +14,9 @@
 namespace hexaplast::components {
 
 NodeSystem::NodeSystem(scene::Node& node) : node_(node) {
-  for (scene::State* state : scene::independent_states(node)) {
-    if (state->node().local<scene::State>() != state) state->reject("a second state in its node, must be one");
+  for (scene::MechanicalState* state : scene::independent_states(node)) {
+    if (state->node().local<scene::MechanicalState>() != state)
+      state->reject("a second state in its node, must be one");
     layers_.push_back({.state = state, .first_node = num_nodes_});
     num_nodes_ += state->num_nodes();
   }
@@ -39,11 +40,11 @@ NodeSystem::NodeSystem(scene::Node& node) : node_(node) {
   find_constraints();
 }
 
-bool NodeSystem::is_ours(const scene::State* state) const {
+bool NodeSystem::is_ours(const scene::MechanicalState* state) const {
   return std::ranges::find(layers_, state, &Layer::state) != layers_.end();
 }
 
-std::size_t NodeSystem::layer_of(const scene::State* state) const {
+std::size_t NodeSystem::layer_of(const scene::MechanicalState* state) const {
   return static_cast<std::size_t>(std::ranges::find(layers_, state, &Layer::state) - layers_.begin());
 }
 
@@ -136,7 +137,6 @@ void NodeSystem::scatter() const {
   for (const Layer& root : roots()) {
     root.state->positions() = rows_of<ConstPoints>(root, x_);
     root.state->velocities() = rows_of<ConstPoints>(root, v_);
-    root.state->accept();
   }
 }
 
@@ -173,7 +173,7 @@ void NodeSystem::add_layers(scene::Node& node) {
 
 void NodeSystem::add_force(Over over, const Layer& layer, double time, ConstPoints x, ConstPoints v, Points f) const {
   layer.state->add_external_force(f);
-  for (const scene::MassMatrix* mass : layer.masses) mass->add_gravity(node_.clock().gravity, f);
+  for (const scene::Mass* mass : layer.masses) mass->add_gravity(node_.clock().gravity, f);
   for (scene::ForceField* field : layer.force_fields)
     if (over == Over::kAll || !field->body()) field->add_force(time, x, v, f);
 }
@@ -193,7 +193,7 @@ void NodeSystem::add_force(Over over, double time, ConstPoints x, ConstPoints v,
   // down, and up again: those that follow before those that they follow
   for (Layer& layer : followers()) {
     if (!layer.is_loaded) continue;
-    layer.mapping->apply_positions(part_of(layer.above, x, &Layer::x), layer.x);
+    layer.mapping->apply(part_of(layer.above, x, &Layer::x), layer.x);
     layer.mapping->apply(part_of(layer.above, v, &Layer::v), layer.v);
     layer.f.setZero();
     add_force(over, layer, time, layer.x, layer.v, layer.f);
@@ -241,10 +241,10 @@ OfTwo<Points> NodeSystem::forces_of(Interaction& interaction, Points f) const {
 // A mass damps by its own factor, a force field by its own: both through the damping factor b of m M + b B + k K.
 // Factors of 0 are common where energies are measured, and a product of a body costs as much with them.
 void NodeSystem::add_product(Over over, const Layer& layer, const OperatorFactors& factors, ConstPoints dx, Points df) {
-  const auto add_masses = [&](const auto& masses) {
-    for (const scene::MassMatrix* mass : masses)
+  const bool has_masses = over == Over::kAll || (over == Over::kOthers && layer.mapping);
+  if (has_masses)
+    for (const scene::Mass* mass : layer.masses)
       mass->add_product(factors.mass - factors.damping * mass->rayleigh_mass(), dx, df);
-  };
   const auto add_fields = [&](const auto& fields) {
     for (const scene::ForceField* field : fields) {
       if (over == Over::kLoads && field->body()) continue;
@@ -253,13 +253,10 @@ void NodeSystem::add_product(Over over, const Layer& layer, const OperatorFactor
       if (factors.damping != 0) field->add_damping_product(factors.damping, dx, df);
     }
   };
-  if (over == Over::kOthers) {
-    add_masses(layer.other_masses);
+  if (over == Over::kOthers)
     add_fields(layer.other_fields);
-    return;
-  }
-  if (over == Over::kAll) add_masses(layer.masses);
-  add_fields(layer.force_fields);
+  else
+    add_fields(layer.force_fields);
 }
 
 void NodeSystem::add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const {
@@ -307,7 +304,7 @@ void NodeSystem::add_interactions(bool of_roots, const OperatorFactors& factors,
 }
 
 void NodeSystem::add_blocks(const Layer& layer, const OperatorFactors& factors, BlockMatrix& A) {
-  for (const scene::MassMatrix* mass : layer.masses)
+  for (const scene::Mass* mass : layer.masses)
     mass->add_blocks(factors.mass - factors.damping * mass->rayleigh_mass(), A);
   for (const scene::ForceField* field : layer.force_fields) {
     field->add_stiffness_blocks(factors.stiffness + factors.damping * field->rayleigh_stiffness(), A);
@@ -385,11 +382,9 @@ bool NodeSystem::describe(const OperatorFactors& factors, MatrixFreeSystem& syst
 
 /// What the kernels know of what acts on an independent state; it keeps what they do not.
 void NodeSystem::describe(Layer& layer, const OperatorFactors& factors, MatrixFreeSystem& system) const {
-  layer.other_masses.clear();
   layer.other_fields.clear();
-  for (const scene::MassMatrix* mass : layer.masses)
-    if (!mass->add_diagonal(factors.mass - factors.damping * mass->rayleigh_mass(), system.diagonal))
-      layer.other_masses.push_back(mass);
+  for (const scene::Mass* mass : layer.masses)
+    mass->add_diagonal(factors.mass - factors.damping * mass->rayleigh_mass(), system.diagonal);
   for (const scene::ForceField* field : layer.force_fields) {
     if (!field->is_in_matrix()) continue;
     if (field->describe(factors.stiffness + factors.damping * field->rayleigh_stiffness(), system))
@@ -409,12 +404,11 @@ void NodeSystem::find_others() const {
   for (std::size_t i = layers_.size(); i-- > 0;) {
     Layer& layer = layers_[i];
     if (layer.mapping) {
-      layer.other_masses.assign(layer.masses.begin(), layer.masses.end());
       layer.other_fields.clear();
       for (const scene::ForceField* field : layer.force_fields)
         if (field->is_in_matrix()) layer.other_fields.push_back(field);
     }
-    layer.has_others = layer.has_others || !layer.other_masses.empty() || !layer.other_fields.empty();
+    layer.has_others = layer.has_others || !layer.other_fields.empty() || (layer.mapping && !layer.masses.empty());
     if (layer.has_others && layer.mapping) layers_[layer.above].has_others = true;
   }
 }
@@ -453,20 +447,13 @@ bool NodeSystem::release(double time, ConstPoints x, ConstPoints v, ConstPoints 
   return has_released;
 }
 
-bool NodeSystem::add_mass_diagonal(Points diagonal) const {
-  for (const Layer& layer : layers_)
-    for (const scene::MassMatrix* mass : layer.masses)
-      if (layer.mapping || !mass->add_diagonal(1, rows_of(layer, diagonal))) return false;
-  return true;
-}
-
 void NodeSystem::prescribe(double time, Points x, Points v) const {
   for (const Constraint& constraint : constraints_) {
     const auto [first, second] = std::pair(constraint.layers[0], constraint.layers[1]);
     if (constraint.of_one) {
       constraint.of_one->project_motion(time, rows_of(root(first), x), rows_of(root(first), v));
     } else {
-      scene::State& followed = *layers_[first].state;
+      scene::MechanicalState& followed = *layers_[first].state;
       const bool follows = layers_[first].mapping;
       constraint.of_two->project_motion(
           time, {follows ? Points(followed.positions()) : rows_of(root(first), x), rows_of(root(second), x)},
@@ -499,7 +486,7 @@ void NodeSystem::pin(BlockMatrix& A) const {
   A.set_whole_range();
 }
 
-ConstPoints NodeSystem::rows_of_state(const scene::State& state, ConstPoints of_all) const {
+ConstPoints NodeSystem::rows_of_state(const scene::MechanicalState& state, ConstPoints of_all) const {
   const auto root = std::ranges::find(roots(), &state, &Layer::state);
   if (root == roots().end()) throw InputError("a state is asked for that the time integrator does not move");
   return rows_of(*root, of_all);
@@ -511,33 +498,16 @@ void NodeSystem::require_mass() const {
     has_mass[i] = has_mass[i] || !layers_[i].masses.empty();
     if (layers_[i].mapping && has_mass[i]) has_mass[layers_[i].above] = true;
     if (layers_[i].mapping || has_mass[i]) continue;
-    scene::State& state = *layers_[i].state;
+    scene::MechanicalState& state = *layers_[i].state;
     throw InputError(fmt::format("no mass on {} '{}' of its node and below", state.class_name(), state.name()));
   }
-}
-
-void NodeSystem::require_points() const {
-  for (const Layer& root : roots())
-    if (!root.state->orientations().empty())
-      throw InputError(
-          fmt::format("the frames of MechanicalObject '{}' need an EulerImplicitSolver or an explicit "
-                      "integrator",
-                      root.state->name()));
 }
 
 double NodeSystem::kinetic_energy() const {
   double energy = 0;
   for (const Layer& layer : layers_)
-    for (const scene::MassMatrix* mass : layer.masses) energy += mass->kinetic_energy(layer.state->velocities());
+    for (const scene::Mass* mass : layer.masses) energy += mass->kinetic_energy(layer.state->velocities());
   return energy;
-}
-
-bool NodeSystem::has_elastic_energy() const {
-  return std::ranges::all_of(layers_, [](const Layer& layer) {
-    return std::ranges::all_of(layer.force_fields, [](const scene::ForceField* field) {
-      return !field->body() || dynamic_cast<const scene::Potential*>(field);
-    });
-  });
 }
 
 double NodeSystem::elastic_energy() const {
@@ -561,34 +531,30 @@ double NodeSystem::highest_frequency() const {
   double frequency = 0;
   for (const Layer& layer : layers_) {
     const double mass = scene::total_mass(layer.masses, *layer.state);
-    PointArray diagonal = PointArray::Zero(layer.state->num_nodes(), 3);
-    double ModelCheck::*highest = &ModelCheck::highest_frequency;
-    for (const scene::MassMatrix* part : layer.masses)
-      if (!part->add_diagonal(0, diagonal)) highest = &ModelCheck::highest_frequency_consistent;
     for (const scene::ForceField* field : layer.force_fields)
       if (const Body* body = field->body())
-        frequency = std::max(frequency, check_model(*body, mass, node_.clock().dt).*highest);
+        frequency = std::max(frequency, check_model(*body, mass, node_.clock().dt).highest_frequency);
   }
   return frequency;
 }
 
 void NodeSystem::project_motion(double time) const {
   for (const Constraint& constraint : constraints_) {
-    scene::State &first = *layers_[constraint.layers[0]].state, &second = *layers_[constraint.layers[1]].state;
+    scene::MechanicalState &first = *layers_[constraint.layers[0]].state,
+                           &second = *layers_[constraint.layers[1]].state;
     if (constraint.of_one)
       constraint.of_one->project_motion(time, first.positions(), first.velocities());
     else
       constraint.of_two->project_motion(time, {first.positions(), second.positions()},
                                         {first.velocities(), second.velocities()});
   }
-  for (const Layer& root : roots()) root.state->accept();
   follow();
 }
 
 void NodeSystem::follow() const {
   for (const Layer& layer : followers()) {
-    scene::State& above = *layers_[layer.above].state;
-    layer.mapping->apply_positions(above.positions(), layer.state->positions());
+    scene::MechanicalState& above = *layers_[layer.above].state;
+    layer.mapping->apply(above.positions(), layer.state->positions());
     layer.mapping->apply(above.velocities(), layer.state->velocities());
   }
 }

@@ -28,7 +28,6 @@ class NodeSystem final : public MechanicalSystem {
   void add_load_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
   bool release(double time, ConstPoints x, ConstPoints v, ConstPoints x_end, ConstPoints v_end, Points force,
                Points product) override;
-  bool add_mass_diagonal(Points diagonal) const override;
   void prescribe(double time, Points x, Points v) const override;
   void project(Points field) const override;
   void pin(BlockMatrix& A) const override;
@@ -43,7 +42,6 @@ class NodeSystem final : public MechanicalSystem {
     if (constraints_changed_) require_commuting();
     if (num_roots_ == 1) {
       auto result = move(root(0).state->positions(), root(0).state->velocities());
-      root(0).state->accept();
       return result;
     }
     gather();
@@ -56,7 +54,7 @@ class NodeSystem final : public MechanicalSystem {
   void constraints_changed() { constraints_changed_ = true; }
 
   /// The rows of a field of the system that belong to an independent state of it.
-  ConstPoints rows_of_state(const scene::State& state, ConstPoints of_all) const;
+  ConstPoints rows_of_state(const scene::MechanicalState& state, ConstPoints of_all) const;
 
   /// Rejects the scene, naming what no assembled matrix has: constraints that couple nodes, and forces between states
   /// of which one follows another one. `why`: who asks for a matrix.
@@ -64,12 +62,8 @@ class NodeSystem final : public MechanicalSystem {
 
   /// Throws InputError, naming the first independent state on which no mass acts, nor on those that follow it.
   void require_mass() const;
-  /// Throws InputError where there are rigid frames: for those who move positions several times, which turns do not
-  /// bear.
-  void require_points() const;
   double kinetic_energy() const;           ///< [J]
-  bool has_elastic_energy() const;         ///< whether the forces of all bodies have a potential
-  double elastic_energy() const;           ///< [J] of the bodies that have one
+  double elastic_energy() const;           ///< [J] of the bodies
   double recovery_work() const;            ///< [J] of the bodies
   double highest_frequency() const;        ///< [rad/s] about that of the bodies' fastest vibration; 0: nothing vibrates
   void project_motion(double time) const;  ///< applies prescribed motion to the states, and lets the others follow
@@ -78,17 +72,16 @@ class NodeSystem final : public MechanicalSystem {
  private:
   /// A state and what acts on it.
   struct Layer {
-    scene::State* state = nullptr;
+    scene::MechanicalState* state = nullptr;
     scene::Mapping* mapping = nullptr;  // null: an independent state
     std::size_t above = 0;              // layer that it follows; lies before this one
     int first_node = 0;                 // of the system's, for an independent state
-    std::vector<scene::MassMatrix*> masses = {};
+    std::vector<scene::Mass*> masses = {};
     std::vector<scene::ForceField*> force_fields = {};
 
     bool is_loaded = false;  // of those that follow: something acts on it, or on one that follows it
 
     // of the matrix of describe: what its kernels do not know
-    std::vector<const scene::MassMatrix*> other_masses = {};
     std::vector<const scene::ForceField*> other_fields = {};
     bool has_others = false;  // of those that follow: something of the matrix is there, or at one that follows it
 
@@ -157,8 +150,8 @@ class NodeSystem final : public MechanicalSystem {
   OfTwo<ConstPoints> velocities_of(const Interaction& interaction, ConstPoints v) const;
   OfTwo<ConstPoints> increments_of(const Interaction& interaction, ConstPoints dx) const;
   OfTwo<Points> forces_of(Interaction& interaction, Points f) const;
-  bool is_ours(const scene::State* state) const;
-  std::size_t layer_of(const scene::State* state) const;
+  bool is_ours(const scene::MechanicalState* state) const;
+  std::size_t layer_of(const scene::MechanicalState* state) const;
   void find_interactions();
   void find_constraints();
   void require_commuting();

@@ -73,7 +73,6 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
   }
 
   void keep_energy_balance() override {
-    if (!system().has_elastic_energy()) return;
     euler_->measure_energy();
     balance_.emplace();
     pending_ = Pending::kBeginning;
@@ -92,7 +91,6 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
     archive(is_kept);
     if (!is_kept) return;
     if (!balance_) keep_energy_balance();
-    if (!balance_) throw InputError("an energy balance is saved of forces that have a potential");
     pending_ = Pending::kNothing;
     archive(balance_->kinetic, balance_->elastic, balance_->initial, balance_->load_work, balance_->support_work,
             balance_->damping_loss, balance_->numerical_loss, balance_->recovery_work, balance_->flow_loss);
@@ -176,7 +174,6 @@ class StaticSolver final : public SystemSolver {
 
   void bwd_init() override {
     SystemSolver::bwd_init();
-    system().require_points();
     SolverMemory kept = newton_ ? std::move(newton_->memory()) : SolverMemory();
     newton_settings_ = newton_settings();
     newton_.emplace(newton_settings_);
@@ -233,33 +230,13 @@ class StaticSolver final : public SystemSolver {
 
   NewtonSettings newton_settings() {
     const bool has_solver = is_given("newtonSolver") || node().nearest<NewtonRaphsonSolver>();
-    NewtonSettings settings =
+    const NewtonSettings settings =
         has_solver ? linked<NewtonRaphsonSolver>("newtonSolver").settings() : NewtonRaphsonSolver().settings();
-    const bool has_old_settings = take_old_settings(settings);
-    if (!has_solver && !has_old_settings)
+    if (!has_solver)
       remark(
           scene::Severity::kWarning, "newtonSolver",
           "no NewtonRaphsonSolver in its node or above: takes one with default settings, a single iteration per step");
     return settings;
-  }
-
-  /// What SOFA had here before there was a NewtonRaphsonSolver. Returns whether anything is given.
-  bool take_old_settings(NewtonSettings& settings) {
-    const std::pair<const char*, double*> thresholds[] = {
-        {"absolute_residual_tolerance_threshold", &settings.absolute_residual},
-        {"relative_residual_tolerance_threshold", &settings.relative_initial},
-        {"absolute_correction_tolerance_threshold", &settings.absolute_estimate},
-        {"relative_correction_tolerance_threshold", &settings.relative_estimate}};
-    bool found = is_given("newton_iterations");
-    if (found) settings.iterations = integer("newton_iterations");
-    for (const auto& [name, value] : thresholds) {
-      found = found || is_given(name);
-      *value = real_if_given(name).value_or(*value);
-    }
-    if (found)
-      remark(scene::Severity::kNote, {},
-             "tolerances and iterations are deprecated here: they belong to a NewtonRaphsonSolver");
-    return found;
   }
 
   NewtonSettings newton_settings_;

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -67,48 +66,21 @@ double greatest_quotient(const ProductB& B, const ProductA& A, const Inverse& in
   return quotient;
 }
 
-/// Springs between nodes of its mechanical state.
-class SpringField : public scene::ForceField {
+/// Springs between nodes of its state, or of two states of which not both are it.
+class SpringForceField final : public scene::ForceField, public scene::Interaction, public scene::ShowsSprings {
  public:
-  using ForceField::ForceField;
-
-  void init() override {
-    scene::MechanicalState& state = needed_ready<scene::MechanicalState>();
-    springs_ = Springs(make(state), state.num_nodes());
-    rayleigh_stiffness_ = real("rayleighStiffness");
-  }
-  void refresh() override { init(); }
-
-  void add_force(double, ConstPoints x, ConstPoints v, Points f) override { springs_.add_force(x, v, f); }
-  void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
-    springs_.add_stiffness_product(factor, dx, df);
-  }
-  void add_stiffness_blocks(double factor, BlockMatrix& A) const override { springs_.add_stiffness_blocks(factor, A); }
-  bool is_in_matrix() const override { return !springs_.springs().empty(); }
-  double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
-
- protected:
-  virtual std::vector<Spring> make(scene::MechanicalState& state) = 0;
-
-  static double distance(const PointArray& points, int a, int b) { return (points.row(b) - points.row(a)).norm(); }
-
-  Springs springs_;
-  double rayleigh_stiffness_ = 0;
-};
-
-/// Of its state, or between two of which not both are it.
-class SpringForceField final : public SpringField, public scene::Interaction, public scene::ShowsSprings {
- public:
-  SpringForceField() : SpringField(attributes::kSpringForceField) {}
+  SpringForceField() : ForceField(attributes::kSpringForceField) {}
 
   std::array<scene::MechanicalState*, 2> states() const override { return states_; }
 
   void init() override {
-    const std::array given = {&state_at("object1"), &state_at("object2")};
-    const scene::State* own = node().nearest<scene::State>();
-    if (given[0] == own && given[1] == own) return SpringField::init();
-    states_ = given;
+    const std::array given = {&linked<scene::MechanicalState>("object1"), &linked<scene::MechanicalState>("object2")};
+    const auto* own = node().nearest<scene::MechanicalState>();
     rayleigh_stiffness_ = real("rayleighStiffness");
+    if (given[0] != own || given[1] != own)
+      states_ = given;
+    else
+      make_springs();
   }
 
   // When both states have their nodes, which may stand behind it.
@@ -121,18 +93,16 @@ class SpringForceField final : public SpringField, public scene::Interaction, pu
   }
 
   void refresh() override {
-    if (states_[0]) {
-      rayleigh_stiffness_ = real("rayleighStiffness");
-      make_springs();
-    } else {
-      SpringField::refresh();
-    }
+    rayleigh_stiffness_ = real("rayleighStiffness");
+    make_springs();
     warn_of_damping();
   }
 
-  using SpringField::add_force;
-  using SpringField::add_stiffness_blocks;
-  using SpringField::add_stiffness_product;
+  void add_force(double, ConstPoints x, ConstPoints v, Points f) override { springs_.add_force(x, v, f); }
+  void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
+    springs_.add_stiffness_product(factor, dx, df);
+  }
+  void add_stiffness_blocks(double factor, BlockMatrix& A) const override { springs_.add_stiffness_blocks(factor, A); }
   void add_force(double, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) override {
     springs_.add_force(x, v, f);
   }
@@ -142,8 +112,8 @@ class SpringForceField final : public SpringField, public scene::Interaction, pu
   void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes) const override {
     springs_.add_stiffness_blocks(factor, A, first_nodes);
   }
-  bool is_in_matrix() const override { return SpringField::is_in_matrix(); }
-  double rayleigh_stiffness() const override { return SpringField::rayleigh_stiffness(); }
+  bool is_in_matrix() const override { return !springs_.springs().empty(); }
+  double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
 
   std::vector<scene::SpringLine> spring_lines() const override {
     auto* own = node().nearest<scene::MechanicalState>();
@@ -160,14 +130,14 @@ class SpringForceField final : public SpringField, public scene::Interaction, pu
   static constexpr double kShift = 1e-7;  // of the size: as a difference quotient
   static constexpr double kTaut = 1e-6;   // of the rest length: rounding does not make a spring slack
 
-  scene::MechanicalState& state_at(std::string_view object) {
-    require_points(*this, object);
-    return linked<scene::MechanicalState>(object);
-  }
-
   void make_springs() {
-    const std::array num_nodes = {states_[0]->num_nodes(), states_[1]->num_nodes()};
-    springs_ = Springs(make(num_nodes), num_nodes);
+    if (!states_[0]) {
+      const int num_nodes = needed_ready<scene::MechanicalState>().num_nodes();
+      springs_ = Springs(make({num_nodes, num_nodes}), num_nodes);
+    } else {
+      const std::array num_nodes = {states_[0]->num_nodes(), states_[1]->num_nodes()};
+      springs_ = Springs(make(num_nodes), num_nodes);
+    }
   }
 
   /// Of dampers that throw nodes back harder in every step. They act by the velocities at its beginning,
@@ -209,7 +179,7 @@ class SpringForceField final : public SpringField, public scene::Interaction, pu
       auto* integrator = ends[end]->node().nearest<scene::OdeSolver>();
       if (!integrator) continue;
       if (integrator->find_data("rayleighStiffness")) beta = integrator->real("rayleighStiffness");
-      for (const scene::MassMatrix* part : scene::masses_of(node().root(), *ends[end]))
+      for (const scene::Mass* part : scene::masses_of(node().root(), *ends[end]))
         part->add_diagonal(1, rows_of(mass, end));
     }
     bool may_grow = false;
@@ -260,10 +230,6 @@ class SpringForceField final : public SpringField, public scene::Interaction, pu
                        worst - (end == 0 ? 0 : num_first), ends[end]->name(), damping[worst]));
   }
 
-  std::vector<Spring> make(scene::MechanicalState& state) override {
-    return make({state.num_nodes(), state.num_nodes()});
-  }
-
   std::vector<Spring> make(std::array<int, 2> num_nodes) {
     std::vector<Spring> springs = from_lists(num_nodes);
     if (is_given("spring")) springs = whole(num_nodes);
@@ -310,68 +276,8 @@ class SpringForceField final : public SpringField, public scene::Interaction, pu
   }
 
   std::array<scene::MechanicalState*, 2> states_ = {};  // null: one state, the nearest
-};
-
-class MeshSprings final : public SpringField {
- public:
-  using SpringField::SpringField;
-
- private:
-  std::vector<Spring> make(scene::MechanicalState& state) override {
-    auto& topology = linked<scene::Topology>("topology");
-    require_same_nodes(*this, topology, state.num_nodes());
-    springs_.clear();
-    known_.clear();
-    for (const Edge& edge : topology.edges()) add(state, "lines", edge[0], edge[1]);
-    for (const Quad& quad : topology.quads()) add_all(state, "quads", quad);
-    for (const Hexahedron& hexahedron : topology.hexahedra()) add_all(state, "cubes", hexahedron);
-    return std::move(springs_);
-  }
-
-  template <std::size_t N>
-  void add_all(scene::MechanicalState& state, const char* kind, const std::array<int, N>& nodes) {
-    for (std::size_t i = 0; i < N; ++i)
-      for (std::size_t j = i + 1; j < N; ++j) add(state, kind, nodes[i], nodes[j]);
-  }
-
-  void add(scene::MechanicalState& state, const std::string& kind, int a, int b) {
-    const double stiffness = real_if_given(kind + "Stiffness").value_or(real("stiffness")),
-                 damping = real_if_given(kind + "Damping").value_or(real("damping"));
-    if ((stiffness == 0 && damping == 0) || !known_.insert(sorted(Edge{a, b})).second) return;
-    const int num_nodes = state.num_nodes();
-    if (std::max(a, b) >= num_nodes)
-      reject(fmt::format("its topology has node {}, the mechanical state has {} nodes", std::max(a, b), num_nodes));
-    const double length = distance(state.rest_positions(), a, b), per_length = length > 0 ? length : 1;
-    springs_.push_back({a, b, stiffness / per_length, damping / per_length, length, boolean("noCompression")});
-  }
-
-  std::vector<Spring> springs_;
-  std::set<Edge> known_;
-};
-
-class BendingSprings final : public SpringField {
- public:
-  using Pairs = std::vector<Edge> (*)(scene::Topology&);
-
-  BendingSprings(const attributes::Description& description, Pairs pairs) : SpringField(description), pairs_(pairs) {}
-
- private:
-  std::vector<Spring> make(scene::MechanicalState& state) override {
-    auto& topology = linked<scene::Topology>("topology");
-    require_same_nodes(*this, topology, state.num_nodes());
-    std::vector<Spring> springs;
-    for (const auto& [a, b] : pairs_(topology)) {
-      if (std::max(a, b) >= state.num_nodes())
-        reject(fmt::format("its topology has node {}, the mechanical state has {} nodes", std::max(a, b),
-                           state.num_nodes()));
-      springs.push_back({a, b, real("stiffness"), real("damping"), distance(state.rest_positions(), a, b)});
-    }
-    if (springs.empty())
-      remark(scene::Severity::kWarning, {}, "has no springs: no two faces of its topology share an edge");
-    return springs;
-  }
-
-  Pairs pairs_;
+  Springs springs_;
+  double rayleigh_stiffness_ = 0;
 };
 
 /// To the rest positions, or to where another state is at the moment.
@@ -399,7 +305,6 @@ class RestShapeSpringsForceField final : public scene::ForceField, public scene:
   // When the other state has its points, which may stand behind it.
   void bwd_init() override {
     if (!is_given("external_rest_shape")) return;
-    require_points(*this, "external_rest_shape");
     external_ = &linked<scene::MechanicalState>("external_rest_shape");
     const int num_points = external_->num_nodes();
     anchors_ = indices("external_points", num_points);
@@ -456,21 +361,8 @@ class RestShapeSpringsForceField final : public scene::ForceField, public scene:
 }  // namespace
 
 void add_springs(scene::Factory& factory) {
-  using namespace attributes;
-  factory.add<SpringForceField>(kSpringForceField);
-  for (const Description* description : {&kMeshSpringForceField, &kRegularGridSpringForceField})
-    factory.add(*description, [description] { return std::make_unique<MeshSprings>(*description); });
-  factory.add(kTriangularBendingSprings, [] {
-    return std::make_unique<BendingSprings>(
-        kTriangularBendingSprings,
-        +[](scene::Topology& topology) { return pairs_across_edges(std::span<const Triangle>(topology.triangles())); });
-  });
-  factory.add(kQuadularBendingSprings, [] {
-    return std::make_unique<BendingSprings>(
-        kQuadularBendingSprings,
-        +[](scene::Topology& topology) { return pairs_across_edges(std::span<const Quad>(topology.quads())); });
-  });
-  factory.add<RestShapeSpringsForceField>(kRestShapeSpringsForceField);
+  factory.add<SpringForceField>(attributes::kSpringForceField);
+  factory.add<RestShapeSpringsForceField>(attributes::kRestShapeSpringsForceField);
 }
 
 }  // namespace hexaplast::components

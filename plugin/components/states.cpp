@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-
 #include "attributes/stock.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
@@ -21,8 +18,7 @@ class MechanicalObject final : public scene::MechanicalState {
   void init() override {
     first_positions_ = given_positions();
     if (first_positions_.rows() == 0) reject("has no nodes: needs position or a topology");
-    hexaplast::place(first_positions_, real("scale") * by_components("scale3d", {"sx", "sy", "sz"}),
-                     by_components("rotation", {"rx", "ry", "rz"}), by_components("translation", {"dx", "dy", "dz"}));
+    hexaplast::place(first_positions_, real("scale") * vector3("scale3d"), vector3("rotation"), vector3("translation"));
     rest_positions_ = is_given("rest_position") ? one_row_per_node("rest_position") : first_positions_;
     if (real("restScale") != 1) rest_positions_ *= real("restScale");
     hexaplast::place(first_positions_, Vec3::Ones(), vector3("rotation2"), vector3("translation2"));
@@ -64,12 +60,6 @@ class MechanicalObject final : public scene::MechanicalState {
   }
 
  private:
-  /// A vector that older scenes give by its components, which count where one of them is given.
-  Vec3 by_components(std::string_view whole, const std::array<std::string_view, 3>& names) {
-    if (std::ranges::none_of(names, [&](std::string_view name) { return is_given(name); })) return vector3(whole);
-    return {real(names[0]), real(names[1]), real(names[2])};
-  }
-
   PointArray given_positions() {
     const PointArray own = vectors3("position");
     // one node that is given counts unless the topology stands beside it, as in SOFA

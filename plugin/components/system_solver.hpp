@@ -18,13 +18,12 @@ class SystemSolver : public scene::OdeSolver {
 
   // The linear solver and what there is to move may stand anywhere in the node: they are complete when init is done.
   void bwd_init() override {
-    if (needs_linear_solver()) linear_solver_ = &linked<scene::LinearSolver>("linearSolver");
-    if (linear_solver_) linear_solver_->method();  // complains here, where something is wrong with it
+    linear_solver_ = &linked<scene::LinearSolver>("linearSolver");
     for (scene::Component* component : node().all<scene::Component>())
       if (component->stage() == Stage::kFailed) throw scene::DependencyFailure();
     const bool begins = !system_;  // it comes again where something is added: Scene::add
     system_.emplace(node());
-    if (linear_solver_ && linear_solver_->needs_matrix())
+    if (linear_solver_->needs_matrix())
       system_->require_matrix(fmt::format("{} '{}'", linear_solver_->class_name(), linear_solver_->name()));
     if (begins) system_->project_motion(0);
   }
@@ -53,15 +52,11 @@ class SystemSolver : public scene::OdeSolver {
  protected:
   virtual SolverMemory& memory() = 0;  ///< of its integrator
 
-  /// Explicit integrators do without, where masses do not couple nodes.
-  virtual bool needs_linear_solver() { return true; }
-
-  bool has_linear_solver() const { return linear_solver_; }
   hexaplast::LinearSolver& linear_solver() { return linear_solver_->method(); }
 
   /// What the linear solver did, to be passed on.
   const SolveReport& heeded(const SolveReport& report) {
-    if (linear_solver_) linear_solver_->heed(report);
+    linear_solver_->heed(report);
     return report;
   }
   NodeSystem& system() { return *system_; }

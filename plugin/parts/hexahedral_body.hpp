@@ -31,12 +31,12 @@ void fill_partly(std::span<const double> fill, std::vector<Material>& materials)
 
 /// Options from what a host has for attributes. given(row): the values of a member, none where it has its default; of a
 /// word its place among those of the row. fill: fraction of each hexahedron that is full; empty: all are. regions:
-/// later ones over earlier ones. settings: what is not given. Throws OptionError with all that is wrong, including what
+/// later ones over earlier ones. Throws OptionError with all that is wrong, including what
 /// `given` throws.
 template <class Given>
 HexahedralBodyOptions body_options(const Given& given, std::size_t num_hexahedra, std::span<const double> fill,
-                                   std::span<const MaterialRegion> regions = {}, const Settings& settings = {}) {
-  HexahedralBodyOptions options{.settings = settings};
+                                   std::span<const MaterialRegion> regions = {}) {
+  HexahedralBodyOptions options;
   OptionErrors errors;
   for (const Row<Settings>& row : settings_rows())
     errors.collect([&] {

@@ -9,13 +9,12 @@ namespace hexaplast::scene {
 
 void Factory::add(const attributes::Description& description, Make make) {
   const auto [entry, is_new] =
-      entries_.try_emplace(std::pair(std::string(description.class_name), std::string(description.variant)),
-                           Entry{&description, std::move(make)});
+      entries_.try_emplace(std::string(description.class_name), Entry{&description, std::move(make)});
   if (!is_new) throw PluginError(fmt::format("component {} is registered twice", description.class_name));
 }
 
-std::unique_ptr<Component> Factory::make(std::string_view class_name, std::string_view variant) const {
-  const auto found = entries_.find(std::pair(std::string(class_name), std::string(variant)));
+std::unique_ptr<Component> Factory::make(std::string_view class_name) const {
+  const auto found = entries_.find(class_name);
   return found == entries_.end() ? nullptr : found->second.make();
 }
 

@@ -6,7 +6,6 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "scene/node.hpp"
@@ -25,8 +24,8 @@ class Factory {
   }
   void add(const attributes::Description& description, Make make);
 
-  /// variant: of the description; empty: the common form. Null: no such class, or not in that form.
-  std::unique_ptr<Component> make(std::string_view class_name, std::string_view variant = {}) const;
+  /// Null: no such class.
+  std::unique_ptr<Component> make(std::string_view class_name) const;
 
   /// Every class, by name.
   std::vector<const attributes::Description*> descriptions() const;
@@ -36,7 +35,7 @@ class Factory {
     const attributes::Description* description;
     Make make;
   };
-  std::map<std::pair<std::string, std::string>, Entry> entries_;  // by class and variant
+  std::map<std::string, Entry, std::less<>> entries_;  // by class
 };
 
 }  // namespace hexaplast::scene

@@ -2,9 +2,7 @@
 #include "scene/interfaces.hpp"
 
 #include <algorithm>
-#include <cmath>
 
-#include "hexaplast/base/parallel.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/mesh/faces.hpp"
 
@@ -17,12 +15,6 @@ constexpr int kMaxEngines = 100;
 thread_local int num_asking = 0;
 
 }  // namespace
-
-double MassMatrix::kinetic_energy(ConstPoints v) const {
-  PointArray momentum = PointArray::Zero(v.rows(), 3);
-  add_product(1, v, momentum);
-  return dot(v, momentum) / 2;
-}
 
 const std::vector<Quad>& Topology::quads() {
   static const std::vector<Quad> none;
@@ -39,12 +31,7 @@ const std::vector<Edge>& Topology::edges() {
   return none;
 }
 
-const std::vector<Tetrahedron>& Topology::tetrahedra() {
-  static const std::vector<Tetrahedron> none;
-  return none;
-}
-
-SurvivingCells::SurvivingCells(State& state) {
+SurvivingCells::SurvivingCells(MechanicalState& state) {
   Node& root = state.node().root();
   for (const ForceField* field : root.all<ForceField>())
     if (field->body() && acts_on(*field, state)) bodies_.push_back(field->body());
@@ -61,44 +48,22 @@ bool SurvivingCells::has(std::span<const int> cell) const {
   return is_held && (!mapping_ || mapping_->is_left(cell, *above_));
 }
 
-std::vector<State*> independent_states(const Node& node) {
-  std::vector<State*> states = node.all<State>();
+std::vector<MechanicalState*> independent_states(const Node& node) {
+  std::vector<MechanicalState*> states = node.all<MechanicalState>();
   for (const Mapping* mapping : node.all<Mapping>()) std::erase(states, mapping->output());
   return states;
 }
 
-bool acts_on(const Component& component, const State& state) {
+bool acts_on(const Component& component, const MechanicalState& state) {
   const auto* interaction = dynamic_cast<const Interaction*>(&component);
   if (interaction && interaction->states()[0]) return false;
-  return component.node().nearest<State>() == &state;
+  return component.node().nearest<MechanicalState>() == &state;
 }
 
-std::vector<MassMatrix*> masses_of(const Node& node, const State& state) {
-  std::vector<MassMatrix*> masses;
-  node.for_each<Component>([&](Component& component) {
-    if (auto* mass = dynamic_cast<MassMatrix*>(&component); mass && acts_on(component, state)) masses.push_back(mass);
-  });
+std::vector<Mass*> masses_of(const Node& node, const MechanicalState& state) {
+  std::vector<Mass*> masses = node.all<Mass>();
+  std::erase_if(masses, [&](const Mass* mass) { return !acts_on(*mass, state); });
   return masses;
-}
-
-Eigen::Quaterniond turned(const Eigen::Quaterniond& orientation, const Vec3& by) {
-  const Vec3 half = by / 2;
-  const double angle = half.norm();
-  const double sinc = angle > 0 ? std::sin(angle) / angle : 1;
-  return Eigen::Quaterniond(std::cos(angle), sinc * half.x(), sinc * half.y(), sinc * half.z()) * orientation;
-}
-
-Eigen::Quaterniond RigidState::orientation_at(int frame, ConstPoints x) {
-  return turned(orientations()[frame], x.row(2 * frame + 1).transpose());
-}
-
-void RigidState::accept() {
-  PointArray& x = positions();
-  for (int frame = 0; frame < num_frames(); ++frame) {
-    if (x.row(2 * frame + 1).isZero(0)) continue;
-    orientations()[frame] = orientation_at(frame, x);
-    x.row(2 * frame + 1).setZero();
-  }
 }
 
 void Engine::provide(Data& output) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <Eigen/Geometry>
 #include <array>
 #include <memory>
 #include <set>
@@ -23,8 +22,6 @@ struct FlowReport;
 /// The categories of components: what each promises to the others. Nodal fields are num_nodes x 3.
 namespace hexaplast::scene {
 
-using Tetrahedron = std::array<int, 4>;
-
 class Topology : public Component {
  public:
   static constexpr std::string_view kCategory = "Topology";
@@ -39,80 +36,38 @@ class Topology : public Component {
   virtual const std::vector<Triangle>& triangles();
   virtual const std::vector<Edge>& edges();
 
-  /// Which nothing deforms by: for what is made of them.
-  virtual const std::vector<Tetrahedron>& tetrahedra();
-
-  /// Factor of the stiffness of each hexahedron > 0, mostly its fraction of matter; empty: all are full.
+  /// Factor of the stiffness of each hexahedron > 0: its fraction of matter; empty: all are full.
   virtual std::span<const double> fill() { return {}; }
-  /// The like for the mass of elements that are their own mass.
-  virtual std::span<const double> mass_fill() { return fill(); }
 };
 
-/// What time integrators move and mappings carry: rows of three numbers. MechanicalState: a row for each node.
-/// RigidState: two for each frame.
-class State : public Component {
+/// What time integrators move and mappings carry.
+class MechanicalState : public Component {
  public:
   static constexpr std::string_view kCategory = "MechanicalState";
   using Component::Component;
 
-  virtual PointArray& positions() = 0;                  ///< x [m]
-  virtual PointArray& velocities() = 0;                 ///< v [m/s]
-  virtual void add_external_force(Points f) const = 0;  ///< f += constant nodal forces [N]
+  virtual PointArray& positions() = 0;                   ///< x [m]
+  virtual PointArray& velocities() = 0;                  ///< v [m/s]
+  virtual const PointArray& rest_positions() const = 0;  ///< [m]
+  virtual void add_external_force(Points f) const = 0;   ///< f += constant nodal forces [N]
 
   int num_nodes() { return static_cast<int>(positions().rows()); }
-
-  /// Of frames, one each; empty for nodes. They change in accept alone, which takes over what an integrator or a
-  /// constraint has made of the positions.
-  virtual std::span<Eigen::Quaterniond> orientations() { return {}; }
-  virtual void accept() {}
 };
 
-class MechanicalState : public State {
+/// The mass matrix M of the nearest mechanical state, lumped: a mass at every node.
+class Mass : public Component {
  public:
-  using State::State;
-
-  virtual const PointArray& rest_positions() const = 0;  ///< [m]
-};
-
-/// Rigid frames. The first row of a frame belongs to its centre [m, m/s, N], the second to its rotation: among
-/// positions the vector by which it has turned since its orientation was accepted, which is 0 between steps; then
-/// angular velocity [rad/s] and moment [Nm], all in the axes of the world.
-class RigidState : public State {
- public:
-  using State::State;
-
-  int num_frames() { return num_nodes() / 2; }
-
-  /// At some positions: the accepted orientation, turned.
-  Eigen::Quaterniond orientation_at(int frame, ConstPoints x);
-
-  void accept() override;
-};
-
-/// An orientation, turned by a rotation vector [rad] in the axes of the world.
-Eigen::Quaterniond turned(const Eigen::Quaterniond& orientation, const Vec3& by);
-
-/// The mass matrix M of a state.
-class MassMatrix {
- public:
-  virtual ~MassMatrix() = default;
+  static constexpr std::string_view kCategory = "Mass";
+  using Component::Component;
 
   virtual void add_gravity(const Vec3& gravity, Points f) const = 0;             ///< f += M g [N]
   virtual void add_product(double factor, ConstPoints dx, Points df) const = 0;  ///< df += factor M dx
   virtual void add_blocks(double factor, BlockMatrix& A) const = 0;              ///< A += factor M
-  virtual double kinetic_energy(ConstPoints v) const;                            ///< v.M v / 2 [J]
-
-  /// diagonal += diagonal of factor M, for a mass that has no other entries; false for the others.
-  virtual bool add_diagonal(double /*factor*/, Points /*diagonal*/) const { return false; }
+  virtual void add_diagonal(double factor, Points diagonal) const = 0;           ///< diagonal += that of factor M
+  virtual double kinetic_energy(ConstPoints v) const = 0;                        ///< v.M v / 2 [J]
 
   /// [1/s] damping by this mass in the system matrix alone.
   virtual double rayleigh_mass() const { return 0; }
-};
-
-class Mass : public Component, public MassMatrix {
- public:
-  static constexpr std::string_view kCategory = "Mass";
-  using Component::Component;
 };
 
 /// Forces on the nearest mechanical state. K = df/dx is negative semi-definite for an elastic body.
@@ -233,20 +188,16 @@ class InteractionProjectiveConstraint : public Component {
 class SurvivingCells;
 
 /// Makes the state of its node follow another one: positions, velocities and displacements go down, forces and
-/// stiffness come up. Nodal fields of the followed state are `above`, those of its own `below`. J is the derivative of
-/// the positions below by those above: fixed where points follow points, of the latest positions where they follow
-/// frames.
+/// stiffness come up. Nodal fields of the followed state are `above`, those of its own `below`. Positions below are
+/// J times those above, and J never changes.
 class Mapping : public Component {
  public:
   static constexpr std::string_view kCategory = "Mapping";
   using Component::Component;
 
   /// Null, both of them, where what follows is drawing: there is nothing to do then. Known from bwd_init on.
-  virtual State* input() const = 0;
-  virtual State* output() const = 0;
-
-  /// Positions of the state that follows; fixes the positions that J refers to.
-  virtual void apply_positions(ConstPoints above, Points below) { apply(above, below); }
+  virtual MechanicalState* input() const = 0;
+  virtual MechanicalState* output() const = 0;
 
   virtual void apply(ConstPoints above, Points below) const = 0;                               ///< below = J above
   virtual void add_transposed(ConstPoints below, Points above) const = 0;                      ///< above += J^T below
@@ -260,7 +211,7 @@ class Mapping : public Component {
 /// of points that follow them. Looks at the bodies as they are at the moment; to be made when it is needed.
 class SurvivingCells {
  public:
-  explicit SurvivingCells(State& state);
+  explicit SurvivingCells(MechanicalState& state);
 
   /// cell: nodes of the state, at least one. False when all hexahedra are gone that had the whole cell, on their nodes
   /// or, through mappings, within them.
@@ -273,14 +224,14 @@ class SurvivingCells {
 };
 
 /// The states below a node that follow no other one.
-std::vector<State*> independent_states(const Node& node);
+std::vector<MechanicalState*> independent_states(const Node& node);
 
 /// Whether a force field, mass or constraint belongs to a state: the nearest one to it. What is between states belongs
 /// to none.
-bool acts_on(const Component& component, const State& state);
+bool acts_on(const Component& component, const MechanicalState& state);
 
 /// The masses of a state in a node and below.
-std::vector<MassMatrix*> masses_of(const Node& node, const State& state);
+std::vector<Mass*> masses_of(const Node& node, const MechanicalState& state);
 
 /// Serves the linear systems of an OdeSolver.
 class LinearSolver : public Component {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "attributes/gone.hpp"
 #include "scene/arrays.hpp"
 
 namespace hexaplast::scene {
@@ -130,7 +131,7 @@ class Resolver {
     for (const auto& other : found.target->all_data()) names.push_back(other->attribute().name);
     if (is_unknown(*found.target)) return;
     refuse(data, fmt::format("stops at {}, which has no attribute '{}'", describe(*found.target), name),
-           did_you_mean(name, names));
+           hint_of(*found.target, name, names));
   }
 
  private:
@@ -166,10 +167,7 @@ class Resolver {
     for (const auto& source : loader.all_data()) {
       const attributes::Attribute& offered = source->attribute();
       const bool is_common = std::ranges::count(attributes::kCommon, offered.name, &attributes::Attribute::name) > 0;
-      // what grids have of them are the halves of their quads, on which a pressure would act twice
-      const bool is_second_half = offered.name == "triangles" && offered.access == attributes::Access::kOutput &&
-                                  loader.description().category == "Topology";
-      if (is_common || is_second_half || offered.access == attributes::Access::kIgnored ||
+      if (is_common || offered.access == attributes::Access::kIgnored ||
           std::ranges::count(kOwnOfLoaders, offered.name) > 0)
         continue;
       Data* data = namesake(src.owner(), offered);
@@ -255,6 +253,11 @@ PathResult resolve_path(Node& from, Component* self, std::string_view path) {
     may_search_upwards = false;
   }
   return {.target = at};
+}
+
+std::string hint_of(const Object& object, std::string_view name, const std::vector<std::string_view>& names) {
+  const std::string_view instead = attributes::instead_of(fmt::format("{}.{}", object.class_name(), name));
+  return instead.empty() ? did_you_mean(name, names) : std::string(instead);
 }
 
 void resolve_link(Data& data, Diagnostics& diagnostics) {

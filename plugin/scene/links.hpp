@@ -24,6 +24,10 @@ struct PathResult {
 /// `from`: the node that the path starts in. `self`: the component whose attribute it is, or null.
 PathResult resolve_path(Node& from, Component* self, std::string_view path);
 
+/// What to write instead of an attribute that the object had in earlier versions, or the nearest of `names`; empty:
+/// none.
+std::string hint_of(const Object& object, std::string_view name, const std::vector<std::string_view>& names);
+
 /// Connects one link with its target. Adds to `diagnostics` where it leads nowhere or to another type.
 void resolve_link(Data& data, Diagnostics& diagnostics);
 

@@ -19,21 +19,9 @@ std::vector<T*> at_least_one(Scene& scene, std::vector<T*> all, const char* what
 
 }  // namespace
 
-namespace {
-
-/// Those that follow no other state; all of them, where frames lead them all.
-std::vector<MechanicalState*> moving_points(Scene& scene) {
-  std::vector<MechanicalState*> points;
-  for (State* state : independent_states(scene.root()))
-    if (auto* of_points = dynamic_cast<MechanicalState*>(state)) points.push_back(of_points);
-  return points.empty() ? scene.root().all<MechanicalState>() : points;
-}
-
-}  // namespace
-
 std::vector<MechanicalState*> moving_states(Scene& scene) {
   integrators_of(scene);
-  return at_least_one(scene, moving_points(scene), "mechanical state of points");
+  return at_least_one(scene, independent_states(scene.root()), "mechanical state");
 }
 
 std::vector<OdeSolver*> integrators_of(Scene& scene) {
@@ -151,9 +139,9 @@ Component* find_settings(Scene& scene) {
 }
 
 // Weight [N] under a gravity of 1 m/s^2 is the mass.
-double total_mass(const std::vector<MassMatrix*>& masses, State& state) {
+double total_mass(const std::vector<Mass*>& masses, MechanicalState& state) {
   PointArray weight = PointArray::Zero(state.num_nodes(), 3);
-  for (const MassMatrix* mass : masses) mass->add_gravity(Vec3::UnitX(), weight);
+  for (const Mass* mass : masses) mass->add_gravity(Vec3::UnitX(), weight);
   return weight.col(0).sum();
 }
 

@@ -6,8 +6,7 @@
 
 namespace hexaplast::scene {
 
-/// The states of points that follow no other one, or all of points where all follow frames; and the time integrators.
-/// Throw SceneError where there is none.
+/// The states that follow no other one, and the time integrators. Throw SceneError where there is none.
 std::vector<MechanicalState*> moving_states(Scene& scene);
 std::vector<OdeSolver*> integrators_of(Scene& scene);
 
@@ -39,7 +38,7 @@ ForceField* find_body(Scene& scene);
 std::vector<Probe*> probes_of(Scene& scene);
 
 /// [kg] of the nodes of a state.
-double total_mass(const std::vector<MassMatrix*>& masses, State& state);
+double total_mass(const std::vector<Mass*>& masses, MechanicalState& state);
 
 /// The scene's RunSettings; null: there are none.
 Component* find_settings(Scene& scene);

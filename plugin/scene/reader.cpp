@@ -11,6 +11,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "attributes/gone.hpp"
 #include "attributes/stock.hpp"
 #include "formats/readable_file.hpp"
 #include "hexaplast/base/error.hpp"
@@ -126,8 +127,7 @@ class Reader {
   void read_component(const Element& element, std::string_view class_name, Node& node) {
     std::unique_ptr<Component> made = class_name == attributes::kRequiredPlugin.class_name
                                           ? std::make_unique<RequiredPlugin>()
-                                          : made_for_frames(element, class_name, node);
-    if (!made) made = factory_.make(class_name);
+                                          : factory_.make(class_name);
     if (!made) {
       refuse_class(element.place, class_name);
       made = std::make_unique<Placeholder>(class_name);
@@ -155,40 +155,15 @@ class Reader {
     }
   }
 
-  /// The form of a class for rigid frames, where its template says so, or, without one, the state that it acts on.
-  /// Null: it is for points, or has no such form.
-  std::unique_ptr<Component> made_for_frames(const Element& element, std::string_view class_name, const Node& node) {
-    const ElementAttribute* given = element.find("template");
-    if (given) {
-      const std::string_view first = std::string_view(given->value).substr(0, given->value.find(','));
-      return is_template_of_frames(first) ? factory_.make(class_name, attributes::kRigid) : nullptr;
-    }
-    const State* state = node.nearest<State>();
-    if (!dynamic_cast<const RigidState*>(state)) return nullptr;
-    std::unique_ptr<Component> made = factory_.make(class_name, attributes::kRigid);
-    if (made) return made->description().category == RigidState::kCategory ? nullptr : std::move(made);
-    const std::unique_ptr<Component> for_points = factory_.make(class_name);
-    const bool acts_on_state = dynamic_cast<const MassMatrix*>(for_points.get()) ||
-                               dynamic_cast<const ForceField*>(for_points.get()) ||
-                               dynamic_cast<const ProjectiveConstraint*>(for_points.get());
-    if (acts_on_state)
-      diagnostics_.error(
-          element.place,
-          fmt::format("{}: acts on points, and the MechanicalObject '{}' has rigid frames", class_name, state->name()));
-    return nullptr;
-  }
-
-  static bool is_template_of_frames(std::string_view name) {
-    const std::vector<std::string_view> names = split_words(attributes::kRigidTemplates);
-    return std::ranges::find(names, name) != names.end();
-  }
-
   void refuse_class(const Place& place, std::string_view class_name) {
     std::vector<std::string_view> known = {"Node", attributes::kRequiredPlugin.class_name};
     for (const Description* description : factory_.descriptions()) known.push_back(description->class_name);
-    std::string hint = did_you_mean(class_name, known);
-    hint += fmt::format("{} scene with other components of SOFA runs in SOFA, with the plugin Hexaplast",
-                        hint.empty() ? "a" : " A");
+    std::string hint(attributes::instead_of(class_name));
+    if (hint.empty()) {
+      hint = did_you_mean(class_name, known);
+      hint += fmt::format("{} scene with other components of SOFA runs in SOFA, with the plugin Hexaplast",
+                          hint.empty() ? "a" : " A");
+    }
     diagnostics_.error(place, fmt::format("{}: unknown component", class_name), std::move(hint));
   }
 
@@ -215,7 +190,7 @@ class Reader {
       std::vector<std::string_view> known;
       for (const auto& other : object.all_data())
         if (other->attribute().access != Access::kOutput) known.push_back(other->attribute().name);
-      const std::string similar = did_you_mean(attribute.name, known);
+      const std::string similar = hint_of(object, attribute.name, known);
       diagnostics_.error(
           attribute.place, where + ": unknown attribute",
           similar.empty() ? fmt::format("'hexaplast list {}' shows its attributes", object.class_name()) : similar);
@@ -349,7 +324,7 @@ Data& named_attribute(Scene& scene, std::string_view name, std::string_view word
     std::vector<std::string_view> known;
     for (const auto& other : target->all_data()) known.push_back(other->attribute().name);
     refuse(fmt::format("{} '{}' has no attribute '{}'", target->class_name(), target->name(), attribute),
-           did_you_mean(attribute, known));
+           hint_of(*target, attribute, known));
   }
   return *data;
 }

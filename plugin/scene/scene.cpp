@@ -137,11 +137,10 @@ void Scene::require_whole() const {
 void Scene::keep_motion() {
   time_before_ = root_->clock().time;
   std::size_t k = 0;
-  root_->for_each<State>([&](State& state) {
+  root_->for_each<MechanicalState>([&](MechanicalState& state) {
     if (k == motion_before_.size()) motion_before_.emplace_back();
     motion_before_[k].positions = state.positions();
     motion_before_[k].velocities = state.velocities();
-    motion_before_[k].orientations.assign(state.orientations().begin(), state.orientations().end());
     ++k;
   });
 }
@@ -149,10 +148,9 @@ void Scene::keep_motion() {
 void Scene::restore_motion() {
   root_->clock().time = time_before_;
   auto before = motion_before_.begin();
-  root_->for_each<State>([&](State& state) {
+  root_->for_each<MechanicalState>([&](MechanicalState& state) {
     state.positions() = before->positions;
     state.velocities() = before->velocities;
-    std::ranges::copy(before->orientations, state.orientations().begin());
     ++before;
   });
 }
@@ -210,7 +208,7 @@ void Scene::restore(Archive& archive) {
     return field != nullptr && field->body() != nullptr;
   };
   const auto is_followed = [&](const Saved& saved) {  // AttributeChanges are settings
-    return is_body(saved) || dynamic_cast<const State*>(&saved.component) ||
+    return is_body(saved) || dynamic_cast<const MechanicalState*>(&saved.component) ||
            saved.component.description().category == "Settings";
   };
   // bodies first: contact and pressure, which may stand before them, refer to the surface that is left of them

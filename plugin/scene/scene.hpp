@@ -68,7 +68,6 @@ class Scene {
 
   struct Motion {
     PointArray positions, velocities;
-    std::vector<Eigen::Quaterniond> orientations;
   };
   std::vector<Motion> motion_before_;  // of each state, before the latest step
   double time_before_ = 0;             // [s]

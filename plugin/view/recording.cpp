@@ -32,9 +32,9 @@ void set(Element& element, std::string_view attribute, std::string value) {
     found->value = std::move(value);
 }
 
-/// The attributes by which components name files that they read: one each, or several.
+/// The attributes by which components name files that they read.
 bool names_files(const scene::Object& object, std::string_view attribute) {
-  constexpr std::array<std::string_view, 3> kNames{"filename", "fileTopology", "fileTopologies"};
+  constexpr std::array<std::string_view, 2> kNames{"filename", "fileTopology"};
   return std::ranges::find(kNames, attribute) != kNames.end() && object.description().category != "Exporter";
 }
 
@@ -42,15 +42,10 @@ bool names_files(const scene::Object& object, std::string_view attribute) {
 void rename_files(scene::Scene& scene, const scene::Object& object, Element& element, const fs::path& folder) {
   for (scene::ElementAttribute& attribute : element.attributes) {
     if (!names_files(object, attribute.name)) continue;
-    std::vector<std::string> names;
-    for (const std::string_view word : attribute.name == "fileTopologies"
-                                           ? scene::split_words(attribute.value)
-                                           : std::vector<std::string_view>{attribute.value}) {
-      const fs::path file = scene.root().files().search.find(word, fs::path(object.place().file).parent_path());
-      const bool is_found = fs::path(word).is_relative() && fs::exists(file);
-      names.push_back(is_found ? fs::relative(file, folder.empty() ? "." : folder).string() : std::string(word));
-    }
-    attribute.value = fmt::format("{}", fmt::join(names, " "));
+    const fs::path name = attribute.value;
+    const fs::path file = scene.root().files().search.find(name, fs::path(object.place().file).parent_path());
+    if (name.is_relative() && fs::exists(file))
+      attribute.value = fs::relative(file, folder.empty() ? "." : folder).string();
   }
 }
 

@@ -324,7 +324,7 @@ void add_scene(py::module_& module) {
       "run",
       [](const path& file, std::optional<long> steps, const py::dict& overrides, bool record, const path& out,
          bool allow_outside, bool force) {
-        std::unique_ptr<Scene> scene = make_scene(file, overrides, {}, {}, false, {}, out, allow_outside, force);
+        std::unique_ptr<Scene> scene = make_scene(file, overrides, {}, {}, {}, out, allow_outside, force);
         if (record) scene->record();
         scene->run(steps);
         return scene;

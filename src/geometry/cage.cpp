@@ -22,6 +22,13 @@ constexpr double kTouch = 1e-9;        // of a cell's size: a surface this near 
 constexpr std::size_t kMaxLooks = 16;  // at cells of a region
 constexpr double kWinds = 0.75;        // of a full turn, from which a surface with a hole is meant to be closed
 
+/// What a surface makes of a cell.
+enum class CageCell : unsigned char {
+  kEnclosed,  ///< the surface keeps it apart from the border of the grid
+  kTouched,   ///< the surface passes through it
+  kOutside
+};
+
 /// The cells of a grid, and what is known of each: enclosed, until they are touched or reached.
 class Cells {
  public:
@@ -303,6 +310,9 @@ CageGrid cubes_around(ConstPoints points, int cells) {
   return grid;
 }
 
+namespace {
+
+/// What the surface makes of the cells of the grid, x fastest.
 std::vector<CageCell> cells_around(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads,
                                    const CageGrid& grid) {
   if (triangles.empty() && quads.empty()) throw InputError("the surface has neither triangles nor quads");
@@ -344,16 +354,15 @@ std::vector<CageCell> cells_around(ConstPoints x, std::span<const Triangle> tria
   return cells.take();
 }
 
-Cage cage_of(std::span<const CageCell> cells, const CageGrid& grid, CageCells kept) {
-  require_grid(grid);
-  const std::size_t num_cells = static_cast<std::size_t>(grid.cells[0]) * grid.cells[1] * grid.cells[2];
-  if (cells.size() != num_cells) throw InputError(fmt::format("{} cells for a grid of {}", cells.size(), num_cells));
+}  // namespace
+
+Cage cage_around(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads, const CageGrid& grid,
+                 CageCells kept) {
+  const std::vector<CageCell> cells = cells_around(x, triangles, quads, grid);
   std::vector<GridCell> chosen;
-  std::vector<std::size_t> places;
   const auto choose = [&](CageCell kind) {
     for (std::size_t w = 0; w < cells.size(); ++w)
       if (cells[w] == kind) {
-        places.push_back(w);
         const std::size_t row = w / grid.cells[0];
         chosen.push_back({static_cast<int>(w % grid.cells[0]), static_cast<int>(row % grid.cells[1]),
                           static_cast<int>(row / grid.cells[1])});
@@ -364,16 +373,11 @@ Cage cage_of(std::span<const CageCell> cells, const CageGrid& grid, CageCells ke
   choose(CageCell::kEnclosed);
   if (chosen.empty()) throw InputError("the surface encloses no cell: it is open, or the cells are too large");
 
-  Cage cage{.mesh = mesh_of(chosen, grid), .cells = std::move(places), .num_touched = num_touched};
+  Cage cage{.mesh = mesh_of(chosen, grid), .num_touched = num_touched};
   const GridConnection connection = connection_of(cage.mesh);
   cage.num_parts = connection.num_parts;
   cage.num_hinges = connection.num_hinges;
   return cage;
-}
-
-Cage cage_around(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads, const CageGrid& grid,
-                 CageCells kept) {
-  return cage_of(cells_around(x, triangles, quads, grid), grid, kept);
 }
 
 }  // namespace hexaplast

@@ -224,11 +224,4 @@ Shell offset(const QuadSurface& surface, const ShellThickness& thickness) {
   return shell;
 }
 
-std::vector<Quad> quads_of_layer(const QuadSurface& surface, int layers, int layer) {
-  std::vector<Quad> quads = surface.quads();
-  for (Quad& quad : quads)
-    for (int& vertex : quad) vertex = vertex * (layers + 1) + layer;
-  return quads;
-}
-
 }  // namespace hexaplast

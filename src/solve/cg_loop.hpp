@@ -53,18 +53,14 @@ inline void require_definite(double r_z) {
         fmt::format("conjugate gradients: the preconditioner is not positive definite (r.z = {})", r_z));
 }
 
-inline constexpr auto kNoRule = [](double) { return false; };
-
 /// The loop of all conjugate gradients, on what `begin` has put into `space`; r_r: r.r of it. Returns r.r at the end.
-/// Ends after `max` iterations in all, where has_converged(r.r) before or has_converged_by(r.z) behind the
-/// preconditioner, and where goes_on(r.z, p.Ap) is false.
-template <class Converged, class ConvergedBy, class GoesOn>
+/// Ends after `max` iterations in all, where has_converged(r.r), and where goes_on(r.z, p.Ap) is false.
+template <class Converged, class GoesOn>
 double iterate(CgSpace& space, double r_r, int max, int& iterations, const Converged& has_converged,
-               const ConvergedBy& has_converged_by, const GoesOn& goes_on) {
+               const GoesOn& goes_on) {
   double rho_before = 0;
   for (bool first = true; iterations < max && !has_converged(r_r); first = false) {
     const double rho = space.precondition();
-    if (has_converged_by(rho)) break;
     const double p_Ap = space.product(first ? 0 : rho / rho_before);
     if (!goes_on(rho, p_Ap)) break;
     r_r = space.advance(rho / p_Ap);

@@ -64,7 +64,7 @@ SolveReport ConjugateGradients::solve_next(const LinearSystem& A, ConstPoints b,
     return !report.converged;
   };
   const double r_r = iterate(space, space.begin(b, warm ? &previous : nullptr), settings_.iterations, report.iterations,
-                             is_small, kNoRule, goes_on);
+                             is_small, goes_on);
   space.end(x);
   report.residual = std::sqrt(r_r) / norm_b;
   // what products with rounded coefficients leave is not what the system leaves; where nobody asks, it costs nothing

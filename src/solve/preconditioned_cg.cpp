@@ -66,10 +66,9 @@ double typical_curvature(CgSpace& space, Eigen::Index num_nodes) {
 
 /// `iterate` for an A that may be semi-definite: ends where what is left of b lies outside its range. is_indefinite:
 /// where given, whether the preconditioner turned out not to be positive definite, which ends it too; else that throws.
-template <class Converged, class ConvergedBy>
+template <class Converged>
 double iterate_within_range(CgSpace& space, ConstPoints b, const ConstPoints* start, double r_r, int max,
-                            int& iterations, const Converged& has_converged, const ConvergedBy& has_converged_by,
-                            bool* is_indefinite = nullptr) {
+                            int& iterations, const Converged& has_converged, bool* is_indefinite = nullptr) {
   const int iterations_before = iterations;
   bool is_outside = false;
   Curvature curvature(space.rounding(), space.is_preconditioned() ? kOfPreconditioned : 0);
@@ -79,81 +78,11 @@ double iterate_within_range(CgSpace& space, ConstPoints b, const ConstPoints* st
     if (!is_outside) require_definite(rho);
     return !is_outside;
   };
-  r_r = iterate(space, r_r, max, iterations, has_converged, has_converged_by, goes_on);
+  r_r = iterate(space, r_r, max, iterations, has_converged, goes_on);
   // what has blown up is worse than none
   const bool begins_anew = is_outside && (iterations == iterations_before || r_r > hexaplast::dot(b, b));
   return begins_anew ? space.begin(b, start) : r_r;
 }
-
-/// Another solver as a preconditioner: z = its answer to r.
-class SolverAsPreconditioner final : public NodalPreconditioner {
- public:
-  explicit SolverAsPreconditioner(LinearSolver& solver) : solver_(solver) {}
-  void setup(const LinearSystem& A) {
-    A_ = &A;
-    solver_.setup(A);
-  }
-  void apply(const PointArray& r, PointArray& z) override { solver_.solve_again(*A_, r, z); }
-
- private:
-  LinearSolver& solver_;
-  const LinearSystem* A_ = nullptr;
-};
-
-}  // namespace
-
-struct SolverPreconditionedConjugateGradients::Spaces {
-  NodalCgSpace space;
-};
-SolverPreconditionedConjugateGradients::SolverPreconditionedConjugateGradients(double tolerance, int iterations,
-                                                                               LinearSolver* preconditioner,
-                                                                               PreconditionedBy kind)
-    : tolerance_(tolerance),
-      iterations_(iterations),
-      preconditioner_(preconditioner),
-      kind_(kind),
-      spaces_(std::make_unique<Spaces>()) {}
-SolverPreconditionedConjugateGradients::~SolverPreconditionedConjugateGradients() = default;
-
-SolveReport SolverPreconditionedConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Points x) {
-  SolverMemory none;
-  return solve_next(A, b, x, none);
-}
-
-SolveReport SolverPreconditionedConjugateGradients::solve_next(const LinearSystem& A, ConstPoints b, Points x,
-                                                               SolverMemory& memory) {
-  require_sizes(A, b, x);
-  SolveReport report;
-  const double b_squared = finite_square(b);
-  if (b_squared == 0) {
-    x.setZero();
-    memory.start.resize(0, 3);
-    return report;
-  }
-  const ConstPoints previous(memory.start);
-  const ConstPoints* start = previous.rows() == b.rows() ? &previous : nullptr;
-
-  std::optional<SolverAsPreconditioner> preconditioner;
-  if (preconditioner_) {
-    preconditioner.emplace(*preconditioner_).setup(A);
-    report.preconditioner = kind_;
-  }
-  NodalCgSpace& space = spaces_->space;
-  space.setup(A, preconditioner.has_value(), preconditioner ? &*preconditioner : nullptr);
-  const auto is_small = [&](double r_z) {
-    report.converged = std::abs(r_z) <= tolerance_ * b_squared;
-    return report.converged;
-  };
-  const double r_r =
-      iterate_within_range(space, b, start, space.begin(b, start), iterations_, report.iterations, kNoRule, is_small);
-  if (report.iterations == iterations_) is_small(space.precondition());  // of what the last of them left
-  space.end(x);
-  if (x.allFinite()) memory.start = x;
-  report.residual = std::sqrt(r_r / b_squared);
-  return report;
-}
-
-namespace {
 
 /// A cycle in single precision as a preconditioner of a system in double.
 class SinglePrecisionPreconditioner final : public SlotPreconditioner<double> {
@@ -373,8 +302,7 @@ void run(CgSpace& space, ConstPoints b, const ConstPoints* start, double norm_b,
     start = nullptr;
     r_r = space.begin(b, start);
   }
-  r_r =
-      iterate_within_range(space, b, start, r_r, max_iterations, report.iterations, is_enough, kNoRule, is_indefinite);
+  r_r = iterate_within_range(space, b, start, r_r, max_iterations, report.iterations, is_enough, is_indefinite);
   report.residual = space.size(r_r) / norm_b;
   report.converged = report.residual <= enough;
 }

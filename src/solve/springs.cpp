@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 
 #include "base/require.hpp"
 
@@ -14,30 +13,6 @@ constexpr double kShortest = 1e-9;  // [m] below it a spring has no direction; S
 
 bool pulls_or_pushes(const Spring& spring, double length) {
   return length > kShortest && (!spring.only_pulls || length > spring.rest_length);
-}
-
-/// Both faces that have an edge, with the corners beside its ends.
-struct SharedEdge {
-  int num_faces = 0;
-  std::array<Edge, 2> beside{};  // corner of each face beside the lesser end of the edge, and beside the greater one
-};
-
-/// Visits edges in the order in which they are met.
-template <std::size_t N>
-std::vector<SharedEdge> edges_of_faces(std::span<const std::array<int, N>> faces) {
-  std::map<Edge, std::size_t> place;
-  std::vector<SharedEdge> edges;
-  for (const std::array<int, N>& face : faces)
-    for (std::size_t i = 0; i < N; ++i) {
-      const int p = face[i], q = face[(i + 1) % N];
-      const int beside_p = face[(i + N - 1) % N], beside_q = face[(i + 2) % N];
-      const auto [entry, is_new] = place.try_emplace(sorted(Edge{p, q}), edges.size());
-      if (is_new) edges.emplace_back();
-      SharedEdge& edge = edges[entry->second];
-      if (edge.num_faces < 2) edge.beside[edge.num_faces] = p < q ? Edge{beside_p, beside_q} : Edge{beside_q, beside_p};
-      ++edge.num_faces;
-    }
-  return edges;
 }
 
 }  // namespace
@@ -103,21 +78,6 @@ void Springs::add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int
     A.add(a, b, block);
     A.add(b, a, block);
   }
-}
-
-std::vector<Edge> pairs_across_edges(std::span<const Triangle> triangles) {
-  std::vector<Edge> pairs;
-  for (const SharedEdge& edge : edges_of_faces<3>(triangles))
-    if (edge.num_faces == 2) pairs.push_back({edge.beside[0][0], edge.beside[1][0]});
-  return pairs;
-}
-
-std::vector<Edge> pairs_across_edges(std::span<const Quad> quads) {
-  std::vector<Edge> pairs;
-  for (const SharedEdge& edge : edges_of_faces<4>(quads))
-    if (edge.num_faces == 2)
-      for (int end = 0; end < 2; ++end) pairs.push_back({edge.beside[0][end], edge.beside[1][end]});
-  return pairs;
 }
 
 void add_anchor_forces(std::span<const int> nodes, std::span<const double> stiffness, ConstPoints rest, ConstPoints x,

@@ -50,12 +50,6 @@ class Springs {
   std::vector<Mat3> stiffness_;  // [N/m] of each at the latest positions
 };
 
-/// Node pairs across the edges that two faces share, each once: of two triangles the corners away from the edge, of two
-/// quads the corners beside either end of it. Springs between them resist bending. Edges of more than two faces, or of
-/// one, have none.
-std::vector<Edge> pairs_across_edges(std::span<const Triangle> triangles);
-std::vector<Edge> pairs_across_edges(std::span<const Quad> quads);
-
 /// f -= stiffness (x - rest) for some nodes: springs of no length that hold them where they were at rest. stiffness
 /// [N/m]: one for each of the nodes.
 void add_anchor_forces(std::span<const int> nodes, std::span<const double> stiffness, ConstPoints rest, ConstPoints x,

@@ -17,16 +17,6 @@ namespace {
 using support::pulling;
 using support::yielding_bar;
 
-/// SOFA's PCG and the Cholesky factors that precondition it.
-class OwnPreconditioner final : public LinearSolver {
- public:
-  SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override { return solver_.solve(A, b, x); }
-
- private:
-  CholeskySolver factors_;
-  SolverPreconditionedConjugateGradients solver_{1e-12, 100, &factors_};
-};
-
 struct SolverKind {
   const char* name;
   std::function<std::unique_ptr<LinearSolver>()> make;
@@ -52,8 +42,7 @@ std::vector<SolverKind> solver_kinds() {
           {"JacobiMixed", pcg(Preconditioner::kDiagonal), Precision::kMixed},
           {"Multigrid", pcg(Preconditioner::kMultigrid)},
           {"MultigridMixed", pcg(Preconditioner::kMultigrid), Precision::kMixed},
-          {"Auto", pcg(Preconditioner::kAuto)},
-          {"SofaPcg", [] { return std::make_unique<OwnPreconditioner>(); }}};
+          {"Auto", pcg(Preconditioner::kAuto)}};
 }
 
 class SavedMotion : public testing::TestWithParam<std::tuple<SolverKind, bool>> {

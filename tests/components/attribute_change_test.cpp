@@ -151,11 +151,6 @@ TEST(AttributeChange, APrescribedMotionGoesOnFromItsBeginning) {
     expect(motion, change("movements", "0 0 0  2 0 0"), {3, 3.1, 3.2, 3.6, 3.8});
     expect(motion, change("indices", "0 1"), {3, 3.1, 3.2, 3.3, 3.4});
   }
-  const std::string motion =
-      "<AffineMovementProjectiveConstraint name='move' indices='0' beginConstraintTime='0' endConstraintTime='1' "
-      "rotation='1 0 0 0 1 0 0 0 1' translation='1 0 0'/>";
-  expect(motion, change("translation", "1 0 4"), {3, 3.1, 3.2, 3.3, 3.4});
-  expect(motion, change("indices", "0 1"), {3, 3.1, 3.2, 3.3, 3.4});
 }
 
 // A node that joins a motion begins where it is then, and goes on so after a checkpoint.

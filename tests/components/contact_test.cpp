@@ -57,18 +57,6 @@ TEST(SurfacePressure, TakesQuadsAndTrianglesByNumber) {
   EXPECT_NE(errors_of(in_root("", mesh + "<SurfacePressureForceField pulseMode='true'/>")), "");
 }
 
-TEST(QuadPressure, IsAFixedForceOnTheAreaAtRest) {
-  scene::Scene scene =
-      read_and_init(box("<QuadPressureForceField name='planes' pressure='0 7 0' normal='1 0 0' dmin='3.9' dmax='4.1'/>"
-                        "<QuadPressureForceField name='list' pressure='0 7 0' quadList='0 1'/>"));
-  const PointArray f = force_of(scene, "planes", 0);
-  EXPECT_TRUE(f.row(2).isApprox(Eigen::RowVector3d(0, 7 * 3. / 4, 0), 1e-15));
-  EXPECT_TRUE(f.colwise().sum().isApprox(Eigen::RowVector3d(0, 21, 0), 1e-15));
-  EXPECT_TRUE(force_of(scene, "list", 0).colwise().sum().isApprox(Eigen::RowVector3d(0, 28, 0), 1e-15));
-  at<scene::MechanicalState>(scene, "nodes").positions() *= 3;
-  EXPECT_EQ(force_of(scene, "planes", 0), f);
-}
-
 // A mass of 1 kg thrown against a wall at z = 0 with k = 500, c = 5, by the implicit scheme with K and without the
 // wall's damping in the matrix.
 TEST(Plane, CatchesAMassByTheDiscreteLaw) {
@@ -89,20 +77,6 @@ TEST(Plane, CatchesAMassByTheDiscreteLaw) {
   }
   EXPECT_LT(lowest, -0.02);
   EXPECT_NE(errors_of(four_nodes("<PlaneForceField normal='0 0 0'/>")), "");
-}
-
-// m dv = -h c v, with c in the matrix or not.
-TEST(UniformDamping, SlowsByTheDiscreteLawExplicitOrImplicit) {
-  const auto speed = [](const std::string& damping) {
-    scene::Scene scene = read_and_init(in_root("gravity='0 0 0' dt='0.5'",
-                                               "<MechanicalObject name='nodes' position='0 0 0' velocity='8 0 0'/>"
-                                               "<UniformMass vertexMass='2'/><UniformVelocityDampingForceField " +
-                                                   damping + "/>"));
-    scene.step();
-    return at<scene::MechanicalState>(scene, "nodes").velocities()(0, 0);
-  };
-  EXPECT_DOUBLE_EQ(speed("dampingCoefficient='0.4'"), 8 * (1 - 0.5 * 0.4 / 2));
-  EXPECT_DOUBLE_EQ(speed("damping='0.4' implicit='true'"), 8 - 0.5 * 0.4 * 8 / (2 + 0.5 * 0.4));
 }
 
 }  // namespace

@@ -10,7 +10,6 @@ namespace {
 
 using namespace hexaplast;
 using support::at;
-using support::four_nodes;
 using support::read_and_init;
 
 /// A scene whose solver of motion is "euler" and keeps its accounts.
@@ -35,30 +34,6 @@ std::string heavy_bar(const std::string& material, const std::string& others, do
          "<MechanicalObject name='nodes'/><DiagonalMass massDensity='1000'/>"
          "<HexahedronElastoplasticFEMForceField name='body' poissonRatio='0.3' " +
          material + "/>" + others + "</Node>";
-}
-
-// 4 N on each of four masses of 1 kg against 0.8 N s/m: the drag takes c v^2 h in a step, whether it is implicit or
-// not.
-TEST(EnergyOfAScene, DragIsDampingAndLoadsDoWork) {
-  for (const bool is_implicit : {false, true}) {
-    scene::Scene scene =
-        accounted(four_nodes(std::string("<ConstantForceField forces='0 0 4'/><UniformVelocityDampingForceField "
-                                         "dampingCoefficient='0.8' implicit='") +
-                             (is_implicit ? "true" : "false") + "'/>"));
-    const double h = 0.5, c = 0.8;
-    double v = 0, z = 0, drag = 0;
-    for (int k = 0; k < 6; ++k) {
-      const double v_old = v;
-      v = is_implicit ? (v + 4 * h) / (1 + c * h) : v + h * (4 - c * v);
-      z += h * v;
-      drag += 4 * h * v * c * (is_implicit ? v : v_old);
-    }
-    const EnergyBalance balance = after(scene, 6);
-    EXPECT_NEAR(balance.load_work, 4 * 4 * z, 1e-12);
-    EXPECT_NEAR(balance.damping_loss, drag, 1e-12);
-    EXPECT_NEAR(balance.kinetic, 4 * v * v / 2, 1e-12);
-    EXPECT_NEAR(balance.error(), 0, 1e-12);
-  }
 }
 
 // The work of weight is m g times the way down of the centre of mass.

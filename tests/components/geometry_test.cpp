@@ -82,18 +82,16 @@ TEST(Grid, NumbersItsNodesWithXFastest) {
             "test.scn:1: error: RegularGridTopology.max: must be greater than min in every direction");
 }
 
-TEST(Grid, TakesItsSizeInEveryFormOfSofa) {
+TEST(Grid, TakesTheNumberOrTheWidthOfItsCells) {
   const auto grid = [](const std::string& attributes) {
     scene::Scene scene = read_and_init("<Node><RegularGridTopology name='grid' " + attributes + "/></Node>");
     auto& topology = at<scene::Topology>(scene, "grid");
-    return std::pair(PointArray(topology.positions()), topology.hexahedra().size());
+    return topology.hexahedra().size();
   };
-  const auto expected = grid("n='3 4 5' min='1 2 3' max='2 4 6'");
-  EXPECT_EQ(expected.second, 24u);
-  EXPECT_EQ(grid("nx='3' ny='4' nz='5' xmin='1' ymin='2' zmin='3' xmax='2' ymax='4' zmax='6'"), expected);
-  EXPECT_EQ(grid("cellWidth='0.7' min='1 2 3' max='2 4 6'").second, 2u * 3u * 5u);
-  EXPECT_EQ(errors_of("<Node><RegularGridTopology xmin='0'/></Node>"),
-            "test.scn:1: error: RegularGridTopology.ymin: is not given, others of the six are: all are needed");
+  EXPECT_EQ(grid("n='3 4 5' min='1 2 3' max='2 4 6'"), 24u);
+  EXPECT_EQ(grid("cellWidth='0.7' min='1 2 3' max='2 4 6'"), 2u * 3u * 5u);
+  EXPECT_EQ(errors_of("<Node><RegularGridTopology n='2 2 1'/></Node>"),
+            "test.scn:1: error: RegularGridTopology.n: 1 must lie in [2, 2147483646]");
   EXPECT_EQ(errors_of("<Node><RegularGridTopology cellWidth='1e-9'/></Node>"),
             "test.scn:1: error: RegularGridTopology.n: 1e+27 cells, must be at most 16777216");
 }
@@ -146,21 +144,6 @@ TEST(State, SecondTransformationLeavesTheRestShapeAlone) {
   auto& state = at<scene::MechanicalState>(scene, "nodes");
   EXPECT_TRUE(state.rest_positions().isApprox(rows({{1, 0, 0}, {0, 2, 0}}), 1e-15));
   EXPECT_TRUE(state.positions().isApprox(rows({{5, 2, 0}, {1, 0, 0}}), 1e-15));
-}
-
-TEST(State, ComponentsOfVectorsReplaceThem) {
-  const auto placed = [](const std::string& attributes) {
-    scene::Scene scene = read_and_init(in_root(
-        "", "<MechanicalObject name='nodes' position='1 0 0  0 2 0' " + attributes + "/><UniformMass totalMass='1'/>"));
-    return at<scene::MechanicalState>(scene, "nodes").positions();
-  };
-  EXPECT_EQ(placed("dy='3'"), placed("translation='0 3 0'"));
-  EXPECT_EQ(placed("translation='7 7 7' dx='1' dz='2'"), placed("translation='1 0 2'"));
-  EXPECT_EQ(placed("rz='90' ry='20'"), placed("rotation='0 20 90'"));
-  EXPECT_EQ(placed("sx='2' scale3d='5 5 5'"), placed("scale3d='2 1 1'"));
-  EXPECT_EQ(placed("force='1 2' derivX='3'"), placed(""));
-  EXPECT_EQ(errors_of(in_root("", "<MechanicalObject dx='a' position='0 0 0'/>")),
-            "test.scn:1: error: MechanicalObject.dx: 'a' is not a number");
 }
 
 }  // namespace

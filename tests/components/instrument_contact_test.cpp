@@ -475,42 +475,4 @@ TEST(InstrumentContactForceField, SaysWhatIsWrong) {
   EXPECT_EQ(begins_at(".04 .04 .03" + surface), "");
 }
 
-// The same motion as along a path; movements of SOFA's constraint lag by one step.
-TEST(InstrumentContactForceField, IsLedByARigidFrame) {
-  const std::string shape = "<InstrumentContactForceField name='probe' shape='box' size='.02 .01 .01' friction='.4' ";
-  scene::Scene prescribed =
-      read_and_init(block("<Node name='tool'><MechanicalObject name='frames' template='Rigid3d' position='9 9 9 0 0 0 "
-                          "1  .031 .029 .0423  0 0 "
-                          "0 1'/><UniformMass totalMass='1'/><LinearMovementProjectiveConstraint indices='1' "
-                          "keyTimes='0 .4 9' movements='0 0 "
-                          "0 0 0 0  .002 0 -.01 0 0 .5  .002 0 -.01 0 0 .5'/></Node>" +
-                          shape + "rigid='@tool/frames' rigidIndex='1'/>"));
-  EXPECT_EQ(prescribed.diagnostics().take_warnings().size(), 0u);
-  scene::Scene along = read_and_init(
-      block(shape + "keyTimes='.01 .41' positions='.031 .029 .0423  .033 .029 .0323' orientations='0 0 0 1  0 0 "
-                    "0.24740395925452294 0.96891242171064473'/>"));
-  support::run(prescribed, 38);
-  support::run(along, 38);
-  EXPECT_GT(force_on(along, "probe").norm(), 0.01);
-  EXPECT_LT((force_on(prescribed, "probe") - force_on(along, "probe")).norm(), 1e-9 * force_on(along, "probe").norm());
-  EXPECT_LT(support::max_abs(nodes(prescribed) - nodes(along)), 1e-12);
-}
-
-TEST(InstrumentContactForceField, RefusesToBeLedByPoints) {
-  const std::string probe = "<InstrumentContactForceField radius='.01' rigid='@nodes' ";
-  EXPECT_EQ(errors_of(block(probe + "/>")),
-            "test.scn:1: error: InstrumentContactForceField.rigid: leads to MechanicalObject 'nodes', must lead to a "
-            "MechanicalObject of rigid frames (template Rigid3d)");
-  const std::string frames =
-      "<Node name='tool'><MechanicalObject name='frames' template='Rigid3d' position='9 9 9 0 0 0 "
-      "1'/><UniformMass totalMass='1'/></Node><InstrumentContactForceField radius='.01' "
-      "rigid='@tool' ";
-  EXPECT_EQ(errors_of(block(frames + "keyTimes='0' positions='0 0 0'/>")),
-            "test.scn:1: error: InstrumentContactForceField.keyTimes: a path is given besides a rigid frame that "
-            "prescribes the motion: "
-            "only one of them can");
-  EXPECT_EQ(errors_of(block(frames + "rigidIndex='1'/>")),
-            "test.scn:1: error: InstrumentContactForceField.rigidIndex: 1 must lie in [0, 1)");
-}
-
 }  // namespace

@@ -171,14 +171,15 @@ TEST(MeshLoader, RefusesWhereTheSceneNamesTheFile) {
 
 // An elastic scene as SOFA users write it: loader, container, state by links, elastic field.
 TEST(MeshLoader, FeedsABody) {
-  scene::Scene scene = read_and_init(in_root(
-      "gravity='0 -10 0'", "<MeshVTKLoader name='loader' filename='" + kFolder +
-                               "two_51_binary.vtk' onlyAttachedPoints='true'/>"
-                               "<HexahedronSetTopologyContainer name='mesh' src='@loader'/>"
-                               "<HexahedronSetTopologyModifier/><HexahedronSetGeometryAlgorithms/>"
-                               "<MechanicalObject name='nodes' src='@loader'/><MeshMatrixMass massDensity='100'/>"
-                               "<FixedProjectiveConstraint indices='0 3 6 9'/>"
-                               "<HexahedronFEMForceField name='body' youngModulus='20000' poissonRatio='0.3'/>"));
+  scene::Scene scene = read_and_init(
+      in_root("gravity='0 -10 0'",
+              "<MeshVTKLoader name='loader' filename='" + kFolder +
+                  "two_51_binary.vtk' onlyAttachedPoints='true'/>"
+                  "<HexahedronSetTopologyContainer name='mesh' src='@loader'/>"
+                  "<HexahedronSetTopologyModifier/><HexahedronSetGeometryAlgorithms/>"
+                  "<MechanicalObject name='nodes' src='@loader'/><DiagonalMass massDensity='100'/>"
+                  "<FixedProjectiveConstraint indices='0 3 6 9'/>"
+                  "<HexahedronElastoplasticFEMForceField name='body' youngModulus='20000' poissonRatio='0.3'/>"));
   const auto& field = at<scene::ForceField>(scene, "body");
   EXPECT_EQ(field.body()->mesh().num_elements(), 2);
   for (int k = 0; k < 20; ++k) scene.step();
@@ -263,7 +264,6 @@ TEST(SparseGrid, SaysWhatIsWrong) {
             "test.scn:1: error: SparseGridTopology.n: 4.245e+24 cells, must be at most 16777216");
   EXPECT_NE(errors_of("<Node>" + kOrgan + "max='1 1 0.2'/></Node>").find("lies outside the box from (0, 0, 0)"),
             std::string::npos);
-  EXPECT_NE(errors_of("<Node>" + kOrgan + "nbVirtualFinerLevels='11'/></Node>"), "");
 }
 
 TEST(MeshSTLLoader, LoadsTheSurfaceThatOthersLoadToo) {
@@ -289,79 +289,5 @@ TEST(MeshSTLLoader, LoadsTheSurfaceThatOthersLoadToo) {
   };
   EXPECT_EQ(cage("organ_ascii.stl"), cage("organ.obj"));
 }
-
-// As many nodes as SOFA v26.06 finds around the shipped liver.
-TEST(SparseGridRamification, HasTheNodesOfSofa) {
-  struct Case {
-    std::string n, levels, connectivity;
-    int num_nodes;
-  };
-  for (const Case& c :
-       {Case{"8 5 6", "1", "true", 207}, Case{"8 5 6", "1", "false", 198}, Case{"7 4 5", "2", "true", 199},
-        Case{"7 4 5", "2", "false", 131}, Case{"12 6 8", "0", "true", 415}, Case{"12 6 8", "0", "false", 409}}) {
-    scene::Scene scene = read_and_init("<Node><SparseGridRamificationTopology name='cage' fileTopology='" + kFolder +
-                                       "../../../scenes/mesh/liver.obj' n='" + c.n + "' nbVirtualFinerLevels='" +
-                                       c.levels + "' finestConnectivity='" + c.connectivity + "'/></Node>");
-    EXPECT_EQ(at<scene::Topology>(scene, "cage").positions().rows(), c.num_nodes) << c.n << " " << c.connectivity;
-  }
-}
-
-// The middle column of the cells above, of which a core passes through three of five; it encloses none.
-TEST(SparseGridMultiple, BlendsTheStiffnessOfItsSurfaces) {
-  const std::string two = "fileTopologies='" + kFolder + "organ.obj " + kFolder + "core.obj' ";
-  const auto cage = [](const std::string& attributes) {
-    scene::Scene scene = read_and_init("<Node><SparseGridMultipleTopology name='cage' finestConnectivity='false' " +
-                                       attributes + "/></Node>");
-    auto& topology = at<scene::Topology>(scene, "cage");
-    return std::tuple(PointArray(topology.positions()), topology.hexahedra(),
-                      std::vector<double>(topology.fill().begin(), topology.fill().end()),
-                      std::vector<double>(topology.mass_fill().begin(), topology.mass_fill().end()));
-  };
-  const auto& [x, hexahedra, fill, mass] = cage(two + "n='4 4 6' stiffnessCoefs='4 8' massCoefs='2 2'");
-  ASSERT_EQ(fill.size(), 45u);
-  EXPECT_EQ(std::count(fill.begin(), fill.begin() + 42, 2), 42) << "the mean of 0 and 4";
-  EXPECT_EQ(std::vector<double>(fill.end() - 3, fill.end()), std::vector<double>(3, 6)) << "the mean of 4 and 8";
-  EXPECT_EQ(std::count(mass.begin(), mass.end(), 1), 42);
-  EXPECT_EQ(std::vector<double>(mass.end() - 3, mass.end()), std::vector<double>(3, 2));
-  EXPECT_EQ(std::get<2>(cage(two + "n='4 4 6' stiffnessCoefs='4 8' erasePreviousCoef='1'")).back(), 8);
-  EXPECT_EQ(std::get<2>(cage(two + "n='4 4 6' stiffnessCoefs='4 8' fillWeighted='0'")), [] {
-    std::vector<double> expected(45, 4);  // x fastest: nine cells in each layer along z
-    for (const int z : {1, 2, 3}) expected[9 * z + 4] = 8;
-    return expected;
-  }());
-
-  // one surface of stiffness 2, coarsened: twice what SparseGridRamificationTopology makes of it
-  scene::Scene scene = read_and_init(
-      "<Node><SparseGridRamificationTopology name='cage' finestConnectivity='false' "
-      "nbVirtualFinerLevels='1' n='3 3 4' fileTopology='" +
-      kFolder + "organ.obj'/></Node>");
-  auto& plain = at<scene::Topology>(scene, "cage");
-  const auto& [fine_x, fine_hexahedra, fine_fill, fine_mass] =
-      cage("fileTopologies='" + kFolder + "organ.obj' stiffnessCoefs='2' nbVirtualFinerLevels='1' n='3 3 4'");
-  EXPECT_EQ(fine_x, plain.positions());
-  EXPECT_EQ(fine_hexahedra, plain.hexahedra());
-  ASSERT_EQ(fine_fill.size(), plain.fill().size());
-  for (std::size_t e = 0; e < fine_fill.size(); ++e) {
-    EXPECT_EQ(fine_fill[e], 2 * plain.fill()[e]);
-    EXPECT_EQ(fine_mass[e], plain.fill()[e]);
-  }
-}
-
-TEST(SparseGridMultiple, SaysWhatIsWrong) {
-  const std::string made = "<Node><SparseGridMultipleTopology name='cage' n='4 4 6' ";
-  const std::string one = "fileTopologies='" + kFolder + "organ.obj' ";
-  const std::string component = "test.scn:1: error: SparseGridMultipleTopology.";
-  EXPECT_EQ(errors_of(made + "/></Node>"), component + "fileTopologies: is not given, must name mesh files");
-  EXPECT_EQ(errors_of(made + "fileTopologies='none.obj'/></Node>"),
-            component + "fileTopologies: none.obj: no such file");
-  EXPECT_EQ(errors_of(made + one + "stiffnessCoefs='1 2'/></Node>"),
-            component + "stiffnessCoefs: 2 numbers for 1 files, must be one for each");
-  EXPECT_NE(errors_of(made + one + "stiffnessCoefs='0'/></Node>").find("stiffnessCoefs"), std::string::npos);
-  EXPECT_EQ(errors_of(made + one + "/></Node>"), component + "fileTopology: is not given, must name a mesh file");
-  EXPECT_EQ(errors_of(made + one + "cellWidth='.1'/></Node>"),
-            component + "cellWidth: is not possible with several surfaces: n is needed");
-}
-
-// The elastic case of our own field, with the same bits.
 
 }  // namespace

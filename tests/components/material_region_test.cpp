@@ -222,17 +222,6 @@ TEST(MaterialRegion, AllThatIsWrongIsSaidOnce) {
   EXPECT_EQ(errors_of(row_of_four("", "", two)), expected);
 }
 
-TEST(MaterialRegion, OfSOFAsElasticBodyGivesWhatThatHas) {
-  const auto text = [](const std::string& region) {
-    std::string scene = row_of_four("", "<MaterialRegion indices='1' " + region + "/>");
-    const std::string ours = "HexahedronElastoplasticFEMForceField";
-    return scene.replace(scene.find(ours), ours.size(), "HexahedronFEMForceField");
-  };
-  EXPECT_EQ(moduli_of(text("youngModulus='300'"))[1], 300);
-  EXPECT_EQ(errors_of(text("yieldStress='300'")),
-            kRegion + ".yieldStress: HexahedronFEMForceField has no such value, must be youngModulus or poissonRatio");
-}
-
 TEST(MaterialRegion, WarnsWhereItGivesNothing) {
   scene::Scene scene = read_and_init(row_of_four("", "<MaterialRegion indices='1'/>"));
   const std::vector<scene::Message> warnings = scene.diagnostics().take_warnings();

@@ -121,27 +121,6 @@ TEST(PartialLinearMovement, LeavesTheOtherDirectionsFree) {
   EXPECT_TRUE(velocities(scene).row(1).isApprox(Eigen::RowVector3d(1, 2, 4), 1e-15));
 }
 
-// From (0, 2, 0) to A x + b = (-2 + 1, 0, 4), between t = 1 and t = 3.
-TEST(AffineMovement, GoesStraightToItsEndAndStays) {
-  scene::Scene scene =
-      read_and_init(four_nodes("<ConstantForceField forces='0 0 7'/><AffineMovementProjectiveConstraint indices='1' "
-                               "beginConstraintTime='1' endConstraintTime='3' rotation='0 -1 0  1 0 0  0 0 1' "
-                               "translation='1 0 4'/>"));
-  const double fraction[] = {0, 0, 0, 0.25, 0.5, 0.75, 1, 1, 1};  // at the end of the step that begins at k / 2
-  for (int k = 0; k < 9; ++k) {
-    scene.step();
-    EXPECT_TRUE(positions(scene).row(1).isApprox(
-        Eigen::RowVector3d(0, 2, 0) + fraction[k] * Eigen::RowVector3d(-1, -2, 4), 1e-14))
-        << k;
-    EXPECT_TRUE(velocities(scene).row(1).isZero(0));
-  }
-  EXPECT_EQ(errors_of(four_nodes("<AffineMovementProjectiveConstraint indices='0' rotation='1 0 0'/>")),
-            "test.scn:1: error: AffineMovementProjectiveConstraint.rotation: 3 numbers given, must be nine");
-  EXPECT_EQ(errors_of(four_nodes("<AffineMovementProjectiveConstraint beginConstraintTime='30'/>")),
-            "test.scn:1: error: AffineMovementProjectiveConstraint.endConstraintTime: is 20, must not be before "
-            "beginConstraintTime 30");
-}
-
 // One cube with nu = 0 between a driven and a free face is a spring k = E A / L over four nodes. The solver sees the
 // driven face at its old place and with its old velocity: b = h [k (d - u) + h k (w - v)].
 TEST(DrivenNodes, PullASpringByTheDiscreteLaw) {

@@ -105,56 +105,6 @@ TEST(SpringForceField, MistakesAreNamed) {
             std::string::npos);
 }
 
-// A cube of 2 m: edges of stiffness 6 N / 2 m, diagonals of its faces and of itself softer by their lengths.
-TEST(MeshSpringForceField, EachPairOfNodesHasOneSpring) {
-  const auto in_cube = [](const std::string& springs) {
-    return support::in_root("gravity='0 0 0'",
-                            "<RegularGridTopology name='grid' n='2 2 2' max='2 2 2'/><MechanicalObject name='nodes'/>"
-                            "<UniformMass totalMass='1'/>" +
-                                springs);
-  };
-  for (const char* name : {"MeshSpringForceField", "RegularGridSpringForceField"}) {
-    scene::Scene scene = read_and_init(in_cube(std::string("<") + name + " name='s' stiffness='6'/>"));
-    EXPECT_EQ(force_of(scene, "s", 0).norm(), 0);  // at rest
-    // one node moved along x by so little that the springs keep their directions: 1 edge, 2 diagonals of faces at
-    // 45 degrees and the one of the cube
-    constexpr double kStep = 1e-7;
-    at<scene::MechanicalState>(scene, "nodes").positions()(0, 0) += kStep;
-    const double edge = 3, face = 6 / std::sqrt(8), space = 6 / std::sqrt(12);
-    EXPECT_NEAR(force_of(scene, "s", 0)(0, 0) / kStep, -(edge + 2 * face / 2 + space / 3), 1e-5) << name;
-  }
-  scene::Scene scene =
-      read_and_init(in_cube("<MeshSpringForceField name='s' stiffness='6' quadsStiffness='0' cubesStiffness='0'/>"));
-  at<scene::MechanicalState>(scene, "nodes").positions()(0, 0) += 1e-7;
-  EXPECT_NEAR(force_of(scene, "s", 0)(0, 0) / 1e-7, -3, 1e-5);
-}
-
-// A strip of two unit squares, bent up at its end by 1 m: springs from 2 m to sqrt(5) m.
-TEST(BendingSprings, ResistBendingAboutCommonEdges) {
-  const auto strip = [](const std::string& springs) {
-    return support::in_root("gravity='0 0 0'",
-                            "<RegularGridTopology name='grid' n='3 2 1' max='2 1 0'/><MechanicalObject name='nodes'/>"
-                            "<UniformMass totalMass='1'/><MeshTopology name='halves' triangles='@grid.triangles'/>" +
-                                springs);
-  };
-  scene::Scene scene =
-      read_and_init(strip("<QuadularBendingSprings name='s' topology='@grid' stiffness='10'/>"
-                          "<TriangularBendingSprings name='t' topology='@halves' stiffness='10'/>"));
-  EXPECT_EQ(force_of(scene, "s", 0).norm(), 0);
-  auto& x = at<scene::MechanicalState>(scene, "nodes").positions();
-  x(2, 2) = x(5, 2) = 1;
-  const PointArray f = force_of(scene, "s", 0);
-  const double tension = 10 * (std::sqrt(5) - 2);
-  EXPECT_NEAR(f(0, 0), tension * 2 / std::sqrt(5), 1e-13);
-  EXPECT_NEAR(f(2, 2), -tension / std::sqrt(5), 1e-13);
-  EXPECT_EQ(f.row(1).norm() + f.row(4).norm(), 0);
-  EXPECT_LT(f.colwise().sum().norm(), 1e-13);
-  // of four triangles three edges are common
-  const PointArray of_triangles = force_of(scene, "t", 0);
-  EXPECT_GT(of_triangles.norm(), 1);
-  EXPECT_LT(of_triangles.colwise().sum().norm(), 1e-13);
-}
-
 TEST(RestShapeSpringsForceField, PullsBackToTheRestPositions) {
   scene::Scene scene =
       read_and_init(four_nodes("<RestShapeSpringsForceField name='s' points='1 3' stiffness='10 20'/>"));

@@ -102,16 +102,10 @@ TEST(SpringsBetweenStates, MoveBodiesAsIfTheyWereOfOneState) {
         Case{implicit, "<SparseLDLSolver/>", .01, 60, 1e-8, kPlastic},
         Case{implicit, "<MultigridCGLinearSolver tolerance='1e-13' preconditioner='multigrid'/>"},
         Case{implicit, "<MultigridCGLinearSolver tolerance='1e-13' preconditioner='diagonal'/>"},
-        Case{implicit,
-             "<PCGLinearSolver iterations='500' tolerance='1e-14' preconditioner='@part'/>"
-             "<BlockJacobiPreconditioner name='part'/>"},
         Case{"<EulerImplicitSolver trapezoidalScheme='true' rayleighMass='.1' rayleighStiffness='.02'/>", exact, .004},
-        Case{"<NewmarkImplicitSolver/>", "<SparseLDLSolver/>", .004},
         Case{"<StaticSolver/><NewtonRaphsonSolver maxNbIterationsNewton='40' "
              "relativeInitialStoppingThreshold='1e-13'/>",
-             "<SparseLDLSolver/>", .01, 3, 1e-8},
-        Case{"<EulerExplicitSolver/>", "", 2e-4, 300}, Case{"<RungeKutta4Solver/>", "", 4e-4, 200},
-        Case{"<CentralDifferenceSolver/>", "", 2e-4, 300}}) {
+             "<SparseLDLSolver/>", .01, 3, 1e-8}}) {
     Blocks blocks{
         .integrator = c.integrator, .solver = c.solver, .gravity = "2 0 -3", .material = c.material, .dt = c.dt};
     Blocks one = blocks;
@@ -211,28 +205,6 @@ TEST(SpringsBetweenStates, HangOnAStateThatNothingMoves) {
   support::run(fixed, 200);
   EXPECT_TRUE(support::agrees(positions(scene, "hanging").row(0), positions(fixed, "hanging").row(0), 1e-13));
   EXPECT_EQ(positions(scene, "hook"), support::rows({{7, 7, 7}, {0, 0, 0}}));
-}
-
-// Points of a rigid frame, which the body turns: the frame falls on it and swings.
-TEST(SpringsBetweenStates, TurnARigidFrame) {
-  scene::Scene scene = read_and_init(
-      "<Node dt='.001' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/>"
-      "<CGLinearSolver iterations='500' tolerance='1e-14' threshold='1e-40'/>"
-      "<Node name='tool'><MechanicalObject name='frame' template='Rigid3d' position='0 0 0  0 0 0 1'/>"
-      "<UniformMass template='Rigid3d' vertexMass='2'/><Node name='tip'><MechanicalObject name='state' position='1 0 "
-      "0'/>"
-      "<RigidMapping/></Node></Node>"
-      "<Node name='other'><MechanicalObject name='state' position='1 1 0'/><UniformMass vertexMass='3'/></Node>"
-      "<SpringForceField object1='@tool/tip/state' object2='@other/state' spring='0 0 10 0 .5'/></Node>");
-  auto& frame = at<scene::RigidState>(scene, "tool/frame");
-  auto& other = at<scene::MechanicalState>(scene, "other/state");
-  support::run(scene, 10);
-  // force of 10 (1 - .5) N along y at the lever of 1 m; UniformMass has a unit moment of inertia per kg
-  const double t = .01, force = 5;
-  EXPECT_NEAR(other.velocities()(0, 1), -force * t / 3, 1e-3 * force * t);
-  EXPECT_NEAR(frame.velocities()(0, 1), force * t / 2, 1e-3 * force * t);
-  EXPECT_NEAR(2 * frame.velocities()(0, 1) + 3 * other.velocities()(0, 1), 0, 1e-13);
-  EXPECT_GT(frame.velocities()(1, 2), 0) << "about z";
 }
 
 TEST(SpringsBetweenStates, OfFreeBodiesKeepTheirMomentum) {
@@ -357,10 +329,8 @@ TEST(SpringsBetweenStates, MistakesAreNamed) {
                      "<Node name='all'>\n<EulerImplicitSolver name='euler'/><SparseLDLSolver/>\n<Node name='first'>"
                      "<MechanicalObject name='state' position='0 0 0  1 0 0'/>" +
                      kVertexMass + "</Node><Node name='second'>" + in_second +
-                     "<MechanicalObject name='state' position='0 0 0'/>" + kVertexMass +
-                     "</Node><Node name='tool'><MechanicalObject name='frame' template='Rigid3d' "
-                     "position='0 0 0 0 0 0 1'/><UniformMass vertexMass='1'/></Node>\n" +
-                     springs + "</Node></Node>");
+                     "<MechanicalObject name='state' position='0 0 0'/>" + kVertexMass + "</Node>\n" + springs +
+                     "</Node></Node>");
   };
   const auto between = [](const std::string& rest) {
     return "<SpringForceField object1='@first/state' object2='@second/state' " + rest + "/>";
@@ -382,9 +352,6 @@ TEST(SpringsBetweenStates, MistakesAreNamed) {
   EXPECT_NE(
       errors("<SpringForceField object1='@first/state' object2='@euler'/>").find("must lead to a MechanicalState"),
       std::string::npos);
-  EXPECT_EQ(errors("<SpringForceField object1='@first/state' object2='@tool'/>"),
-            "test.scn:4: error: SpringForceField.object2: leads to 'frame', which has rigid frames: must lead to a "
-            "state of points, such as one that follows the frames by a RigidMapping");
   EXPECT_EQ(errors("<SpringForceField object1='@first/state'/>"),
             "test.scn:4: error: SpringForceField: needs a MechanicalState in its node or above");
   EXPECT_EQ(

@@ -3,15 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-#include <bit>
-#include <cmath>
-#include <numeric>
-
 #include "hexaplast/geometry/grid.hpp"
-#include "mesh/consistent_mass.hpp"
-#include "support/compare.hpp"
-#include "support/shapes.hpp"
 
 namespace {
 
@@ -51,44 +43,6 @@ TEST(LumpedMass, NodesWithoutElementWeighNothing) {
   x.topRows(8) = regular_grid({1, 1, 1}, Vec3::Zero(), Vec3::Ones()).positions();
   const std::vector<Hexahedron> hexahedra = regular_grid({1, 1, 1}, Vec3::Zero(), Vec3::Ones()).hexahedra();
   EXPECT_EQ(nodal_volumes(x, hexahedra)[8], 0);
-}
-
-// The entries of a box: m / 27, halved with each direction in which two corners differ.
-TEST(ConsistentMass, OfABoxHalvesFromCornerToCorner) {
-  const HexMesh mesh = regular_grid({1, 1, 1}, Vec3(1, 2, 3), Vec3(1.5, 4, 7));
-  const ConsistentMass mass(mesh.positions(), mesh.hexahedra(), std::vector<double>{27});
-  BlockMatrix A(8);
-  mass.add_blocks(2, A);
-  for (int n = 0; n < 8; ++n) {
-    EXPECT_NEAR(mass.row_sums()[n], 27. / 8, 1e-14);
-    ASSERT_EQ(A.row(n).size(), 8u);
-    for (const BlockMatrix::Entry& entry : A.row(n)) {
-      const int differences = std::popcount(static_cast<unsigned>(n ^ entry.column));  // nodes are numbered by bits
-      EXPECT_TRUE(entry.block.isApprox(2 * std::pow(0.5, differences) * Mat3::Identity(), 1e-13));
-    }
-  }
-}
-
-TEST(ConsistentMass, ProductAndBlocksAgreeSumUpToTheMassAndArePositive) {
-  const HexMesh mesh = support::distorted_block({2, 3, 2}, 0.3, 0.2, 17);
-  const std::vector<double> volumes = element_volumes(mesh.positions(), mesh.hexahedra());
-  const ConsistentMass mass(mesh.positions(), mesh.hexahedra(), volumes);
-  EXPECT_NEAR(mass.row_sums().sum(), std::accumulate(volumes.begin(), volumes.end(), 0.0), 1e-14);
-
-  support::Random random(5);
-  const PointArray dx = random.field(mesh.num_nodes(), 1);
-  PointArray product = PointArray::Zero(mesh.num_nodes(), 3), by_blocks = product;
-  mass.add_product(3, dx, product);
-  BlockMatrix A(mesh.num_nodes());
-  mass.add_blocks(3, A);
-  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(mesh.num_nodes(), mesh.num_nodes());
-  for (int n = 0; n < mesh.num_nodes(); ++n)
-    for (const BlockMatrix::Entry& entry : A.row(n)) {
-      by_blocks.row(n) += dx.row(entry.column) * entry.block.transpose();
-      dense(n, entry.column) = entry.block(0, 0);
-    }
-  EXPECT_TRUE(support::agrees(product, by_blocks, 1e-14));
-  EXPECT_EQ(Eigen::LLT<Eigen::MatrixXd>(dense).info(), Eigen::Success);
 }
 
 }  // namespace

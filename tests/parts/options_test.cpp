@@ -71,7 +71,7 @@ TEST(Options, AreThoseOfTheTableAndHaveItsDefaults) {
   EXPECT_EQ(others_than(SheetGridOptions(), attributes::kSheetGridTopology), Names());
   EXPECT_EQ(others_than(SpherePatchGridOptions(), attributes::kSpherePatchGridTopology), Names());
   EXPECT_EQ(others_than(MultigridCGOptions(), attributes::kMultigridCGLinearSolver), Names());
-  EXPECT_EQ(others_than(InstrumentOptions(), attributes::kInstrumentContactForceField), Names{"rigidIndex"});
+  EXPECT_EQ(others_than(InstrumentOptions(), attributes::kInstrumentContactForceField), Names());
   EXPECT_EQ(others_than(ContactOptions(), attributes::kTissueContactForceField), Names());
   EXPECT_EQ(others_than(ProbeOptions(), attributes::kProbe), (Names{"value", "points"}));
 }

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <regex>
@@ -82,7 +81,7 @@ class ExampleScenes : public testing::Test {
 
   std::string scene_with(const Description& component) {
     const auto example =
-        std::ranges::find(attributes::kExamples, attributes::title_of(component), &attributes::Example::class_name);
+        std::ranges::find(attributes::kExamples, component.class_name, &attributes::Example::class_name);
     const std::string lines = example == attributes::kExamples.end() ? "<" + std::string(component.class_name) + "/>"
                                                                      : std::string(example->lines);
     return support::pasted(std::string(attributes::kExampleScene), lines, category_of_);
@@ -180,15 +179,14 @@ TEST_F(ExampleScenes, NumbersOutOfRangeAreRefusedWithTheRangeAndOthersRunOrAreRe
 // Reading a scene, resetting it, and looking at it, for which the live window adds a grip to it: its state is the same.
 TEST_F(ExampleScenes, BeginAlikeHoweverOften) {
   const fs::path meshes = HEXAPLAST_TEST_DATA "/meshes";
-  for (const char* name : {"block.msh", "block.vtk", "organ.obj", "core.obj"}) fs::copy(meshes / name, name);
+  for (const char* name : {"block.msh", "block.vtk", "organ.obj"}) fs::copy(meshes / name, name);
   fs::copy(meshes / "organ_binary.stl", "skin.stl");
   fs::copy(meshes / "surface.obj", "skin.obj");
-  std::ofstream("balls.sph") << "sph 1.0\nsphe 1 0 0 0 0.02\nsphe 2 0.03 0 0.1 0.01\n";
   scene::OutputRules output;
   output.replaces = true;
   for (const Description* component : support::factory().descriptions()) {
     if (component->takes_anything || component->category == "Test") continue;
-    SCOPED_TRACE(attributes::title_of(*component));
+    SCOPED_TRACE(component->class_name);
     const std::string text = scene_with(*component);
     scene::Scene scene = support::read_and_init(text, output);
     const std::vector<std::byte> first = support::saved(scene);

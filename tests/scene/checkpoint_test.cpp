@@ -90,10 +90,9 @@ TEST(SceneCheckpoint, PlasticFlowAndTearsGoOnBitForBit) {
 }
 
 TEST(SceneCheckpoint, WarmStartsAndPatternsOfSolversGoOn) {
-  for (const char* solver :
-       {"<CGLinearSolver iterations='7' warmStart='1'/>", "<SparseLDLSolver/>", "<MultigridCGLinearSolver/>",
-        "<MultigridCGLinearSolver preconditioner='multigrid'/>", "<MultigridCGLinearSolver preconditioner='diagonal'/>",
-        "<PCGLinearSolver preconditioner='@direct' iterations='20'/><EigenSimplicialLDLT name='direct'/>"})
+  for (const char* solver : {"<CGLinearSolver iterations='7' warmStart='1'/>", "<SparseLDLSolver/>",
+                             "<MultigridCGLinearSolver/>", "<MultigridCGLinearSolver preconditioner='multigrid'/>",
+                             "<MultigridCGLinearSolver preconditioner='diagonal'/>"})
     expect_same_future(tearing_bar(kHeld, solver), 24, {3, 17});
 }
 
@@ -138,15 +137,10 @@ TEST(SceneCheckpoint, PrescribedMotionGoesOnFromItsBeginning) {
       tearing_bar("<LinearMovementProjectiveConstraint indices='24-29' keyTimes='0 0.2 9' movements='0 0 0  0 .05 "
                   ".1  0 .05 .1'/>"),
       16, {3, 12});
-  expect_same_future(tearing_bar("<AffineMovementProjectiveConstraint indices='24-29' beginConstraintTime='0.04' "
-                                 "endConstraintTime='0.2' rotation='0 -1 0 1 0 0 0 0 1' translation='.1 0 .1'/>"),
-                     16, {3, 12});
 }
 
 TEST(SceneCheckpoint, FacesThatWentStayWithoutLoad) {
-  const std::string pressure = kHeld +
-                               "<QuadPressureForceField quadList='0' pressure='0 0 -20000'/>"
-                               "<SurfacePressureForceField quadIndices='0-5' pressure='800'/>";
+  const std::string pressure = kHeld + "<SurfacePressureForceField quadIndices='0-5' pressure='800'/>";
   expect_same_future(tearing_bar(pressure), 20, {2, 15});
 }
 

@@ -31,7 +31,7 @@ std::map<std::string, std::string> written_by_a_run(const fs::path& directory) {
       "<VTKExporter filename='" +
       (directory / "export").string() + "' exportEveryNumberOfSteps='2'/></Node>";
   scene::Scene scene = support::read_and_init(scene_text, {.allows_outside = true});
-  scene::State& state = *scene::independent_states(scene.root()).front();
+  scene::MechanicalState& state = *scene::independent_states(scene.root()).front();
   const Body& body = *scene.root().all<scene::ForceField>().front()->body();
   output::Recorder recorder(directory / "out", body,
                             {.title = "pulled",

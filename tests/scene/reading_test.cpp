@@ -6,8 +6,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <string>
 
+#include "attributes/gone.hpp"
 #include "support/scene.hpp"
 
 namespace {
@@ -39,6 +41,67 @@ TEST(SceneReading, UnknownComponentsAndAttributesAreNamedWithTheNearestKnownOne)
   EXPECT_EQ(errors_of(framed("<TotallyElse/>")),
             "test.scn:3: error: TotallyElse: unknown component\n  hint: a scene with other components of SOFA runs in "
             "SOFA, with the plugin Hexaplast");
+}
+
+// A scene of an earlier version is told what to write instead.
+TEST(SceneReading, NamesThatAreGoneSayWhatToWriteInstead) {
+  EXPECT_EQ(errors_of(framed("<FixedConstraint name='old'/>\n<BoxROI position='@old.position'/>")),
+            "test.scn:3: error: FixedConstraint: unknown component\n  hint: take FixedProjectiveConstraint");
+  EXPECT_EQ(errors_of(framed("<RegularGridTopology nx='3'/>")),
+            "test.scn:3: error: RegularGridTopology.nx: unknown attribute\n  hint: take n");
+  EXPECT_EQ(errors_of(framed("<OglModel triangles='@grid.triangles'/>")),
+            "test.scn:3: error: OglModel.triangles: link '@grid.triangles' stops at RegularGridTopology 'grid', which "
+            "has no attribute 'triangles'\n  hint: take quads");
+
+  std::set<std::string_view> gone;
+  for (const attributes::Gone& entry : attributes::kGone)
+    for (const std::string_view name : attributes::split_words(entry.names)) {
+      EXPECT_TRUE(gone.insert(name).second) << name << " is there twice";
+      const std::size_t dot = name.find('.');
+      const auto owner = support::factory().make(name.substr(0, dot));
+      EXPECT_EQ(owner != nullptr, dot != name.npos) << name;
+      if (owner) {
+        EXPECT_FALSE(owner->find_data(name.substr(dot + 1))) << name;
+      }
+    }
+}
+
+// What scenes need that ship with the program, in its documentation and its examples; the rest of SOFA is SOFA's.
+TEST(SceneReading, TheComponentsAreTheseAndNoOthers) {
+  const std::set<std::string_view> expected = {
+      // frame
+      "DefaultAnimationLoop", "RunSettings", "AttributeChange", "Probe", "MaterialRegion",
+      // time and equations
+      "EulerImplicitSolver", "StaticSolver", "NewtonRaphsonSolver", "CGLinearSolver", "MultigridCGLinearSolver",
+      "SparseLDLSolver",
+      // meshes
+      "RegularGridTopology", "SparseGridTopology", "TubeGridTopology", "SheetGridTopology", "SpherePatchGridTopology",
+      "MeshTopology", "HexahedronSetTopologyContainer", "TriangleSetTopologyContainer", "QuadSetTopologyContainer",
+      "MeshVTKLoader", "MeshGmshLoader", "MeshOBJLoader", "MeshSTLLoader",
+      // state
+      "MechanicalObject", "DiagonalMass", "UniformMass",
+      // forces
+      "HexahedronElastoplasticFEMForceField", "ConstantForceField", "LinearForceField", "TangentialForceField",
+      "SurfacePressureForceField", "PlaneForceField", "GraspForceField", "InstrumentContactForceField",
+      "TissueContactForceField", "RestShapeSpringsForceField", "SpringForceField",
+      // constraints
+      "FixedProjectiveConstraint", "PartialFixedProjectiveConstraint", "LinearMovementProjectiveConstraint",
+      "PartialLinearMovementProjectiveConstraint", "AttachProjectiveConstraint",
+      // selection
+      "BoxROI", "SphereROI", "PlaneROI", "MeshROI", "IndexValueMapper", "IndicesFromValues",
+      // mappings
+      "BarycentricMapping", "IdentityMapping",
+      // seen
+      "OglModel", "VisualStyle", "InteractiveCamera",
+      // accepted without effect
+      "BackgroundSetting", "LightManager", "DirectionalLight", "DefaultVisualManagerLoop",
+      "HexahedronSetTopologyModifier", "HexahedronSetGeometryAlgorithms", "QuadSetTopologyModifier",
+      "QuadSetGeometryAlgorithms", "TriangleSetGeometryAlgorithms", "VTKExporter", "WriteState"};
+  support::plugins();
+  std::set<std::string_view> registered;
+  for (const attributes::Description* description : support::factory().descriptions())
+    if (description->category != "Test") registered.insert(description->class_name);
+  EXPECT_EQ(registered, expected);
 }
 
 TEST(SceneReading, ValuesOutsideTheirRangeAreNamedWithTheRange) {

@@ -91,7 +91,7 @@ std::string hash_after(const PinnedScene& pinned, int threads) {
                                          support::factory(), support::plugins());
   scene.init();
   for (int step = 0; step < pinned.num_steps; ++step) scene.step();
-  scene::State& state = *scene::independent_states(scene.root()).front();
+  scene::MechanicalState& state = *scene::independent_states(scene.root()).front();
   const Body* body = nullptr;
   for (const scene::ForceField* field : scene.root().all<scene::ForceField>())
     if (field->body()) body = field->body();

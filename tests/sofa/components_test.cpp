@@ -40,7 +40,7 @@ TEST(SofaPlugin, RegistersEveryComponentWithTheHelpOfTheTable) {
                                    "FinalStateExporter", "Probe", "RunSettings", "AttributeChange", "MaterialRegion"}));
   for (const attributes::Description* each :
        {&attributes::kHexahedronElastoplasticFEMForceField, &attributes::kTangentialForceField,
-        &attributes::kGraspForceField, &attributes::kInstrumentContactForceField, &attributes::kTissueContactForceField,
+        &attributes::kGraspForceField, &attributes::kInstrumentContactInSofa, &attributes::kTissueContactForceField,
         &attributes::kTubeGridTopology, &attributes::kSheetGridTopology, &attributes::kSpherePatchGridTopology,
         &attributes::kMultigridCGLinearSolver, &attributes::kProbe, &attributes::kRunSettings,
         &attributes::kAttributeChange, &attributes::kMaterialRegion}) {
@@ -71,7 +71,7 @@ TEST(SofaPlugin, HasADataWithTheDefaultAndTheAliasesOfEveryAttributeOfTheTable) 
   int num_defaults = 0;
   for (const attributes::Description* each :
        {&attributes::kHexahedronElastoplasticFEMForceField, &attributes::kTangentialForceField,
-        &attributes::kGraspForceField, &attributes::kInstrumentContactForceField, &attributes::kTissueContactForceField,
+        &attributes::kGraspForceField, &attributes::kInstrumentContactInSofa, &attributes::kTissueContactForceField,
         &attributes::kTubeGridTopology, &attributes::kSheetGridTopology, &attributes::kSpherePatchGridTopology,
         &attributes::kMultigridCGLinearSolver, &attributes::kProbe, &attributes::kRunSettings,
         &attributes::kAttributeChange, &attributes::kMaterialRegion}) {

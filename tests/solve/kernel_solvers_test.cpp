@@ -315,7 +315,6 @@ TEST(NewtonRaphson, FindsNoEquilibriumOfWhatNothingHolds) {
                            std::make_unique<PreconditionedConjugateGradients>(1e-6, 500, Preconditioner::kMultigrid));
       solvers.emplace_back("CG", std::make_unique<ConjugateGradients>(ConjugateGradientSettings{
                                      .iterations = 500, .tolerance = 1e-6, .threshold = 1e-12}));
-      solvers.emplace_back("SOFA's PCG", std::make_unique<SolverPreconditionedConjugateGradients>(1e-12, 500, nullptr));
       for (const auto& [name, solver] : solvers) {
         Body body(support::block({6, 6, 6}, 0.01), {Material{.young_modulus = 1e5, .poisson_ratio = 0.3}},
                   {.precision = precision});

@@ -12,7 +12,6 @@
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
-#include "mesh/consistent_mass.hpp"
 #include "support/compare.hpp"
 #include "support/random.hpp"
 
@@ -186,11 +185,14 @@ void tie_points(Slab& slab, double stiffness) {
 /// Instead of the mass on the diagonal.
 void tie_masses(Slab& slab, double) {
   slab.diagonal.setZero();
-  const std::vector<double> masses(slab.mesh.num_elements(), Slab::kNodalMass);
-  BlockMatrix M(slab.num_nodes());
-  ConsistentMass(slab.mesh.positions(), slab.mesh.hexahedra(), masses).add_blocks(1, M);
-  for (int n = 0; n < slab.num_nodes(); ++n)
-    for (const auto& [column, block] : M.row(n)) slab.ties.add(n, column, block);
+  // the finite element mass of a box: m / 27, halved with each direction in which two corners differ
+  for (const Hexahedron& corners : slab.mesh.hexahedra())
+    for (int a = 0; a < kCorners; ++a)
+      for (int b = 0; b < kCorners; ++b) {
+        double entry = Slab::kNodalMass / 27;
+        for (int axis = 0; axis < 3; ++axis) entry *= kCornerSign[a][axis] == kCornerSign[b][axis] ? 1 : 0.5;
+        slab.ties.add(corners[a], corners[b], entry * Mat3::Identity());
+      }
 }
 
 struct Beside {

@@ -134,18 +134,6 @@ TEST(Springs, BetweenTwoSetsOfNodes) {
   EXPECT_THROW(Springs(across, {3, 1}), InputError);
 }
 
-// A strip of three triangles, and one that shares an edge with two others already.
-TEST(Springs, PairsLieAcrossTheEdgesOfTwoFaces) {
-  const std::vector<Triangle> strip{{0, 1, 2}, {2, 1, 3}, {2, 3, 4}};
-  EXPECT_EQ(pairs_across_edges(std::span<const Triangle>(strip)), (std::vector<Edge>{{0, 3}, {1, 4}}));
-  std::vector<Triangle> fan = strip;
-  fan.push_back({1, 2, 5});
-  EXPECT_EQ(pairs_across_edges(std::span<const Triangle>(fan)), (std::vector<Edge>{{1, 4}}));
-  // 3 4 5 over 0 1 2: the edge 1 4 has springs from 0 to 2 and from 3 to 5
-  const std::vector<Quad> quads{{0, 1, 4, 3}, {1, 2, 5, 4}};
-  EXPECT_EQ(pairs_across_edges(std::span<const Quad>(quads)), (std::vector<Edge>{{0, 2}, {3, 5}}));
-}
-
 TEST(Springs, AnchorsPullBackToRest) {
   const PointArray rest = nodes();
   PointArray x = rest, f = PointArray::Zero(5, 3);

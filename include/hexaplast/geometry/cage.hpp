@@ -27,23 +27,15 @@ Eigen::AlignedBox3d box_around(ConstPoints points);
 /// them. Throws InputError when cells < 1, or the points do not extend in any direction.
 CageGrid cubes_around(ConstPoints points, int cells);
 
-/// What a surface makes of a cell.
-enum class CageCell : unsigned char {
-  kEnclosed,  ///< the surface keeps it apart from the border of the grid
-  kTouched,   ///< the surface passes through it
-  kOutside
-};
-
 /// Which cells of a grid become hexahedra.
 enum class CageCells { kTouchedOrEnclosed, kEnclosed };
 
 /// Coarse hexahedra around a surface. They are cells of one grid: neighbours share whole faces.
 struct Cage {
-  HexMesh mesh;  ///< nodes ascend by x, then y, then z; hexahedra by z, then y, then x within the two kinds
-  std::vector<std::size_t> cells;  ///< of each hexahedron: its cell in the grid, x fastest
-  int num_touched = 0;             ///< of the hexahedra, the first ones: the surface passes through them
-  int num_parts = 0;               ///< hexahedra that hang together by faces form one part
-  int num_hinges = 0;  ///< nodes at which hexahedra meet that are not joined by faces there: free to fold about them
+  HexMesh mesh;         ///< nodes ascend by x, then y, then z; hexahedra by z, then y, then x within the two kinds
+  int num_touched = 0;  ///< of the hexahedra, the first ones: the surface passes through them
+  int num_parts = 0;    ///< hexahedra that hang together by faces form one part
+  int num_hinges = 0;   ///< nodes at which hexahedra meet that are not joined by faces there: free to fold about them
 };
 
 /// The cells of `grid` that a surface touches, and those that it keeps apart from the border of the grid, in the order
@@ -56,15 +48,6 @@ struct Cage {
 /// cell is left.
 Cage cage_around(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads, const CageGrid& grid,
                  CageCells kept = CageCells::kTouchedOrEnclosed);
-
-/// What a surface makes of the cells of `grid`, x fastest. Throws InputError as cage_around does, except that there
-/// need be no cell left.
-std::vector<CageCell> cells_around(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads,
-                                   const CageGrid& grid);
-
-/// The cells of `grid` of which so much is known (x fastest, as many as it has), as cage_around makes them. Throws
-/// InputError when none is left.
-Cage cage_of(std::span<const CageCell> cells, const CageGrid& grid, CageCells kept = CageCells::kTouchedOrEnclosed);
 
 inline constexpr double kMaxCageCells = 134'217'728;  // of the whole grid: a byte each while the cage is made
 

@@ -62,7 +62,4 @@ struct Shell {
 /// inside out: with the quads, the limits and the smallest scaled Jacobian.
 Shell offset(const QuadSurface& surface, const ShellThickness& thickness);
 
-/// The quads of a surface on a layer of its shell, 0 to layers, in nodes of the shell.
-std::vector<Quad> quads_of_layer(const QuadSurface& surface, int layers, int layer);
-
 }  // namespace hexaplast

@@ -31,27 +31,6 @@ class ConjugateGradients final : public LinearSolver {
   std::unique_ptr<Spaces> spaces_;
 };
 
-/// Conjugate gradients with the stopping rule of SOFA's PCGLinearSolver: r.z <= tolerance b.b, where z is what another
-/// solver makes of r, taken as preconditioner (z = r without one). Without preconditioner the tolerance is thus the
-/// square of a relative residual. As in SOFA, each solve of a SolverMemory begins at the solution before.
-class SolverPreconditionedConjugateGradients final : public LinearSolver {
- public:
-  /// `preconditioner` may be null; it must be symmetric and positive definite, and outlive this. kind: what it is.
-  SolverPreconditionedConjugateGradients(double tolerance, int iterations, LinearSolver* preconditioner,
-                                         PreconditionedBy kind = PreconditionedBy::kFactorisation);
-  ~SolverPreconditionedConjugateGradients() override;
-  SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
-  SolveReport solve_next(const LinearSystem& A, ConstPoints b, Points x, SolverMemory& memory) override;
-
- private:
-  double tolerance_;
-  int iterations_;
-  LinearSolver* preconditioner_;
-  PreconditionedBy kind_;
-  struct Spaces;
-  std::unique_ptr<Spaces> spaces_;
-};
-
 enum class Preconditioner {
   kAuto,       ///< multigrid where it pays: stiff systems, of which one step couples many elements
   kMultigrid,  ///< a V-cycle over coarser meshes; the diagonal where the system has none

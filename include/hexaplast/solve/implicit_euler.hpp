@@ -47,9 +47,6 @@ class MechanicalSystem {
     return false;
   }
 
-  /// diagonal += M, num_nodes x 3, where it couples nothing; false where it does, and `diagonal` is void then.
-  virtual bool add_mass_diagonal(Points /*diagonal*/) const { return false; }
-
   /// Puts x and v where constraints prescribe them at that time, within a step; the default prescribes nothing.
   virtual void prescribe(double /*time*/, Points /*x*/, Points /*v*/) const {}
 

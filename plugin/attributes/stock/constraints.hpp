@@ -141,36 +141,6 @@ inline constexpr Description kPartialLinearMovementProjectiveConstraint{
     .templates = kVec3Templates,
     .attributes = kPartialLinearMovementProjectiveConstraintAttributes};
 
-inline constexpr Attribute kAffineMovementProjectiveConstraintAttributes[] = {
-    {.name = "indices", .type = Type::kIntegers, .range = kIndex, .help = "Nodes that are moved."},
-    {.name = "beginConstraintTime", .type = Type::kReal, .initial = "0", .unit = "s", .help = "The movement begins."},
-    {.name = "endConstraintTime",
-     .type = Type::kReal,
-     .initial = "20",
-     .unit = "s",
-     .help = "The movement has ended; the nodes then stay where they are."},
-    {.name = "rotation",
-     .type = Type::kReals,
-     .initial = "1 0 0 0 1 0 0 0 1",
-     .help = "Matrix A of the final position A x + translation of a node that began at x: nine numbers, row by row. It "
-             "need not be a rotation."},
-    {.name = "translation", .type = Type::kVector3, .initial = "0 0 0", .unit = "m", .help = "Of the final position."},
-    kConstraintTopology,
-    kReaction,
-    kReactionTorque,
-    ignored_attribute("meshIndices", "Ignored here."),
-    ignored_attribute("quaternion", "Ignored here: it turns rigid bodies only."),
-    visual_attribute("drawConstrainedPoints"),
-};
-inline constexpr Description kAffineMovementProjectiveConstraint{
-    .class_name = "AffineMovementProjectiveConstraint",
-    .category = "ProjectiveConstraint",
-    .help =
-        "Moves nodes on straight lines to an affine image of their initial positions and holds them there, always "
-        "without velocity. A step from t to t + dt ends with the position at t, as in SOFA.",
-    .templates = kVec3Templates,
-    .attributes = kAffineMovementProjectiveConstraintAttributes};
-
 inline constexpr Attribute kAttachProjectiveConstraintAttributes[] = {
     {.name = "object1",
      .type = Type::kLink,

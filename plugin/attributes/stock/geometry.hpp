@@ -9,12 +9,6 @@
 /// Nodes and elements. See stock.hpp.
 namespace hexaplast::attributes {
 
-/// A component of a vector, by which older scenes give it.
-constexpr Attribute component_attribute(std::string_view name, std::string_view initial, std::string_view unit,
-                                        std::string_view help) {
-  return {.name = name, .type = Type::kReal, .initial = initial, .unit = unit, .help = help};
-}
-
 inline constexpr Attribute kMechanicalObjectAttributes[] = {
     {.name = "position",
      .type = Type::kVectors3,
@@ -59,15 +53,6 @@ inline constexpr Attribute kMechanicalObjectAttributes[] = {
      .initial = "1",
      .range = kPositive,
      .help = "Factor of the rest positions."},
-    component_attribute("sx", "1", "", "Along x. Where sx, sy or sz is given, the three replace scale3d, as in SOFA."),
-    component_attribute("sy", "1", "", "Along y."),
-    component_attribute("sz", "1", "", "Along z."),
-    component_attribute("rx", "0", "deg", "About x. Where rx, ry or rz is given, the three replace rotation."),
-    component_attribute("ry", "0", "deg", "About y."),
-    component_attribute("rz", "0", "deg", "About z."),
-    component_attribute("dx", "0", "m", "Along x. Where dx, dy or dz is given, the three replace translation."),
-    component_attribute("dy", "0", "m", "Along y."),
-    component_attribute("dz", "0", "m", "Along z."),
     ignored_attribute("size", "Ignored here: there are as many nodes as positions."),
     ignored_attribute("force", "Ignored here: forces are computed in every step, in SOFA too."),
     ignored_attribute("derivX", "Ignored here: it is computed in every step, in SOFA too."),
@@ -93,49 +78,20 @@ inline constexpr Attribute kTopologyQuads{.name = "quads",
                                           .access = Access::kOutput,
                                           .help = "Faces of the cells, each once: groups of four nodes."};
 
-inline constexpr Attribute kTopologyTriangles{.name = "triangles",
-                                              .type = Type::kIntegers,
-                                              .access = Access::kOutput,
-                                              .help = "Every quad as two triangles: groups of three nodes."};
-
 inline constexpr Attribute kRegularGridTopologyAttributes[] = {
     {.name = "n",
      .type = Type::kIntegers,
      .initial = "2 2 2",
-     .range = {.min = 1, .max = 2147483646},
-     .help = "Nodes (not cells) along x, y, z. 1 makes the grid flat, without hexahedra: cells are then its quads, or "
-             "edges "
-             "where two are 1. It lies in the middle between min and max, along z at min."},
-    {.name = "nx",
-     .type = Type::kInteger,
-     .range = {.min = 1, .max = 2147483646},
-     .help = "Nodes along x, instead of n."},
-    {.name = "ny",
-     .type = Type::kInteger,
-     .range = {.min = 1, .max = 2147483646},
-     .help = "Nodes along y, instead of n."},
-    {.name = "nz",
-     .type = Type::kInteger,
-     .range = {.min = 1, .max = 2147483646},
-     .help = "Nodes along z, instead of n."},
+     .range = {.min = 2, .max = 2147483646},
+     .help = "Nodes (not cells) along x, y, z."},
     {.name = "min", .type = Type::kVector3, .initial = "0 0 0", .unit = "m", .help = "Lowest corner."},
     {.name = "max", .type = Type::kVector3, .initial = "1 1 1", .unit = "m", .help = "Highest corner."},
-    {.name = "xmin", .type = Type::kReal, .unit = "m", .help = "Instead of min and max, all six together."},
-    {.name = "ymin", .type = Type::kReal, .unit = "m", .help = "Instead of min and max, all six together."},
-    {.name = "zmin", .type = Type::kReal, .unit = "m", .help = "Instead of min and max, all six together."},
-    {.name = "xmax", .type = Type::kReal, .unit = "m", .help = "Instead of min and max, all six together."},
-    {.name = "ymax", .type = Type::kReal, .unit = "m", .help = "Instead of min and max, all six together."},
-    {.name = "zmax", .type = Type::kReal, .unit = "m", .help = "Instead of min and max, all six together."},
     {.name = "cellWidth",
      .type = Type::kReal,
      .initial = "0",
      .unit = "m",
      .range = kNotNegative,
      .help = "If not 0, the number of cells is such that none is wider than this, and n is ignored."},
-    {.name = "p0",
-     .type = Type::kVector3,
-     .unit = "m",
-     .help = "The first node, if it is not to lie at min; the size of the grid stays."},
     {.name = "position",
      .type = Type::kVectors3,
      .unit = "m",
@@ -148,7 +104,6 @@ inline constexpr Attribute kRegularGridTopologyAttributes[] = {
      .access = Access::kOutput,
      .help = "Cells, x fastest."},
     kTopologyQuads,
-    kTopologyTriangles,
     kTopologyEdges,
     ignored_attribute("computeHexaList", "Ignored here: what is asked for is computed."),
     ignored_attribute("computeQuadList", "Ignored here: what is asked for is computed."),
@@ -164,78 +119,8 @@ inline constexpr Attribute kRegularGridTopologyAttributes[] = {
 };
 inline constexpr Description kRegularGridTopology{.class_name = "RegularGridTopology",
                                                   .category = "Topology",
-                                                  .help =
-                                                      "A box cut into equal cells. Triangles are for links alone: "
-                                                      "unlike in SOFA, pressures act on its quads only, once "
-                                                      "on each face.",
+                                                  .help = "A box cut into equal cells.",
                                                   .attributes = kRegularGridTopologyAttributes};
-
-inline constexpr Attribute kRoundGridAttributes[] = {
-    {.name = "n",
-     .type = Type::kIntegers,
-     .initial = "2 2 2",
-     .range = {.min = 2, .max = 2147483646},
-     .help = "Nodes (not cells) in each direction, the third along the axis."},
-    {.name = "nx",
-     .type = Type::kInteger,
-     .range = {.min = 2, .max = 2147483646},
-     .help = "Instead of the first of n."},
-    {.name = "ny",
-     .type = Type::kInteger,
-     .range = {.min = 2, .max = 2147483646},
-     .help = "Instead of the second of n."},
-    {.name = "nz",
-     .type = Type::kInteger,
-     .range = {.min = 2, .max = 2147483646},
-     .help = "Instead of the third of n."},
-    {.name = "axis", .type = Type::kVector3, .initial = "0 0 1", .help = "Direction of the axis, of any length."},
-    {.name = "radius", .type = Type::kReal, .initial = "1", .unit = "m", .range = kPositive, .help = "Outer radius."},
-    {.name = "position",
-     .type = Type::kVectors3,
-     .unit = "m",
-     .aliases = "points",
-     .access = Access::kOutput,
-     .help = "Nodes: i + nx (j + ny k)."},
-    {.name = "hexahedra",
-     .type = Type::kHexahedra,
-     .aliases = "hexas",
-     .access = Access::kOutput,
-     .help = "Cells, x fastest."},
-    kTopologyQuads,
-    kTopologyTriangles,
-    kTopologyEdges,
-    ignored_attribute("computeHexaList", "Ignored here: what is asked for is computed."),
-    ignored_attribute("computeQuadList", "Ignored here: what is asked for is computed."),
-    ignored_attribute("computeTriangleList", "Ignored here: what is asked for is computed."),
-    ignored_attribute("computeEdgeList", "Ignored here: what is asked for is computed."),
-    ignored_attribute("computePointList", "Ignored here: what is asked for is computed."),
-    ignored_attribute("createTexCoords", "Visual: ignored here."),
-    visual_attribute("drawEdges"),
-    visual_attribute("drawTriangles"),
-    visual_attribute("drawQuads"),
-    visual_attribute("drawTetrahedra"),
-    visual_attribute("drawHexahedra"),
-};
-inline constexpr Attribute kCylinderAttributes[] = {
-    {.name = "center", .type = Type::kVector3, .initial = "0 0 0", .unit = "m", .help = "Where the axis begins."},
-    {.name = "length", .type = Type::kReal, .initial = "1", .unit = "m", .range = kPositive, .help = "Along the axis."},
-};
-inline constexpr auto kCylinderGridTopologyAttributes = joined(kRoundGridAttributes, kCylinderAttributes);
-inline constexpr Description kCylinderGridTopology{
-    .class_name = "CylinderGridTopology",
-    .category = "Topology",
-    .help = "A grid in a cylinder: each square of nodes around the axis is a circle.",
-    .attributes = kCylinderGridTopologyAttributes};
-inline constexpr Attribute kBallAttributes[] = {
-    {.name = "center", .type = Type::kVector3, .initial = "0 0 0", .unit = "m", .help = "Centre."},
-};
-inline constexpr auto kSphereGridTopologyAttributes = joined(kRoundGridAttributes, kBallAttributes);
-inline constexpr Description kSphereGridTopology{.class_name = "SphereGridTopology",
-                                                 .category = "Topology",
-                                                 .help =
-                                                     "A grid in a ball: each cube of nodes around the centre is a "
-                                                     "sphere.",
-                                                 .attributes = kSphereGridTopologyAttributes};
 
 inline constexpr Attribute kSparseGridTopologyAttributes[] = {
     {.name = "fileTopology",
@@ -270,7 +155,7 @@ inline constexpr Attribute kSparseGridTopologyAttributes[] = {
      .type = Type::kBool,
      .initial = "true",
      .help = "Hexahedra that the surface passes through count as half full: at the same strain bodies carry half the "
-             "stress there (in SOFA HexahedronFEMForceField does). Masses are not changed."},
+             "stress there. Masses are not changed."},
     {.name = "position",
      .type = Type::kVectors3,
      .unit = "m",
@@ -284,18 +169,6 @@ inline constexpr Attribute kSparseGridTopologyAttributes[] = {
      .help = "First the cells that the surface passes through, then those that it encloses; x fastest in both."},
     kTopologyQuads,
     kTopologyEdges,
-    {.name = "nbVirtualFinerLevels",
-     .type = Type::kInteger,
-     .initial = "0",
-     .range = {.min = 0, .max = 10},
-     .help =
-         "The surface is found on a grid with 2 times the cells in each direction, or 4, 8, ... times. A cell of the "
-         "coarse grid becomes a hexahedron if one of its fine cells does, and counts as full as they are on average."},
-    ignored_attribute("facets", "Ignored here: the surface comes from the file."),
-    ignored_attribute("dataResolution", "Ignored here: no voxel files are read."),
-    ignored_attribute("voxelSize", "Ignored here: no voxel files are read."),
-    ignored_attribute("marchingCubeStep", "Ignored here: no voxel files are read."),
-    ignored_attribute("convolutionSize", "Ignored here: no voxel files are read."),
     visual_attribute("drawEdges"),
     visual_attribute("drawTriangles"),
     visual_attribute("drawQuads"),
@@ -312,67 +185,11 @@ inline constexpr Description kSparseGridTopology{
         "hexahedra fold.",
     .attributes = kSparseGridTopologyAttributes};
 
-inline constexpr Attribute kConnectivityAttribute[] = {
-    {.name = "finestConnectivity",
-     .type = Type::kBool,
-     .initial = "true",
-     .help = "Whether two fine cells that the surface touches are connected only where one of its edges crosses their "
-             "common face; otherwise wherever they share one. As in SOFA, an edge reaches as far beyond its first "
-             "corner as "
-             "it is long."},
-};
-inline constexpr auto kSparseGridRamificationTopologyAttributes =
-    joined(kSparseGridTopologyAttributes, kConnectivityAttribute);
-inline constexpr Description kSparseGridRamificationTopology{
-    .class_name = "SparseGridRamificationTopology",
-    .category = "Topology",
-    .help =
-        "A SparseGridTopology that keeps branches apart which lie in one coarse cell: with nbVirtualFinerLevels, fine "
-        "cells of a coarse cell that are not connected within it have a hexahedron each, in the same place. In SOFA "
-        "one "
-        "fine cell decides how full such a hexahedron is, here all of them do.",
-    .attributes = kSparseGridRamificationTopologyAttributes};
-
-inline constexpr Attribute kSeveralSurfacesAttributes[] = {
-    kConnectivityAttribute[0],
-    {.name = "fileTopologies",
-     .type = Type::kText,
-     .help = "The surfaces: mesh files as of fileTopology, separated by blanks. Later ones over earlier ones. In "
-             "fileTopology stands the one whose edges finestConnectivity looks at."},
-    {.name = "stiffnessCoefs",
-     .type = Type::kReals,
-     .range = kPositive,
-     .help = "Factor of the stiffness of the cells that each surface encloses; default: 1. A cell that it passes "
-             "through gets the mean of this and of what it had before, at first 0. In single precision, as in SOFA."},
-    {.name = "massCoefs",
-     .type = Type::kReals,
-     .range = kPositive,
-     .help = "The like for the masses of HexahedronFEMForceFieldAndMass. Other masses are not changed, as in SOFA."},
-    {.name = "erasePreviousCoef",
-     .type = Type::kBool,
-     .initial = "false",
-     .help = "Cells that a surface passes through get its factor, and no mean."},
-    {.name = "computeRamifications",
-     .type = Type::kBool,
-     .initial = "true",
-     .help = "Without nbVirtualFinerLevels: whether finestConnectivity is looked at."},
-};
-inline constexpr auto kSparseGridMultipleTopologyAttributes =
-    joined(kSparseGridTopologyAttributes, kSeveralSurfacesAttributes);
-inline constexpr Description kSparseGridMultipleTopology{
-    .class_name = "SparseGridMultipleTopology",
-    .category = "Topology",
-    .help =
-        "A SparseGridRamificationTopology around several surfaces, each with a factor of the stiffness: parts of "
-        "a body, or what is embedded in it.",
-    .attributes = kSparseGridMultipleTopologyAttributes};
-
 inline constexpr Attribute kMeshTopologyAttributes[] = {
     {.name = "position",
      .type = Type::kVectors3,
      .unit = "m",
      .aliases = "points",
-     .access = Access::kState,
      .help = "Nodes. Default: those of the mechanical state."},
     {.name = "hexahedra",
      .type = Type::kHexahedra,
@@ -382,26 +199,13 @@ inline constexpr Attribute kMeshTopologyAttributes[] = {
     {.name = "quads",
      .type = Type::kIntegers,
      .range = kIndex,
-     .access = Access::kState,
      .help = "Groups of four nodes; default: all faces of the hexahedra, each once."},
-    {.name = "triangles",
-     .type = Type::kIntegers,
-     .range = kIndex,
-     .access = Access::kState,
-     .help = "Groups of three nodes."},
-    {.name = "tetrahedra",
-     .type = Type::kIntegers,
-     .range = kIndex,
-     .aliases = "tetras",
-     .access = Access::kState,
-     .help = "Groups of four nodes, for what is made of them: only hexahedra deform."},
+    {.name = "triangles", .type = Type::kIntegers, .range = kIndex, .help = "Groups of three nodes."},
     {.name = "edges",
      .type = Type::kIntegers,
      .range = kIndex,
      .aliases = "lines",
      .help = "Pairs of nodes; default: all edges of the hexahedra, each once."},
-    ignored_attribute("prisms", "Ignored here: only hexahedra deform."),
-    ignored_attribute("pyramids", "Ignored here: only hexahedra deform."),
     ignored_attribute("nbPoints", "Ignored here: there are as many nodes as positions."),
     ignored_attribute("createTriangleArray", "Ignored here."),
     ignored_attribute("createQuadArray", "Ignored here: what is asked for is computed."),
@@ -419,25 +223,15 @@ inline constexpr Description kMeshTopology{
     .category = "Topology",
     .help = "Nodes and cells as they are given, from a mesh loader or in the scene.",
     .attributes = kMeshTopologyAttributes};
-inline constexpr Description kHexahedronSetTopologyContainer{
-    .class_name = "HexahedronSetTopologyContainer",
-    .category = "Topology",
-    .help = "Nodes and cells as they are given, from a mesh loader or in the scene: the same as MeshTopology.",
-    .attributes = kMeshTopologyAttributes};
-
 constexpr Description container(std::string_view class_name) {
   return {.class_name = class_name,
           .category = "Topology",
-          .help =
-              "Nodes and cells as they are given, or as a topological mapping of the node makes them: the same as "
-              "MeshTopology.",
+          .help = "Nodes and cells as they are given, from a mesh loader or in the scene: the same as MeshTopology.",
           .attributes = kMeshTopologyAttributes};
 }
-inline constexpr Description kTetrahedronSetTopologyContainer = container("TetrahedronSetTopologyContainer");
+inline constexpr Description kHexahedronSetTopologyContainer = container("HexahedronSetTopologyContainer");
 inline constexpr Description kQuadSetTopologyContainer = container("QuadSetTopologyContainer");
 inline constexpr Description kTriangleSetTopologyContainer = container("TriangleSetTopologyContainer");
-inline constexpr Description kEdgeSetTopologyContainer = container("EdgeSetTopologyContainer");
-inline constexpr Description kPointSetTopologyContainer = container("PointSetTopologyContainer");
 
 /// What every mesh loader takes; they differ in `createSubelements` alone.
 constexpr std::array<Attribute, 19> loader_attributes(std::string_view creates_subelements) {

@@ -108,38 +108,6 @@ inline constexpr Description kSurfacePressureForceField{
     .templates = kVec3Templates,
     .attributes = kSurfacePressureAttributes};
 
-inline constexpr Attribute kQuadPressureAttributes[] = {
-    {.name = "pressure",
-     .type = Type::kVector3,
-     .initial = "0 0 0",
-     .unit = "Pa",
-     .help = "Force per area at rest, in a fixed direction."},
-    {.name = "quadList",
-     .type = Type::kIntegers,
-     .range = kIndex,
-     .help = "Quads of the topology; default: those between dmin and dmax."},
-    {.name = "normal",
-     .type = Type::kVector3,
-     .initial = "0 0 0",
-     .help = "Direction in which dmin and dmax are measured."},
-    {.name = "dmin",
-     .type = Type::kReal,
-     .initial = "0",
-     .unit = "m",
-     .help = "Quads count whose nodes all have dmin < normal.x < dmax at rest, unless dmin = dmax."},
-    {.name = "dmax", .type = Type::kReal, .initial = "0", .unit = "m", .help = "See dmin."},
-    kLoadTopology,
-    visual_attribute("showForces"),
-};
-inline constexpr Description kQuadPressureForceField{
-    .class_name = "QuadPressureForceField",
-    .category = "ForceField",
-    .help =
-        "A force per area on quads that neither turns nor grows with them: a quarter of each quad's force to each of "
-        "its nodes. Quads of removed hexahedra carry no load.",
-    .templates = kVec3Templates,
-    .attributes = kQuadPressureAttributes};
-
 inline constexpr Attribute kPlaneAttributes[] = {
     {.name = "normal",
      .type = Type::kVector3,
@@ -183,24 +151,5 @@ inline constexpr Description kPlaneForceField{.class_name = "PlaneForceField",
                                               .help = "An elastic obstacle behind a plane.",
                                               .templates = kVec3Templates,
                                               .attributes = kPlaneAttributes};
-
-inline constexpr Attribute kUniformVelocityDampingAttributes[] = {
-    {.name = "dampingCoefficient",
-     .type = Type::kReal,
-     .initial = "0.1",
-     .unit = "N s/m",
-     .range = kNotNegative,
-     .aliases = "damping",
-     .help = "Force on each node against its velocity."},
-    {.name = "implicit",
-     .type = Type::kBool,
-     .initial = "false",
-     .help = "Has its part in the system matrix too; otherwise keep dampingCoefficient x dt below the nodes' masses."},
-};
-inline constexpr Description kUniformVelocityDampingForceField{.class_name = "UniformVelocityDampingForceField",
-                                                               .category = "ForceField",
-                                                               .help = "The same viscous drag on every node.",
-                                                               .templates = kVec3Templates,
-                                                               .attributes = kUniformVelocityDampingAttributes};
 
 }  // namespace hexaplast::attributes

@@ -83,44 +83,4 @@ inline constexpr Description kDiagonalMass{.class_name = "DiagonalMass",
                                            .templates = "Vec3 Vec3d Vec3,double Vec3d,double Vec3,Vec3",
                                            .attributes = kDiagonalMassAttributes};
 
-inline constexpr Attribute kMeshMatrixMassAttributes[] = {
-    {.name = "totalMass",
-     .type = Type::kReal,
-     .unit = "kg",
-     .range = kPositive,
-     .help = "Of the whole body, spread by volume. Counts before massDensity; 1 kg if none is given."},
-    {.name = "massDensity",
-     .type = Type::kReals,
-     .unit = "kg/m^3",
-     .range = kPositive,
-     .help = "Mass per volume: one value, or one per hexahedron."},
-    {.name = "lumping",
-     .type = Type::kBool,
-     .initial = "false",
-     .help =
-         "Sums every row on the diagonal: an eighth of its mass to each node of a hexahedron, as DiagonalMass does."},
-    {.name = "computeMassOnRest",
-     .type = Type::kBool,
-     .initial = "false",
-     .help = "Whether volumes are those of the rest positions or of the first positions."},
-    kMassRayleigh,
-    kSeparateGravity,
-    kMassTopology,
-    ignored_attribute("geometryState", "Ignored here: the nodes are those of the mechanical state."),
-    ignored_attribute("printMass", "Ignored here."),
-    visual_attribute("showGravityCenter"),
-    visual_attribute("showAxisSizeFactor"),
-};
-inline constexpr Description kMeshMatrixMass{
-    .class_name = "MeshMatrixMass",
-    .category = "Mass",
-    .help =
-        "The finite element mass matrix of the hexahedra. SOFA couples the nodes along edges alone (a twentieth of a "
-        "hexahedron's mass at each node, a fortieth on each edge), which lets some motions have a negative energy; "
-        "here every two nodes of a hexahedron are coupled, with the same total. Lumped, the two are equal. Of a "
-        "topology "
-        "without hexahedra its quads or triangles have the mass, by area, with SOFA's matrix.",
-    .templates = "Vec3 Vec3d Vec3,Vec3 Vec3d,Vec3d",
-    .attributes = kMeshMatrixMassAttributes};
-
 }  // namespace hexaplast::attributes

@@ -56,28 +56,6 @@ inline constexpr Attribute kStaticAttributes[] = {
     {.name = "linearSolver",
      .type = Type::kLink,
      .help = "Solver of the linear systems; default: the first one of the node, or of the nearest one above."},
-    {.name = "newton_iterations",
-     .type = Type::kInteger,
-     .range = {.min = 1, .max = 1e9},
-     .help = "Deprecated: NewtonRaphsonSolver.maxNbIterationsNewton."},
-    {.name = "absolute_residual_tolerance_threshold",
-     .type = Type::kReal,
-     .unit = "N",
-     .range = kNotNegative,
-     .help = "Deprecated: NewtonRaphsonSolver.absoluteResidualStoppingThreshold."},
-    {.name = "relative_residual_tolerance_threshold",
-     .type = Type::kReal,
-     .range = kNotNegative,
-     .help = "Deprecated: NewtonRaphsonSolver.relativeInitialStoppingThreshold."},
-    {.name = "absolute_correction_tolerance_threshold",
-     .type = Type::kReal,
-     .unit = "m",
-     .range = kNotNegative,
-     .help = "Deprecated: NewtonRaphsonSolver.absoluteEstimateDifferenceThreshold."},
-    {.name = "relative_correction_tolerance_threshold",
-     .type = Type::kReal,
-     .range = kNotNegative,
-     .help = "Deprecated: NewtonRaphsonSolver.relativeEstimateDifferenceThreshold."},
     ignored_attribute("should_diverge_when_residual_is_growing", "Ignored here."),
 };
 inline constexpr Description kStaticSolver{
@@ -153,11 +131,6 @@ inline constexpr Description kNewtonRaphsonSolver{
     .help = "Stopping rules and line search of a StaticSolver. Norms are those of all its bodies together.",
     .attributes = kNewtonRaphsonAttributes};
 
-inline constexpr Attribute kLinearSystem{
-    .name = "linearSystem",
-    .type = Type::kLink,
-    .help = "A component of SOFA that assembles the matrix: only whole matrices here, which are the solver's own."};
-
 inline constexpr Attribute kCGLinearSolverAttributes[] = {
     {.name = "iterations",
      .type = Type::kInteger,
@@ -180,217 +153,28 @@ inline constexpr Attribute kCGLinearSolverAttributes[] = {
      .type = Type::kBool,
      .initial = "false",
      .help = "Begins with the solution of the step before."},
-    kLinearSystem,
     ignored_attribute("graph", "Ignored here."),
 };
-inline constexpr std::string_view kIterativeTemplates =
+inline constexpr std::string_view kCGTemplates =
     "GraphScattered CompressedRowSparseMatrix CompressedRowSparseMatrixd CompressedRowSparseMatrixMat3x3 "
     "CompressedRowSparseMatrixMat3x3d";
 inline constexpr Description kCGLinearSolver{.class_name = "CGLinearSolver",
                                              .category = "LinearSolver",
                                              .help = "Conjugate gradients without assembled matrix.",
-                                             .templates = kIterativeTemplates,
+                                             .templates = kCGTemplates,
                                              .attributes = kCGLinearSolverAttributes};
 
-inline constexpr Description kParallelCGLinearSolver{
-    .class_name = "ParallelCGLinearSolver",
-    .category = "LinearSolver",
-    .help = "The same as CGLinearSolver, which uses all threads here as well.",
-    .templates =
-        "ParallelCompressedRowSparseMatrix ParallelCompressedRowSparseMatrixd "
-        "ParallelCompressedRowSparseMatrixMat3x3 ParallelCompressedRowSparseMatrixMat3x3d",
-    .attributes = kCGLinearSolverAttributes};
-
-inline constexpr Attribute kMinResLinearSolverAttributes[] = {
-    {.name = "iterations",
-     .type = Type::kInteger,
-     .initial = "25",
-     .range = {.min = 1, .max = 1e9},
-     .help = "Largest number of iterations."},
-    {.name = "tolerance",
-     .type = Type::kReal,
-     .initial = "1e-5",
-     .range = kNotNegative,
-     .help = "Stops when |r| / (|A| |x|) or |A r| / (|A| |r|), as the iteration estimates them, is <= this value."},
-    kLinearSystem,
-    ignored_attribute("graph", "Ignored here."),
-    ignored_attribute("verbose", "Ignored here."),
-};
-inline constexpr Description kMinResLinearSolver{
-    .class_name = "MinResLinearSolver",
-    .category = "LinearSolver",
-    .help = "Minimum residuals without assembled matrix. Begins with the solution of the step before.",
-    .templates = kIterativeTemplates,
-    .attributes = kMinResLinearSolverAttributes};
-
-inline constexpr Attribute kPCGLinearSolverAttributes[] = {
-    {.name = "iterations",
-     .type = Type::kInteger,
-     .initial = "25",
-     .range = {.min = 1, .max = 1e9},
-     .help = "Largest number of iterations."},
-    {.name = "tolerance",
-     .type = Type::kReal,
-     .initial = "1e-5",
-     .range = kNotNegative,
-     .help = "Stops when r.z / b.b <= this value, z being the preconditioned residual: without preconditioner this is "
-             "the square of CGLinearSolver's measure."},
-    {.name = "use_precond", .type = Type::kBool, .initial = "true", .help = "Whether the preconditioner is used."},
-    {.name = "preconditioner",
-     .type = Type::kLink,
-     .help = "A direct solver or one of SOFA's preconditioners, with the matrix of the current step; default: none. A "
-             "direct solver is exact here: one iteration is enough."},
-    kLinearSystem,
-    ignored_attribute("update_step", "Ignored here: the preconditioner is always up to date."),
-    ignored_attribute("graph", "Ignored here."),
-};
-inline constexpr Description kPCGLinearSolver{
-    .class_name = "PCGLinearSolver",
-    .category = "LinearSolver",
-    .help =
-        "Preconditioned conjugate gradients. Begins with the solution of the step "
-        "before.",
-    .templates = kIterativeTemplates,
-    .attributes = kPCGLinearSolverAttributes};
-
-inline constexpr Attribute kDirectSolverAttributes[] = {
-    kLinearSystem,
+inline constexpr Attribute kSparseLDLAttributes[] = {
     ignored_attribute("precomputeSymbolicDecomposition", "Ignored here: it is kept as long as the pattern stays."),
     ignored_attribute("orderingMethod", "Ignored here: CHOLMOD chooses the order."),
     ignored_attribute("parallelInverseProduct", "Ignored here."),
-    ignored_attribute("verbose", "Ignored here."),
     ignored_attribute("savingPrecision", "Ignored here."),
-    ignored_attribute("minSingularValue", "Ignored here: no singular value is cut."),
-    ignored_attribute("enableAssembly", "Ignored here: the matrix is always that of the present step."),
-    ignored_attribute("use_file", "Ignored here: nothing is precomputed."),
-    ignored_attribute("jmjt_twostep", "Ignored here: there are no Lagrangian constraints."),
-    ignored_attribute("iterativeSolverNumbering", "Ignored here: CHOLMOD chooses the order."),
-    ignored_attribute("symmetric", "Ignored here: the matrix is symmetric."),
-    ignored_attribute("exportDataToFolder", "Ignored here."),
 };
-inline constexpr std::string_view kDirectTemplates =
-    "CompressedRowSparseMatrix CompressedRowSparseMatrixd CompressedRowSparseMatrixMat3x3 "
-    "CompressedRowSparseMatrixMat3x3d FullMatrix FullMatrixd SparseMatrix SparseMatrixd NewMat BTDMatrix3 BTDMatrix3d";
-
-/// SOFA's exact solvers are one and the same here. others: what SOFA's does otherwise.
-constexpr Description direct_solver(std::string_view class_name, std::string_view help) {
-  return {.class_name = class_name,
-          .category = "LinearSolver",
-          .help = help,
-          .templates = kDirectTemplates,
-          .attributes = kDirectSolverAttributes};
-}
-inline constexpr std::string_view kDirectHelp =
-    "Direct sparse factorisation by CHOLMOD, of the matrix of the present step, for any of these names.";
-inline constexpr Description kDirectSolvers[] = {
-    direct_solver("SparseLDLSolver", kDirectHelp),
-    direct_solver("EigenSimplicialLDLT", kDirectHelp),
-    direct_solver("EigenSimplicialLLT", kDirectHelp),
-    direct_solver("EigenSparseLU", kDirectHelp),
-    direct_solver("EigenSparseQR", kDirectHelp),
-    direct_solver("CholeskySolver", kDirectHelp),
-    direct_solver("LULinearSolver", kDirectHelp),
-    direct_solver("BTDLinearSolver", kDirectHelp),
-    direct_solver("SparsePARDISOSolver", kDirectHelp),
-    direct_solver("SparseCholeskySolver", kDirectHelp),
-    direct_solver("SparseLUSolver", kDirectHelp),
-    direct_solver(
-        "SVDLinearSolver",
-        "Direct sparse factorisation by CHOLMOD, of the matrix of the present step. SOFA's cuts singular values "
-        "below 1e-6."),
-    direct_solver(
-        "AsyncSparseLDLSolver",
-        "Direct sparse factorisation by CHOLMOD, of the matrix of the present step. SOFA's goes on with that of "
-        "an earlier step while a new one is made, and is not exact then."),
-    direct_solver("PrecomputedLinearSolver",
-                  "Direct sparse factorisation by CHOLMOD, of the matrix of the present step. SOFA's keeps that of the "
-                  "first step, and turns it with the body; it is not exact then."),
-};
-
-inline constexpr std::string_view kPreconditionerTemplates =
-    "CompressedRowSparseMatrix CompressedRowSparseMatrixd CompressedRowSparseMatrixMat3x3 "
-    "CompressedRowSparseMatrixMat3x3d DiagonalMatrix BlockDiagonalMatrix BlockDiagonalMatrix3 SparseMatrix "
-    "RotationMatrix RotationMatrixd";
-inline constexpr Attribute kPreconditionerAttributes[] = {
-    kLinearSystem,
-    ignored_attribute("verbose", "Ignored here."),
-};
-inline constexpr Description kJacobiPreconditioner{.class_name = "JacobiPreconditioner",
-                                                   .category = "LinearSolver",
-                                                   .help = "The diagonal of the matrix, for PCGLinearSolver.",
-                                                   .templates = kPreconditionerTemplates,
-                                                   .attributes = kPreconditionerAttributes};
-inline constexpr Description kBlockJacobiPreconditioner{
-    .class_name = "BlockJacobiPreconditioner",
+inline constexpr Description kSparseLDLSolver{
+    .class_name = "SparseLDLSolver",
     .category = "LinearSolver",
-    .help = "The 3x3 blocks on the diagonal of the matrix, for PCGLinearSolver.",
-    .templates = kPreconditionerTemplates,
-    .attributes = kPreconditionerAttributes};
-
-inline constexpr Attribute kSSORPreconditionerAttributes[] = {
-    {.name = "omega",
-     .type = Type::kReal,
-     .initial = "1",
-     .range = {.min = 0, .max = 2, .exclusive_min = true, .exclusive_max = true},
-     .help = "Factor of over-relaxation."},
-    kLinearSystem,
-    ignored_attribute("verbose", "Ignored here."),
-};
-inline constexpr Description kSSORPreconditioner{
-    .class_name = "SSORPreconditioner",
-    .category = "LinearSolver",
-    .help = "A sweep of symmetric successive over-relaxation, for PCGLinearSolver.",
-    .templates = kPreconditionerTemplates,
-    .attributes = kSSORPreconditionerAttributes};
-
-inline constexpr Attribute kWarpPreconditionerAttributes[] = {
-    {.name = "linearSolver",
-     .type = Type::kLink,
-     .help = "The direct solver or preconditioner that it stands for; default: none, which is an exact factorisation."},
-    kLinearSystem,
-    ignored_attribute("jmjt_twostep", "Ignored here: there are no Lagrangian constraints."),
-    ignored_attribute("use_file", "Ignored here: nothing is precomputed."),
-    ignored_attribute("share_matrix", "Ignored here: nothing is precomputed."),
-    ignored_attribute("use_rotations", "Ignored here: the matrix is always that of the present step."),
-    ignored_attribute("draw_rotations_scale", "Visual: ignored here."),
-};
-constexpr Description warped_preconditioner(std::string_view class_name) {
-  return {.class_name = class_name,
-          .category = "LinearSolver",
-          .help =
-              "For PCGLinearSolver: what its linearSolver makes of the matrix of the present step. SOFA's turns an "
-              "earlier matrix with the body, and needs more iterations.",
-          .templates = kPreconditionerTemplates,
-          .attributes = kWarpPreconditionerAttributes};
-}
-inline constexpr Description kWarpPreconditioners[] = {warped_preconditioner("WarpPreconditioner"),
-                                                       warped_preconditioner("PrecomputedWarpPreconditioner")};
-
-constexpr Attribute assembly_attribute(std::string_view name) {
-  return {.name = name,
-          .type = Type::kBool,
-          .initial = "true",
-          .help = "A matrix that is not whole is for pictures of it alone: no solver may link to it here."};
-}
-inline constexpr Attribute kMatrixLinearSystemAttributes[] = {
-    assembly_attribute("assembleStiffness"),
-    assembly_attribute("assembleMass"),
-    assembly_attribute("assembleDamping"),
-    assembly_attribute("assembleGeometricStiffness"),
-    assembly_attribute("applyProjectiveConstraints"),
-    assembly_attribute("applyMappedComponents"),
-    ignored_attribute("checkIndices", "Ignored here: they are always right."),
-    ignored_attribute("parallelAssemblyIndependentMatrices", "Ignored here."),
-};
-/// They organise the assembly of matrices in SOFA.
-constexpr Description matrix_system(std::string_view class_name) {
-  return {.class_name = class_name,
-          .category = "LinearSystem",
-          .help = "Where SOFA assembles a matrix. Solvers assemble their own here.",
-          .templates = kDirectTemplates,
-          .attributes = kMatrixLinearSystemAttributes};
-}
-inline constexpr Description kMatrixLinearSystems[] = {matrix_system("MatrixLinearSystem"),
-                                                       matrix_system("ConstantSparsityPatternSystem")};
+    .help = "Direct sparse factorisation by CHOLMOD, of the matrix of the present step.",
+    .templates = kMatrixTemplates,
+    .attributes = kSparseLDLAttributes};
 
 }  // namespace hexaplast::attributes

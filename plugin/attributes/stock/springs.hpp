@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <array>
-
 #include "attributes/attribute.hpp"
 #include "attributes/stock/ignored.hpp"
 
@@ -15,16 +13,6 @@ inline constexpr Attribute kSpringRayleigh{.name = "rayleighStiffness",
                                            .unit = "s",
                                            .range = kNotNegative,
                                            .help = "Damping by their stiffness, in the system matrix alone."};
-inline constexpr Attribute kSpringTopology{
-    .name = "topology", .type = Type::kLink, .help = "Default: that of the node, or of the nearest one above."};
-
-constexpr Attribute spring_stiffness(std::string_view name, std::string_view initial, std::string_view help) {
-  return {.name = name, .type = Type::kReal, .initial = initial, .unit = "N", .range = kNotNegative, .help = help};
-}
-constexpr Attribute spring_damping(std::string_view name, std::string_view initial, std::string_view help) {
-  return {.name = name, .type = Type::kReal, .initial = initial, .unit = "N s", .range = kNotNegative, .help = help};
-}
-
 inline constexpr Attribute kSpringForceFieldAttributes[] = {
     {.name = "object1",
      .type = Type::kLink,
@@ -32,7 +20,7 @@ inline constexpr Attribute kSpringForceFieldAttributes[] = {
     {.name = "object2",
      .type = Type::kLink,
      .help = "That of the second nodes; default: that of the node. One time integrator moves both states. They may "
-             "follow others (points in a body, points of a rigid frame); a state that nothing moves holds its ends."},
+             "follow others (points in a body); a state that nothing moves holds its ends."},
     {.name = "spring",
      .type = Type::kReals,
      .help =
@@ -75,79 +63,6 @@ inline constexpr Description kSpringForceField{
         "the matrix, as in SOFA: it may throw light nodes to and fro, and a warning says so.",
     .templates = kVec3Templates,
     .attributes = kSpringForceFieldAttributes};
-
-inline constexpr Attribute kMeshSpringAttributes[] = {
-    spring_stiffness("stiffness", "0",
-                     "Of all springs, times their length at rest: a spring of twice the length is half as stiff."),
-    spring_damping("damping", "0", "Of all springs, times their length at rest."),
-    spring_stiffness("linesStiffness", "", "Of those along edges; default: stiffness."),
-    spring_damping("linesDamping", "", "Of those along edges; default: damping."),
-    spring_stiffness("quadsStiffness", "", "Of those along the diagonals of quads; default: stiffness."),
-    spring_damping("quadsDamping", "", "Of those along the diagonals of quads; default: damping."),
-    spring_stiffness("cubesStiffness", "", "Of those along the diagonals of hexahedra; default: stiffness."),
-    spring_damping("cubesDamping", "", "Of those along the diagonals of hexahedra; default: damping."),
-    {.name = "noCompression",
-     .type = Type::kBool,
-     .initial = "false",
-     .help = "No force of springs that are shorter than at rest."},
-    kSpringTopology,
-    kSpringRayleigh,
-    visual_attribute("showArrowSize"),
-    visual_attribute("drawMode"),
-    visual_attribute("drawMinElongationRange"),
-    visual_attribute("drawMaxElongationRange"),
-    visual_attribute("drawSpringSize"),
-};
-inline constexpr Description kMeshSpringForceField{
-    .class_name = "MeshSpringForceField",
-    .category = "ForceField",
-    .help =
-        "Springs along the edges of a topology and the diagonals of its quads and hexahedra, at rest in the rest "
-        "positions. Two nodes have one spring: an edge before a diagonal.",
-    .templates = kVec3Templates,
-    .attributes = kMeshSpringAttributes};
-inline constexpr Description kRegularGridSpringForceField{
-    .class_name = "RegularGridSpringForceField",
-    .category = "ForceField",
-    .help =
-        "The same as MeshSpringForceField, on a grid. The lengths at rest are those of the rest positions (in SOFA, of "
-        "the grid's cells).",
-    .templates = kVec3Templates,
-    .attributes = kMeshSpringAttributes};
-
-inline constexpr Attribute kBendingSpringsAttributes[] = {
-    {.name = "stiffness",
-     .type = Type::kReal,
-     .initial = "100000",
-     .unit = "N/m",
-     .range = kNotNegative,
-     .help = "Of each spring."},
-    {.name = "damping",
-     .type = Type::kReal,
-     .initial = "1",
-     .unit = "N s/m",
-     .range = kNotNegative,
-     .help = "Of each spring."},
-    kSpringTopology,
-    kSpringRayleigh,
-    visual_attribute("showSprings"),
-};
-inline constexpr Description kTriangularBendingSprings{
-    .class_name = "TriangularBendingSprings",
-    .category = "ForceField",
-    .help =
-        "For each two triangles with a common edge a spring between the corners away from it, at rest in the rest "
-        "positions: it resists bending about the edge.",
-    .templates = kVec3Templates,
-    .attributes = kBendingSpringsAttributes};
-inline constexpr Description kQuadularBendingSprings{
-    .class_name = "QuadularBendingSprings",
-    .category = "ForceField",
-    .help =
-        "For each two quads with a common edge two springs across it, between the corners beside its ends, at rest in "
-        "the rest positions: they resist bending about the edge.",
-    .templates = kVec3Templates,
-    .attributes = kBendingSpringsAttributes};
 
 inline constexpr Attribute kRestShapeSpringsAttributes[] = {
     {.name = "points", .type = Type::kIntegers, .range = kIndex, .aliases = "indices", .help = "Nodes; default: all."},

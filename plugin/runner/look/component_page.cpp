@@ -109,7 +109,7 @@ bool has_table(const Description& component) {
 }
 
 std::string section(const Description& component) {
-  std::string text = fmt::format("\n### {}\n\n{}\n", attributes::title_of(component), component.help);
+  std::string text = fmt::format("\n### {}\n\n{}\n", component.class_name, component.help);
   if (!component.templates.empty()) {
     std::string templates;
     for (const std::string_view name : scene::split_words(component.templates))
@@ -119,8 +119,7 @@ std::string section(const Description& component) {
   if (has_table(component)) text += fmt::format("\n{}", attribute_table(component.attributes));
   text += ignored_attributes(component.attributes);
 
-  const std::string title = attributes::title_of(component);
-  const auto example = std::ranges::find(attributes::kExamples, title, &attributes::Example::class_name);
+  const auto example = std::ranges::find(attributes::kExamples, component.class_name, &attributes::Example::class_name);
   text += fmt::format("\n```xml\n{}\n```\n", example == attributes::kExamples.end()
                                                  ? fmt::format("<{}/>", component.class_name)
                                                  : std::string(example->lines));
@@ -159,26 +158,10 @@ std::string_view describe(Access access) {
 
 std::vector<ComponentGroup> grouped(const std::vector<const Description*>& components) {
   std::vector<ComponentGroup> groups;
-  for (const std::string_view category : {"Node",
-                                          "Settings",
-                                          "AnimationLoop",
-                                          "OdeSolver",
-                                          "NewtonRaphsonSolver",
-                                          "LinearSolver",
-                                          "Loader",
-                                          "Topology",
-                                          "TopologicalMapping",
-                                          "MechanicalState",
-                                          "Mass",
-                                          "ForceField",
-                                          "InteractionForceField",
-                                          "MaterialRegion",
-                                          "ProjectiveConstraint",
-                                          "InteractionProjectiveConstraint",
-                                          "Engine",
-                                          "Mapping",
-                                          "Probe",
-                                          "Exporter"})
+  for (const std::string_view category :
+       {"Node", "Settings", "AnimationLoop", "OdeSolver", "NewtonRaphsonSolver", "LinearSolver", "MeshLoader",
+        "Topology", "MechanicalState", "Mass", "ForceField", "InteractionForceField", "MaterialRegion",
+        "ProjectiveConstraint", "InteractionProjectiveConstraint", "Engine", "Mapping", "Probe", "Exporter"})
     groups.push_back({category, {}});
   for (const Description* component : components) {
     if (component->takes_anything) continue;

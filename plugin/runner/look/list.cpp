@@ -61,7 +61,6 @@ Json json_of(const Attribute& attribute) {
 
 Json json_of(const Description& component) {
   Json json = {{"name", component.class_name}, {"category", component.category}, {"help", component.help}};
-  if (!component.variant.empty()) json["variant"] = component.variant;
   json["has_effect"] = !component.takes_anything;
   json["templates"] = words(component.templates);
   json["attributes"] = Json::array();

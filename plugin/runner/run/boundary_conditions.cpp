@@ -16,7 +16,7 @@ using TakeLoad = std::function<void(const scene::ForceField*, const PointArray& 
 
 /// Hands out what each load component of a state, or of one that follows it, adds to the state's forces, and the
 /// constant forces of the states as one more: take(null, forces).
-void for_each_load(double time, const scene::Node& root, scene::State& state, const TakeLoad& take) {
+void for_each_load(double time, const scene::Node& root, scene::MechanicalState& state, const TakeLoad& take) {
   const auto at_rest = [&] { return PointArray(PointArray::Zero(state.num_nodes(), 3)); };
   PointArray constant = at_rest();
   state.add_external_force(constant);

@@ -50,7 +50,7 @@ struct Findings {
 };
 
 /// Whether something is between the state, or one that follows it, and another state: that one may hold it.
-bool is_joined(const scene::Node& root, const scene::State& state) {
+bool is_joined(const scene::Node& root, const scene::MechanicalState& state) {
   const auto is_between = [&](std::array<scene::MechanicalState*, 2> states) {
     return states[0] != states[1] && (states[0] == &state || states[1] == &state);
   };
@@ -121,7 +121,7 @@ Findings look_at(scene::Scene& scene) {
   }
 
   for (const scene::SceneBody& body : scene::bodies_of(scene)) {
-    const std::vector<scene::MassMatrix*> masses = scene::masses_of(scene.root(), *body.state);
+    const std::vector<scene::Mass*> masses = scene::masses_of(scene.root(), *body.state);
     const ModelCheck& model =
         found.bodies
             .emplace_back(Findings::Body{

@@ -11,7 +11,7 @@ template class HEXAPLAST_SOFA_API InstrumentContactForceField<Vec3Types>;
 
 void registerInstrumentContactForceField(sofa::core::ObjectFactory* factory)
 {
-    register_component<InstrumentContactForceField<Vec3Types>>(factory, attributes::kInstrumentContactForceField);
+    register_component<InstrumentContactForceField<Vec3Types>>(factory, attributes::kInstrumentContactInSofa);
 }
 
 }  // namespace hexaplast::sofa_plugin

@@ -57,7 +57,7 @@ public:
     const parts::Instrument* instrument() const { return hasPart() ? &*m_instrument : nullptr; }
 
 protected:
-    InstrumentContactForceField() : Inherit(attributes::kInstrumentContactForceField) {}
+    InstrumentContactForceField() : Inherit(attributes::kInstrumentContactInSofa) {}
 
     void makePart() override;
     void updatePart() override;
