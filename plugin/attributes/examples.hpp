@@ -146,9 +146,6 @@ inline constexpr std::array kExamples = {
   <BarycentricMapping input="@.." output="@."/>
   <ConstantForceField forces="0 0.1 0"/>
 </Node>)xml"},
-    Example{"VTKExporter", R"xml(<VTKExporter filename="beam" exportEveryNumberOfSteps="10" hexas="true" edges="false"
-    pointsDataFields="velocity=nodes.velocity"/>)xml"},
-    Example{"WriteState", R"xml(<WriteState filename="states.txt" writeV="true" time="0" period="0.1"/>)xml"},
     Example{"IdentityMapping", R"xml(<Node name="copy">
   <MechanicalObject name="followers" position="@nodes.position"/>
   <IdentityMapping/>

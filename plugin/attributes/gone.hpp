@@ -96,6 +96,9 @@ inline constexpr Gone kGone[] = {
     {"MechanicalObject.rx MechanicalObject.ry MechanicalObject.rz", "take rotation"},
     {"MechanicalObject.dx MechanicalObject.dy MechanicalObject.dz", "take translation"},
 
+    {"VTKExporter", "leave it out: a run writes mesh.pvd and its .vtu files"},
+    {"WriteState", "leave it out: a run writes states with --data, and its last one with --final"},
+
     // what had no effect
     {"VisualModel VisualModelOBJExporter OBJExporter ObjExporter VisualMesh VisualPointCloud VisualGrid "
      "VisualTransform VisualBoundingBox VisualVectorField Visual3DText LineAxis TrailRenderer Camera RecordedCamera "

@@ -3,7 +3,6 @@
 
 #include "attributes/attribute.hpp"
 #include "attributes/stock/constraints.hpp"
-#include "attributes/stock/exporters.hpp"
 #include "attributes/stock/geometry.hpp"
 #include "attributes/stock/ignored.hpp"
 #include "attributes/stock/loads.hpp"

@@ -28,7 +28,6 @@ void add_tissue_contact(scene::Factory& factory);  // TissueContactForceField
 void add_mappings(scene::Factory& factory);        // BarycentricMapping, IdentityMapping
 void add_visuals(scene::Factory& factory);         // OglModel, VisualStyle, InteractiveCamera
 void add_probes(scene::Factory& factory);          // Probe
-void add_exporters(scene::Factory& factory);       // VTKExporter, WriteState
 void add_bodies(scene::Factory& factory);          // HexahedronElastoplasticFEMForceField
 void add_regions(scene::Factory& factory);         // MaterialRegion
 

@@ -27,5 +27,4 @@ HEXAPLAST_PLUGIN(factory) {
   add_mappings(factory);
   add_visuals(factory);
   add_probes(factory);
-  add_exporters(factory);
 }

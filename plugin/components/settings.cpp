@@ -93,8 +93,8 @@ class AttributeChange final : public scene::Component {
 
   /// Categories whose components take no changes.
   static constexpr std::string_view kReadOnce[] = {
-      "AnimationLoop",       "Exporter",  "LinearSolver", "Mapping",  "Mass",  "MechanicalState", "MeshLoader",
-      "NewtonRaphsonSolver", "OdeSolver", "Settings",     "Topology", "Visual"};
+      "AnimationLoop",       "LinearSolver", "Mapping",  "Mass",     "MechanicalState", "MeshLoader",
+      "NewtonRaphsonSolver", "OdeSolver",    "Settings", "Topology", "Visual"};
 
   static bool may_change(const scene::Data& data) {
     const attributes::Attribute& attribute = data.attribute();

@@ -21,7 +21,6 @@
 #include "runner/run/bench.hpp"
 #include "runner/run/check.hpp"
 #include "runner/run/common_options.hpp"
-#include "runner/run/output_options.hpp"
 #include "runner/run/resume.hpp"
 #include "runner/run/run.hpp"
 #include "runner/study/element.hpp"
@@ -78,8 +77,7 @@ void add_run(CLI::App& app, RunOptions& options) {
       ->type_name("FILE")
       ->needs(out)
       ->check(refuse_film_name);
-  add_write_below(*run, options.write_below);
-  add_output_rules(*run, options.scene.output);
+  run->add_flag("--force", options.force, "Replace files of an earlier run");
   run->add_flag("--quiet", options.quiet, "Print nothing but errors");
   add_strict(*run, options.strict);
 }
@@ -106,9 +104,6 @@ void add_view(CLI::App& app, ViewOptions& options) {
 void add_check(CLI::App& app, CheckOptions& options) {
   CLI::App* check = app.add_subcommand("check", "Read a scene as run does and print a model check, without a step");
   add_scene(*check, options.scene);
-  check->add_option("--out", options.out, "Directory that the run would have")->type_name("DIR");
-  add_write_below(*check, options.write_below);
-  add_output_rules(*check, options.scene.output, "As the run with --force, which replaces files that are there");
   check->add_flag("--json", options.json, "As JSON");
 }
 

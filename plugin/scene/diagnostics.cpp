@@ -37,7 +37,6 @@ void Diagnostics::add(Message message) {
     warnings_.push_back(std::move(message));
     return;
   }
-  is_scene_at_fault_ |= message.fault == Fault::kScene;
   if (++num_errors_ <= kMaxErrors) {
     errors_.push_back(std::move(message));
   } else if (num_errors_ >= kMaxCounted) {
@@ -56,7 +55,6 @@ void Diagnostics::throw_errors() const {
   if (num_errors_ > kMaxErrors)
     all += fmt::format("\n{}{} further errors are not shown", num_errors_ >= kMaxCounted ? "at least " : "",
                        num_errors_ - kMaxErrors);
-  if (!is_scene_at_fault_) throw FileError(all);
   throw SceneError(all);
 }
 

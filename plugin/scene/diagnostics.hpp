@@ -17,14 +17,12 @@ struct Place {
 };
 
 enum class Severity { kNote, kWarning, kError };
-enum class Fault { kScene, kFiles };  ///< what is to be changed where there is an error: the scene, or files elsewhere
 
 struct Message {
   Severity severity = Severity::kError;
   Place place;
   std::string text;       ///< "Component.attribute: what is wrong, the value, what is allowed"
   std::string hint = {};  ///< may be empty
-  Fault fault = Fault::kScene;
 };
 
 /// "file:line: error: text"; the places where the file is included and the hint on lines of their own.
@@ -37,7 +35,7 @@ class SceneError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A file that a scene needs is missing, cannot be read or written, or stands where the scene is to write.
+/// A file that a scene needs is missing or cannot be read.
 class FileError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -60,7 +58,7 @@ class Diagnostics {
 
   bool has_errors() const { return num_errors_ > 0; }
 
-  /// Throws SceneError with all errors, if there are any; FileError where files alone are at fault.
+  /// Throws SceneError with all errors, if there are any.
   void throw_errors() const;
 
   /// Notes and warnings since the last call, in the order in which they came.
@@ -69,7 +67,6 @@ class Diagnostics {
  private:
   std::vector<Message> errors_, warnings_;
   long num_errors_ = 0;
-  bool is_scene_at_fault_ = false;
 };
 
 /// The one of `names` that `name` probably means: equal but for case, or at most two edits (insert, delete, replace,

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "scene/component.hpp"
-#include "scene/output_files.hpp"
+#include "scene/scene_files.hpp"
 
 namespace hexaplast::scene {
 
@@ -36,8 +36,8 @@ class Node final : public Object {
   /// The root's clock, the same for all nodes.
   Clock& clock() { return root().clock_; }
 
-  /// What the whole scene reads and writes.
-  OutputFiles& files() { return root().files_; }
+  /// What the whole scene reads.
+  SceneFiles& files() { return root().files_; }
 
   /// First component of a category or class in this node; null: none.
   template <class T>
@@ -75,7 +75,7 @@ class Node final : public Object {
  private:
   Node* parent_;
   Clock clock_;
-  OutputFiles files_;
+  SceneFiles files_;
   std::vector<std::unique_ptr<Component>> components_;
   std::vector<std::unique_ptr<Node>> children_;
 };

@@ -218,13 +218,12 @@ std::vector<int> Object::indices(std::string_view name, int count) {
   return {numbers.begin(), numbers.end()};
 }
 
-void Object::reject(std::string_view attribute, const std::string& what, std::string hint, Fault fault) {
+void Object::reject(std::string_view attribute, const std::string& what, std::string hint) {
   const Data& at = data(attribute);
   throw Rejection({.severity = Severity::kError,
                    .place = at.place().file.empty() ? place_ : at.place(),
                    .text = fmt::format("{}.{}: {}", class_name(), attribute, what),
-                   .hint = std::move(hint),
-                   .fault = fault});
+                   .hint = std::move(hint)});
 }
 
 void Object::reject(const std::string& what) {

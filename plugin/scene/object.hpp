@@ -140,8 +140,7 @@ class Object {
   std::vector<int> indices(std::string_view name, int count);
 
   /// Refuses the scene because of an attribute, at the place where it was given.
-  [[noreturn]] void reject(std::string_view attribute, const std::string& what, std::string hint = {},
-                           Fault fault = Fault::kScene);
+  [[noreturn]] void reject(std::string_view attribute, const std::string& what, std::string hint = {});
   /// Refuses the scene because of the object as a whole.
   [[noreturn]] void reject(const std::string& what);
   /// Says something about an attribute, or (empty name) about the object, that does not stop the run.

@@ -269,7 +269,7 @@ class Reader {
 Scene read_scene_text(std::string_view text, const std::string& name, const Factory& factory, PluginLoader& plugins,
                       const SearchPath& search) {
   Scene scene;
-  OutputFiles& files = scene.root().files();
+  SceneFiles& files = scene.root().files();
   files.inputs.add(name);
   files.search = search;
   const Element root = read_document(text, name, scene.diagnostics(), &files.inputs, search);

@@ -36,7 +36,7 @@ class Scene {
   /// Back to the state after init, at time 0. Throws SceneError where a component refuses its first attributes.
   void reset();
 
-  /// One time step. Throws SceneError, InputError, NumericalError, and what exporters throw: positions, velocities and
+  /// One time step. Throws SceneError, InputError and NumericalError: positions, velocities and
   /// time are then those before the step, but what components remember may not be. Every further step is refused, with
   /// InputError, until reset or until a state is read; so it is after a state that could not be read.
   SolveReport step();

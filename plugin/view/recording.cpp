@@ -33,15 +33,12 @@ void set(Element& element, std::string_view attribute, std::string value) {
 }
 
 /// The attributes by which components name files that they read.
-bool names_files(const scene::Object& object, std::string_view attribute) {
-  constexpr std::array<std::string_view, 2> kNames{"filename", "fileTopology"};
-  return std::ranges::find(kNames, attribute) != kNames.end() && object.description().category != "Exporter";
-}
+constexpr std::array<std::string_view, 2> kFileNames{"filename", "fileTopology"};
 
 /// Names from another folder what an element names from its own place.
 void rename_files(scene::Scene& scene, const scene::Object& object, Element& element, const fs::path& folder) {
   for (scene::ElementAttribute& attribute : element.attributes) {
-    if (!names_files(object, attribute.name)) continue;
+    if (std::ranges::find(kFileNames, attribute.name) == kFileNames.end()) continue;
     const fs::path name = attribute.value;
     const fs::path file = scene.root().files().search.find(name, fs::path(object.place().file).parent_path());
     if (name.is_relative() && fs::exists(file))

@@ -82,9 +82,9 @@ class SceneBody final : public BodyState {
 class Scene {
  public:
   Scene(const path& file, const std::vector<std::string>& assignments, const std::vector<std::string>& plugins,
-        std::vector<path> plugin_path, std::vector<path> mesh_path, scene::OutputRules output)
+        std::vector<path> plugin_path, std::vector<path> mesh_path)
       : scene_(std::make_shared<scene::Scene>(
-            load(file, assignments, plugins, std::move(plugin_path), std::move(mesh_path), std::move(output)))),
+            load(file, assignments, plugins, std::move(plugin_path), std::move(mesh_path)))),
         states_(scene::moving_states(*scene_)),
         shown_states_(scene::shown_states(*scene_)),
         solvers_(scene::integrators_of(*scene_)),
@@ -175,7 +175,7 @@ class Scene {
  private:
   static scene::Scene load(const path& file, const std::vector<std::string>& assignments,
                            const std::vector<std::string>& plugins, std::vector<path> plugin_path,
-                           std::vector<path> mesh_path, scene::OutputRules output) {
+                           std::vector<path> mesh_path) {
     plugin_path.push_back(installed_plugins());
     scene::Factory factory;
     scene::PluginLoader loader(factory, plugin_path);
@@ -183,7 +183,6 @@ class Scene {
     for (const std::string& plugin : plugins) loader.load(plugin);
 
     scene::Scene scene = scene::read_scene(file, factory, loader, scene::SearchPath(std::move(mesh_path)));
-    scene.root().files().rules = std::move(output);
     // a scene with mistakes may lack what an override is meant for: then init reports the mistakes
     if (!scene.diagnostics().has_errors())
       for (const std::string& assignment : assignments) scene::override_attribute(scene, assignment);
@@ -244,14 +243,8 @@ class Scene {
 };
 
 std::unique_ptr<Scene> make_scene(const path& file, const py::dict& overrides, const std::vector<std::string>& plugins,
-                                  const std::vector<path>& plugin_path, const std::vector<path>& mesh_path,
-                                  const path& out, bool allow_outside, bool force) {
-  scene::OutputRules output{.directory = out,
-                            .allows_outside = allow_outside,
-                            .replaces = force,
-                            .how_outside = "allow_outside=True permits that",
-                            .how_to_replace = "force=True replaces it"};
-  return std::make_unique<Scene>(file, assignments_from(overrides), plugins, plugin_path, mesh_path, std::move(output));
+                                  const std::vector<path>& plugin_path, const std::vector<path>& mesh_path) {
+  return std::make_unique<Scene>(file, assignments_from(overrides), plugins, plugin_path, mesh_path);
 }
 
 }  // namespace
@@ -271,12 +264,9 @@ void add_scene(py::module_& module) {
                     "velocities are read-only views that follow it.")
       .def(py::init(&make_scene), py::arg("file"), py::arg("overrides") = py::dict(), py::kw_only(),
            py::arg("plugins") = std::vector<std::string>(), py::arg("plugin_path") = std::vector<path>(),
-           py::arg("mesh_path") = std::vector<path>(), py::arg("out") = path("."), py::arg("allow_outside") = false,
-           py::arg("force") = false,
+           py::arg("mesh_path") = std::vector<path>(),
            "overrides: {'bar/material.yieldStress': 500, ...}, as --set of the command takes them.\n"
-           "mesh_path: directories to look for the scene's meshes and includes in\n"
-           "out: directory below which the scene's exporters write; allow_outside: also elsewhere; force: also over\n"
-           "files that are there already")
+           "mesh_path: directories to look for the scene's meshes and includes in")
       .def_property_readonly("bodies", &Scene::bodies, "list of SceneBody, in the order of the scene")
       .def_property_readonly(
           "body", &Scene::body,
@@ -322,15 +312,14 @@ void add_scene(py::module_& module) {
 
   module.def(
       "run",
-      [](const path& file, std::optional<long> steps, const py::dict& overrides, bool record, const path& out,
-         bool allow_outside, bool force) {
-        std::unique_ptr<Scene> scene = make_scene(file, overrides, {}, {}, {}, out, allow_outside, force);
+      [](const path& file, std::optional<long> steps, const py::dict& overrides, bool record) {
+        std::unique_ptr<Scene> scene = make_scene(file, overrides, {}, {}, {});
         if (record) scene->record();
         scene->run(steps);
         return scene;
       },
       py::arg("file"), py::arg("steps") = py::none(), py::arg("overrides") = py::dict(), py::kw_only(),
-      py::arg("record") = false, py::arg("out") = path("."), py::arg("allow_outside") = false, py::arg("force") = false,
+      py::arg("record") = false,
       "Runs a scene file and returns it as it then is; record: as Scene.record() from the beginning");
   module.def(
       "_page_of_run",

@@ -238,28 +238,6 @@ def test_the_bodies_of_a_scene_are_listed_also_where_there_is_one():
     assert (scene.body.positions == scene.positions).all()
 
 
-def test_what_a_scene_writes_lies_below_out(tmp_path, monkeypatch):
-    text = ("<Node dt='0.01' gravity='0 0 -10'><EulerImplicitSolver/><SparseLDLSolver/>"
-            "<MechanicalObject name='nodes' position='0 0 0'/><UniformMass vertexMass='1'/>"
-            "<WriteState name='state' filename='{}'/></Node>")
-    scene, elsewhere = tmp_path / "scene.scn", tmp_path / "elsewhere.scn"
-    scene.write_text(text.format("state.txt"))
-    elsewhere.write_text(text.format(tmp_path / "elsewhere.txt"))
-    hexaplast.run(scene, 2, out=tmp_path / "run")
-    assert (tmp_path / "run/state.txt").read_text().startswith("T= 0\n  X= 0 0 0\nT= 0.01\n")
-    monkeypatch.chdir(tmp_path)
-    hexaplast.Scene(scene).run(1)
-    assert (tmp_path / "state.txt").exists(), "otherwise in the working directory"
-    with pytest.raises(OSError, match="is there already\n  hint: force=True replaces it"):
-        hexaplast.Scene(scene)
-    hexaplast.Scene(scene, force=True).run(1)
-    with pytest.raises(ValueError, match="hint: allow_outside=True permits that"):
-        hexaplast.Scene(elsewhere, out=tmp_path / "run")
-    assert not (tmp_path / "elsewhere.txt").exists()
-    hexaplast.Scene(elsewhere, out=tmp_path / "run", allow_outside=True).run(1)
-    assert (tmp_path / "elsewhere.txt").exists()
-
-
 def test_meshes_are_found_in_the_given_directories(tmp_path):
     (tmp_path / "far" / "mesh").mkdir(parents=True)
     (tmp_path / "far" / "mesh" / "m.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")

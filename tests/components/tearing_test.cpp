@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What a scene sees when hexahedra go: the other components, the files, the surfaces that follow a body.
+// What a scene sees when hexahedra go: the other components, and the surfaces that follow a body.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
 #include <sstream>
 
 #include "hexaplast/body.hpp"
-#include "hexaplast/formats/mesh_import.hpp"
 #include "scene/scene.hpp"
 #include "support/compare.hpp"
 #include "support/scene.hpp"
 
 namespace {
 
-namespace fs = std::filesystem;
 using namespace hexaplast;
 using support::at;
 using support::read_and_init;
@@ -52,7 +47,6 @@ scene::Scene read_and_listen(const std::string& text) {
     return plugins;
   }();
   scene::Scene scene = scene::read_scene_text(text, "test.scn", factory, loader);
-  scene.root().files().rules.allows_outside = true;
   scene.init();
   heard.clear();
   return scene;
@@ -121,77 +115,67 @@ TEST(RemovedHexahedra, DoNotCountInProbes) {
   EXPECT_EQ(at<scene::Probe>(scene, "bar/gone").read(readings), 0);
 }
 
-class TornFiles : public testing::Test {
- protected:
-  TornFiles() : folder_(fs::temp_directory_path() / ("scene_tearing_" + std::to_string(::getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~TornFiles() override { fs::remove_all(folder_); }
+/// Those of some cells of a state that have their hexahedra.
+template <class Cell>
+std::vector<Cell> left_of(const std::vector<Cell>& cells, scene::MechanicalState& state) {
+  const scene::SurvivingCells surviving(state);
+  std::vector<Cell> left;
+  for (const Cell& cell : cells)
+    if (surviving.has(cell)) left.push_back(cell);
+  return left;
+}
 
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  std::string exporter(const std::string& name, const std::string& attributes) const {
-    return "<VTKExporter filename='" + path(name) + "' exportEveryNumberOfSteps='1' overwrite='1' " + attributes + "/>";
-  }
-
- private:
-  fs::path folder_;
-};
-
-TEST_F(TornFiles, HoldTheCellsOfTheHexahedraThatAreLeft) {
-  scene::Scene scene = read_and_listen(layers("", exporter("bar", "hexas='1' quads='1'")));
-  scene::end_step(scene.root(), 0.01);
-  const ImportedMesh whole = read_vtk(path("bar.vtu"));
-  EXPECT_EQ(whole.hexahedra.size(), 6u);
-  EXPECT_EQ(whole.quads.size(), 29u);
-  EXPECT_EQ(whole.edges.size(), 46u);
+TEST(SurvivingCells, AreThoseOfTheHexahedraThatAreLeft) {
+  scene::Scene scene = read_and_init(layers("", ""));
+  auto& grid = at<scene::Topology>(scene, "bar/grid");
+  auto& nodes = at<scene::MechanicalState>(scene, "bar/nodes");
+  EXPECT_EQ(left_of(grid.hexahedra(), nodes), grid.hexahedra());
 
   tear_layer(scene, 1);
-  const ImportedMesh torn = read_vtk(path("bar.vtu"));
-  std::vector<Hexahedron> left = whole.hexahedra;
+  std::vector<Hexahedron> left = grid.hexahedra();
   left.erase(left.begin() + 2, left.begin() + 4);
-  EXPECT_EQ(torn.hexahedra, left);
-  EXPECT_EQ(torn.quads.size(), 22u) << "without the seven upright ones of the layer";
-  EXPECT_EQ(torn.edges.size(), 40u) << "without its six upright ones";
-  EXPECT_EQ(torn.positions.rows(), 24) << "the nodes stay";
+  EXPECT_EQ(left_of(grid.hexahedra(), nodes), left);
+  EXPECT_EQ(left_of(grid.quads(), nodes).size(), 22u) << "of 29, without the seven upright ones of the layer";
+  EXPECT_EQ(left_of(grid.edges(), nodes).size(), 40u) << "of 46, without its six upright ones";
 
   scene.reset();
   scene::end_step(scene.root(), 0.01);
-  EXPECT_EQ(read_vtk(path("bar.vtu")).hexahedra, whole.hexahedra);
+  EXPECT_EQ(left_of(grid.hexahedra(), nodes), grid.hexahedra());
 }
 
 // Triangles in the lower layer, in the middle one, in both, on the face between them, on the outer face of the middle
 // one from node to node, and in the upper one, a little outside.
-TEST_F(TornFiles, HoldTheSurfaceThatIsLeftAndNothingThatFliesAway) {
+TEST(SurvivingCells, OfASurfaceAreWhatIsLeftAndDoesNotFlyAway) {
   const std::string skin =
       "<Node name='skin'><MeshTopology name='triangles' triangles='0 1 2  3 4 5  0 1 3  6 7 8  9 10 11  12 13 14'/>"
       "<MechanicalObject name='points' position='.02 .02 .05  .08 .03 .06  .05 .08 .04  .02 .02 .15  .08 .03 .16  "
       ".05 .08 .14  .02 .02 .1  .08 .03 .1  .05 .08 .1  0 0 .1  0 0 .2  0 .1 .1  .02 .02 .301  .08 .03 .302  "
-      ".05 .08 .301'/><BarycentricMapping/>" +
-      exporter("skin", "triangles='1' edges='0'") + "<Node><MechanicalObject position='@../points.position'/>" +
-      "<MeshTopology quads='0 1 4 3  0 1 2 6'/><IdentityMapping/>" + exporter("copy", "quads='1' edges='0'") +
-      "</Node></Node>";
+      ".05 .08 .301'/><BarycentricMapping/>"
+      "<Node name='copy'><MechanicalObject name='points' position='@../points.position'/><IdentityMapping/></Node>"
+      "</Node>";
   scene::Scene scene =
-      read_and_listen(layers("", "<ConstantForceField name='wind' indices='0-5' forces='0 0 -40'/>", skin));
+      read_and_init(layers("", "<ConstantForceField name='wind' indices='0-5' forces='0 0 -40'/>", skin));
   const std::vector<Triangle> all = at<scene::Topology>(scene, "bar/skin/triangles").triangles();
-  const auto written = [&] { return read_vtk(path("skin.vtu")); };
+  auto& points = at<scene::MechanicalState>(scene, "bar/skin/points");
+  auto& copy = at<scene::MechanicalState>(scene, "bar/skin/copy/points");
+  const std::vector<Quad> quads{{0, 1, 4, 3}, {0, 1, 2, 6}};
   scene::end_step(scene.root(), 0.01);
-  EXPECT_EQ(written().triangles, all);
-  EXPECT_EQ(read_vtk(path("copy.vtu")).quads.size(), 2u);
+  EXPECT_EQ(left_of(all, points), all);
+  EXPECT_EQ(left_of(quads, copy), quads);
 
   tear_layer(scene, 1);
-  EXPECT_EQ(written().triangles, (std::vector<Triangle>{all[0], all[3], all[5]}));
-  EXPECT_EQ(read_vtk(path("copy.vtu")).quads, (std::vector<Quad>{{0, 1, 2, 6}})) << "through two mappings";
+  EXPECT_EQ(left_of(all, points), (std::vector<Triangle>{all[0], all[3], all[5]}));
+  EXPECT_EQ(left_of(quads, copy), (std::vector<Quad>{quads[1]})) << "through two mappings";
 
   tear_layer(scene, 0);
-  EXPECT_EQ(written().triangles, (std::vector<Triangle>{all[5]}));
+  EXPECT_EQ(left_of(all, points), (std::vector<Triangle>{all[5]}));
 
   // the wind takes the nodes that hold nothing any more, and the points in them; the triangle that is left stays
-  const PointArray before = written().positions;
+  const PointArray before = points.positions();
   for (int k = 0; k < 20; ++k) scene.step();
-  const ImportedMesh after = written();
-  EXPECT_GT(support::max_abs(after.positions.row(1) - before.row(1)), 0.3);
-  EXPECT_EQ(after.triangles, (std::vector<Triangle>{all[5]}));
-  for (const int n : all[5]) EXPECT_LT(support::max_abs(after.positions.row(n) - before.row(n)), 5e-3) << n;
+  EXPECT_GT(support::max_abs(points.positions().row(1) - before.row(1)), 0.3);
+  EXPECT_EQ(left_of(all, points), (std::vector<Triangle>{all[5]}));
+  for (const int n : all[5]) EXPECT_LT(support::max_abs(points.positions().row(n) - before.row(n)), 5e-3) << n;
 }
 
 // On the side faces x = 0 of the three layers: a third of the load goes with the middle one.

@@ -102,7 +102,6 @@ class ExampleScenes : public testing::Test {
 
   Answer answer_to(const Description& component, const Attribute& attribute, const std::string& value) {
     scene::Scene scene = support::read(scene_with(component));
-    scene.root().files().rules.replaces = true;  // what the scene before has written
     scene::Object* object = &scene.root();
     if (component.class_name != attributes::kNode.class_name) {
       for (scene::Component* each : scene.root().all<scene::Component>())
@@ -182,20 +181,18 @@ TEST_F(ExampleScenes, BeginAlikeHoweverOften) {
   for (const char* name : {"block.msh", "block.vtk", "organ.obj"}) fs::copy(meshes / name, name);
   fs::copy(meshes / "organ_binary.stl", "skin.stl");
   fs::copy(meshes / "surface.obj", "skin.obj");
-  scene::OutputRules output;
-  output.replaces = true;
   for (const Description* component : support::factory().descriptions()) {
     if (component->takes_anything || component->category == "Test") continue;
     SCOPED_TRACE(component->class_name);
     const std::string text = scene_with(*component);
-    scene::Scene scene = support::read_and_init(text, output);
+    scene::Scene scene = support::read_and_init(text);
     const std::vector<std::byte> first = support::saved(scene);
     for (const int num_steps : {0, 0, 3}) {
       support::run(scene, num_steps);
       scene.reset();
       EXPECT_TRUE(support::saved(scene) == first) << "reset after " << num_steps << " steps";
     }
-    scene::Scene again = support::read_and_init(text, output);
+    scene::Scene again = support::read_and_init(text);
     EXPECT_TRUE(support::saved(again) == first) << "read again";
 
     for (const int num_steps : {0, 3}) {

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A scene that is put down and taken up again goes on bit for bit, whatever its components keep.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/hash.hpp"
@@ -16,7 +12,6 @@
 
 namespace {
 
-namespace fs = std::filesystem;
 using namespace hexaplast;
 using support::at;
 using support::read_and_init;
@@ -247,7 +242,7 @@ std::string overloaded_bar(const char* force) {
                      "'/>");
 }
 
-// Components remember more than can be put back: instruments that have closed, solvers, exporters.
+// Components remember more than can be put back: instruments that have closed, solvers.
 TEST(FailedStep, LeavesTheMotionAsItWasAndOnlyABeginningLeadsOn) {
   for (const char* force : {"1e120", "1e300"}) {  // the flow fails, the solver fails
     scene::Scene scene = read_and_init(overloaded_bar(force));
@@ -374,54 +369,6 @@ TEST(SceneCheckpoint, ListsOfAnotherLengthAreRefused) {
       2, "/points/points (MechanicalObject)");
   expect_lists_of_another_length_refused(tearing_bar(kHeld, "<MultigridCGLinearSolver/>"), 25,
                                          "/body (HexahedronElastoplasticFEMForceField)");
-}
-
-class WrittenFiles : public testing::Test {
- protected:
-  WrittenFiles() : directory_(fs::temp_directory_path() / ("hexaplast_checkpoint_" + std::to_string(::getpid()))) {
-    fs::create_directory(directory_);
-  }
-  ~WrittenFiles() override { fs::remove_all(directory_); }
-
-  std::string content(const std::string& name) const {
-    std::ifstream file(directory_ / name, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-  }
-
-  fs::path directory_;
-};
-
-TEST_F(WrittenFiles, OfExportersGoOnWhereTheyWere) {
-  const std::string text = tearing_bar(kHeld + "<WriteState filename='" + (directory_ / "state.txt").string() +
-                                       "' period='0.04'/><VTKExporter filename='" + (directory_ / "mesh").string() +
-                                       "' exportEveryNumberOfSteps='3' hexas='1' edges='0'/>");
-  const scene::OutputRules output{.allows_outside = true, .replaces = true};
-  std::vector<std::byte> checkpoint;
-  {
-    scene::Scene straight = read_and_init(text, output);
-    run(straight, 5);
-    checkpoint = saved(straight);
-    run(straight, 5);
-  }
-  const std::string whole = content("state.txt"), mesh = content("mesh2.vtu");
-  ASSERT_FALSE(mesh.empty());
-  {
-    scene::Scene second = read_and_init(text, output);
-    take_up(second, checkpoint);
-    EXPECT_EQ(content("state.txt"), whole) << "reading a checkpoint changes nothing";
-    run(second, 1);
-    EXPECT_LT(content("state.txt").size(), whole.size()) << "what came later is cut off";
-    run(second, 4);
-  }
-  EXPECT_EQ(content("state.txt"), whole);
-  EXPECT_EQ(content("mesh2.vtu"), mesh);
-  EXPECT_FALSE(fs::exists(directory_ / "mesh4.vtu"));
-
-  fs::remove(directory_ / "state.txt");
-  scene::Scene third = read_and_init(text, output);
-  EXPECT_THROW(take_up(third, checkpoint), scene::FileError);
 }
 
 // The values of a region follow what hardens, in every step.

@@ -108,8 +108,9 @@ TEST_F(SceneInclude, ErrorsShowTheChainOfFiles) {
   write("main.scn", "<Node>\n<include href='parts/a.xml'/></Node>");
   write("parts/a.xml", "<Node>\n\n<include href='b.xml'/></Node>");
   write("parts/b.xml", "\n\n\n<Nonsense/>");
-  EXPECT_EQ(errors_of("main.scn"),
-            "parts/b.xml:4: error: Nonsense: unknown component\n  included at parts/a.xml:3\n  included at main.scn:2");
+  EXPECT_TRUE(errors_of("main.scn")
+                  .starts_with("parts/b.xml:4: error: Nonsense: unknown component\n  included at parts/a.xml:3\n  "
+                               "included at main.scn:2\n"));
   write("parts/b.xml", "<Node>\n<BoxROI></Node>");
   EXPECT_EQ(errors_of("main.scn"),
             "parts/b.xml:2: error: </Node> stands where </BoxROI> must close the <BoxROI> of line 2\n"

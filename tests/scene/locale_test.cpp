@@ -15,7 +15,7 @@ using support::content;
 using support::GermanLocale;
 using support::Scratch;
 
-/// A run of a scene that also exports: everything that it writes, by file names.
+/// Everything that a run of a scene writes, by file names.
 std::map<std::string, std::string> written_by_a_run(const fs::path& directory) {
   fs::create_directories(directory);
   const std::string scene_text =
@@ -24,13 +24,8 @@ std::map<std::string, std::string> written_by_a_run(const fs::path& directory) {
       "<RegularGridTopology n='3 3 12' max='0.05 0.05 1.25'/><MechanicalObject name='nodes'/>"
       "<DiagonalMass massDensity='1234.5'/>"
       "<HexahedronElastoplasticFEMForceField youngModulus='5000.5' yieldStress='100.25' plasticFlowRate='4'/>"
-      "<FixedProjectiveConstraint indices='0 1 2 3 4 5 6 7 8'/>"
-      "<WriteState filename='" +
-      (directory / "state.txt").string() +
-      "' period='0.0125' writeX='1' writeV='1'/>"
-      "<VTKExporter filename='" +
-      (directory / "export").string() + "' exportEveryNumberOfSteps='2'/></Node>";
-  scene::Scene scene = support::read_and_init(scene_text, {.allows_outside = true});
+      "<FixedProjectiveConstraint indices='0 1 2 3 4 5 6 7 8'/></Node>";
+  scene::Scene scene = support::read_and_init(scene_text);
   scene::MechanicalState& state = *scene::independent_states(scene.root()).front();
   const Body& body = *scene.root().all<scene::ForceField>().front()->body();
   output::Recorder recorder(directory / "out", body,
@@ -64,7 +59,7 @@ std::map<std::string, std::string> written_by_a_run(const fs::path& directory) {
 TEST(Locale, OfTheHostChangesNoByteOfWhatARunWrites) {
   const Scratch scratch;
   const auto expected = written_by_a_run(scratch / "plain");
-  ASSERT_GE(expected.size(), 6u);
+  ASSERT_GE(expected.size(), 4u);
   EXPECT_NE(expected.at("out/history.csv").find("1234.5"), std::string::npos);
   EXPECT_NE(expected.at("out/history.csv").find("\n4000,0.05,"), std::string::npos);
 

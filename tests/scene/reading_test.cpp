@@ -96,7 +96,7 @@ TEST(SceneReading, TheComponentsAreTheseAndNoOthers) {
       // accepted without effect
       "BackgroundSetting", "LightManager", "DirectionalLight", "DefaultVisualManagerLoop",
       "HexahedronSetTopologyModifier", "HexahedronSetGeometryAlgorithms", "QuadSetTopologyModifier",
-      "QuadSetGeometryAlgorithms", "TriangleSetGeometryAlgorithms", "VTKExporter", "WriteState"};
+      "QuadSetGeometryAlgorithms", "TriangleSetGeometryAlgorithms"};
   support::plugins();
   std::set<std::string_view> registered;
   for (const attributes::Description* description : support::factory().descriptions())

@@ -30,18 +30,16 @@ inline scene::Scene read(std::string_view text) {
   return scene::read_scene_text(text, "test.scn", factory(), loader);
 }
 
-/// `output`: what its components may write.
-inline scene::Scene read_and_init(std::string_view text, const scene::OutputRules& output = {}) {
+inline scene::Scene read_and_init(std::string_view text) {
   scene::Scene scene = read(text);
-  scene.root().files().rules = output;
   scene.init();
   return scene;
 }
 
 /// All errors of a scene, one after the other; empty when it can run.
-inline std::string errors_of(std::string_view text, const scene::OutputRules& output = {}) {
+inline std::string errors_of(std::string_view text) {
   try {
-    read_and_init(text, output);
+    read_and_init(text);
     return {};
   } catch (const scene::SceneError& error) {
     return error.what();

@@ -162,17 +162,6 @@ TEST_F(LiveWindow, RunsSoManyStepsAndClosesByItself) {
   EXPECT_GT(support::content(directory_ / "last.png").size(), 20'000u);
 }
 
-// Known before there is a window.
-TEST_F(LiveWindow, ItsOwnFilesAreNotTheScenes) {
-  std::string text = support::content(directory_ / "bar.scn");
-  write("bar.scn", text.insert(text.rfind("</Node>"), "<WriteState filename='states.txt'/>"));
-  for (const char* option : {"--final states.txt", "--picture ./states.txt --steps 1", "--record states.txt"}) {
-    const Outcome outcome = hexaplast(std::string("view bar.scn ") + option, "env -u DISPLAY");
-    EXPECT_EQ(outcome.code, 3) << outcome.err;
-    EXPECT_NE(outcome.err.find("is written by the run itself"), std::string::npos) << outcome.err;
-  }
-}
-
 TEST_F(LiveWindow, WithoutAScreenItSaysSo) {
   const Outcome outcome = hexaplast("view bar.scn", "env -u DISPLAY -u WAYLAND_DISPLAY");
   EXPECT_EQ(outcome.code, 5);

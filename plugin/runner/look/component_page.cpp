@@ -161,7 +161,7 @@ std::vector<ComponentGroup> grouped(const std::vector<const Description*>& compo
   for (const std::string_view category :
        {"Node", "Settings", "AnimationLoop", "OdeSolver", "NewtonRaphsonSolver", "LinearSolver", "MeshLoader",
         "Topology", "MechanicalState", "Mass", "ForceField", "InteractionForceField", "MaterialRegion",
-        "ProjectiveConstraint", "InteractionProjectiveConstraint", "Engine", "Mapping", "Probe", "Exporter"})
+        "ProjectiveConstraint", "InteractionProjectiveConstraint", "Engine", "Mapping", "Probe"})
     groups.push_back({category, {}});
   for (const Description* component : components) {
     if (component->takes_anything) continue;

@@ -16,9 +16,7 @@
 #include "runner/exit_code.hpp"
 #include "runner/run/boundary_conditions.hpp"
 #include "runner/run/common_options.hpp"
-#include "runner/run/directory_lock.hpp"
 #include "runner/run/interrupt.hpp"
-#include "runner/run/output_options.hpp"
 #include "runner/run/regions.hpp"
 #include "runner/run/rounded.hpp"
 #include "runner/run/simulation.hpp"
@@ -91,8 +89,7 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
   view.add_option("--picture", options.picture, "Write a picture of the window when --steps are done")
       ->type_name("FILE.png")
       ->needs(steps);
-  view.add_option("--pictures", options.pictures,
-                  "Directory for the pictures that are taken by hand, and for what the scene writes")
+  view.add_option("--pictures", options.pictures, "Directory for the pictures that are taken by hand")
       ->type_name("DIR")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
@@ -100,7 +97,6 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
   view.add_option("--record", options.record,
                   "Write a scene that repeats, without the window, what was done in it: with hexaplast run")
       ->type_name("FILE.scn");
-  add_output_rules(view, options.scene.output);
   add_threads(view, options.threads);
   view.add_option("--width", options.width, "Width of the window [pixels]")
       ->type_name("N")
@@ -173,13 +169,8 @@ int view(const ViewOptions& options) {
   if (std::filesystem::is_directory(options.scene.file, unknown) || options.scene.file.extension() == ".pvd")
     return view_run(options, show);
 
-  SceneOptions scene = options.scene;
-  scene.output =
-      rules_beside({.named = {options.final_state, options.picture, options.record}}, options.pictures, scene.output);
-  Simulation simulation(scene);
+  Simulation simulation(options.scene);
   const InputFiles& inputs = simulation.scene().root().files().inputs;
-  std::optional<DirectoryLock> lock;
-  if (writes_into(simulation.scene().root().files(), options.pictures)) lock.emplace(options.pictures);
   std::optional<path> picture;
   if (options.picture) picture = output_place(*options.picture, inputs);
   std::optional<output::WholeFile> final_state;

@@ -13,9 +13,7 @@ namespace hexaplast::runner {
 void export_mesh(const MeshExportOptions& options) {
   if (options.out.extension() != ".vtu")
     throw UsageError(fmt::format("--out {}: the name must end in .vtu", options.out.string()));
-  SceneOptions scene_options = options.scene;
-  scene_options.output.writes = false;
-  scene::Scene scene = load_scene(scene_options);
+  scene::Scene scene = load_scene(options.scene);
   const std::filesystem::path out = output_place(options.out, scene.root().files().inputs);
   std::vector<output::Bodies::Entry> entries;
   for (const scene::SceneBody& body : scene::bodies_of(scene))

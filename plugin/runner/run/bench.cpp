@@ -62,9 +62,7 @@ scene::Component* find_linear_solver(scene::Scene& scene) {
 /// The scene once, from its beginning, with one number of threads.
 bench::Record measure_scene(const BenchOptions& options, int threads) {
   set_num_threads(threads);
-  SceneOptions scene = options.scene;
-  scene.output.writes = false;
-  Simulation simulation(scene);
+  Simulation simulation(options.scene);
   if (!simulation.body())
     throw scene::SceneError(
         scene::format_error(simulation.scene().root().place(), "no body in the scene: nothing to measure"));
@@ -107,9 +105,7 @@ bench::Record measure_scene(const BenchOptions& options, int threads) {
 InputFiles inputs_of(const BenchOptions& options) {
   InputFiles inputs;
   if (!options.scene.file.empty()) {
-    SceneOptions scene_options = options.scene;
-    scene_options.output.writes = false;
-    scene::Scene scene = read_scene(scene_options);
+    scene::Scene scene = read_scene(options.scene);
     scene.init();  // meshes are read then
     inputs = scene.root().files().inputs;
   }

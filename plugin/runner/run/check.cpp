@@ -14,7 +14,6 @@
 #include "formats/text.hpp"
 #include "model_check.hpp"
 #include "runner/run/loads.hpp"
-#include "runner/run/output_options.hpp"
 #include "runner/run/regions.hpp"
 #include "runner/run/simulation.hpp"
 #include "runner/standard_output.hpp"
@@ -46,7 +45,6 @@ struct Findings {
   int num_hexahedra = 0;
   std::vector<RegionFigure> regions;
   std::vector<std::string> warnings;  // but what the body itself has remarked, check_shapes
-  std::vector<std::string> writes;    // names of files
 };
 
 /// Whether something is between the state, or one that follows it, and another state: that one may hold it.
@@ -65,7 +63,6 @@ bool is_joined(const scene::Node& root, const scene::MechanicalState& state) {
 
 /// Rejects the scene for what step 1 would end with. Last of all: what a step begins with is done.
 void try_step(scene::Scene& scene, Findings& found) {
-  scene.root().files().rules.writes = false;
   try {
     begin_step(scene.root());
   } catch (const scene::Rejection& rejection) {
@@ -85,7 +82,6 @@ void try_step(scene::Scene& scene, Findings& found) {
 
 Findings look_at(scene::Scene& scene) {
   Findings found;
-  found.writes = scene.root().files().claimed();
   found.dt = scene.dt();
   if (scene::Component* settings = find_settings(scene); settings && settings->is_given("steps"))
     found.steps = settings->integer("steps");
@@ -201,7 +197,6 @@ Json json_of(const Findings& found) {
           {"body", found.bodies.size() == 1 ? json_of(found.bodies[0].model) : Json(nullptr)},
           {"bodies", bodies},
           {"regions", json_of(found.regions)},
-          {"writes", found.writes},
           {"warnings", warnings},
           {"advice", warnings}};  // the older name
 }
@@ -243,17 +238,13 @@ void print(const Findings& found, const std::string& title) {
              found.num_loaded, found.load.x(), found.load.y(), found.load.z(), found.loads_time);
   fmt::print("  steps               {} of {:.6g} s\n", found.steps ? std::to_string(*found.steps) : "set by --steps",
              found.dt);
-  for (const std::string& file : found.writes) fmt::print("  writes              {}\n", printable_line(file));
   fmt::print("  memory              {:.1f} MB\n", found.memory / 1e6);
 }
 
 }  // namespace
 
 void check(const CheckOptions& options) {
-  SceneOptions scene_options = options.scene;
-  scene_options.output =
-      rules_beside({options.out}, options.out.value_or(options.write_below.value_or(".")), options.scene.output);
-  scene::Scene scene = load_scene(scene_options);
+  scene::Scene scene = load_scene(options.scene);
   const Findings found = look_at(scene);
   const std::string file = options.scene.file.string();
   if (options.json) {

@@ -8,7 +8,6 @@ namespace hexaplast::runner {
 /// `hexaplast check`, as the command line gives it.
 struct CheckOptions {
   SceneOptions scene;
-  std::optional<std::filesystem::path> out, write_below;  ///< directories that the run would have
   bool json = false;
 };
 

@@ -13,7 +13,6 @@
 #include "runner/exit_code.hpp"
 #include "runner/run/common_options.hpp"
 #include "runner/run/directory_lock.hpp"
-#include "runner/run/output_options.hpp"
 #include "runner/run/run.hpp"
 #include "runner/run/scene_identity.hpp"
 #include "runner/run/simulation.hpp"
@@ -94,7 +93,6 @@ CLI::App* add_resume(CLI::App& app, ResumeOptions& options) {
                    "Directory to look for plugins in, not below the run's; may be repeated")
       ->type_name("DIR")
       ->allow_extra_args(false);
-  add_allow_outside(*resume, options.output);
   resume->add_flag("--quiet", options.quiet, "Print nothing but errors");
   add_strict(*resume, options.strict);
   return resume;
@@ -125,7 +123,6 @@ int resume(const ResumeOptions& options) {
     run_options.final_state = options.final_state;
     run_options.summary = options.summary;
     run_options.scene.plugin_path = options.plugin_path;
-    run_options.scene.output.allows_outside = options.output.allows_outside;
     run_options.scene.untrusted = directory;
     if (options.steps) run_options.steps = options.steps;
     require_ready(start, record, directory);

@@ -18,7 +18,6 @@ struct ResumeOptions {
   std::optional<int> threads;
   std::optional<std::filesystem::path> final_state, summary;
   std::vector<std::filesystem::path> plugin_path;  ///< where plugins are looked for before the installation
-  scene::OutputRules output;                       ///< of the scene's components
   bool quiet = false;
   bool strict = false;
   std::vector<std::string> command;  ///< words of the command line, for the manifest

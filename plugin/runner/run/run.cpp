@@ -15,6 +15,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "page/plot.hpp"
+#include "record/files.hpp"
 #include "record/recorder.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/look/render.hpp"
@@ -25,7 +26,6 @@
 #include "runner/run/journal.hpp"
 #include "runner/run/kept_warnings.hpp"
 #include "runner/run/loads.hpp"
-#include "runner/run/output_options.hpp"
 #include "runner/run/progress.hpp"
 #include "runner/run/regions.hpp"
 #include "runner/run/result_checks.hpp"
@@ -44,34 +44,31 @@ namespace {
 
 using std::filesystem::path;
 
-/// What its files and those of the scene's components lie below.
-path directory_of(const RunOptions& options) { return options.out.value_or(options.write_below.value_or(".")); }
-
 /// Whether a file there is one that another run has written into its own directory.
 bool is_of_earlier_run(const path& file) {
   return output::is_of_run(file.filename().string()) && exists(file) && exists(file.parent_path() / "manifest.json");
 }
 
+/// Whether a run in `directory` writes a file of that name, or makes a folder above it.
+bool is_of_run_in(const path& directory, const path& file) {
+  const auto resolved = [](const path& place) {  // the same for all names of a place, whether or not something is there
+    return std::filesystem::weakly_canonical((std::filesystem::absolute(place) / "").parent_path());
+  };
+  const path below = resolved(file).lexically_relative(resolved(directory));
+  const std::string first = below.empty() ? "" : below.begin()->string();
+  return output::is_of_run(first) || first == "frames";
+}
+
 /// Where a file goes that the command line names.
 path place_of(const path& file, const RunOptions& options, const InputFiles& inputs) {
   std::vector<path> below;
-  for (const std::optional<path>& directory : {options.out, options.write_below})
-    if (directory) below.push_back(*directory);
+  if (options.out) below.push_back(*options.out);
   const path place = output_place(file, inputs, below);
-  if (OwnFiles{options.out}.has_in_run(place))
+  if (options.out && is_of_run_in(*options.out, place))
     throw output::OutputError(file.string() + ": is written by the run itself");
-  if (!options.scene.output.replaces && is_of_earlier_run(place))
+  if (!options.force && is_of_earlier_run(place))
     throw output::OutputError(file.string() + ": is a file of an earlier run; --force replaces it");
   return place;
-}
-
-/// The scene's options with the rules of what its components write.
-SceneOptions scene_of(const RunOptions& options, bool goes_on) {
-  SceneOptions scene = options.scene;
-  scene.output = rules_beside({options.out, {options.final_state, options.summary, options.video, options.data}},
-                              directory_of(options), scene.output);
-  scene.output.replaces |= goes_on;  // they are its own
-  return scene;
 }
 
 output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions& options) {
@@ -82,7 +79,7 @@ output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions
   plan.has_energy_balance = simulation.latest().energy.has_value();
   plan.output_every = simulation.output_every();
   plan.num_frames = options.frames.value_or(plan.num_frames);
-  plan.force = options.scene.output.replaces;
+  plan.force = options.force;
   plan.inputs = simulation.scene().root().files().inputs;
 
   const std::set<int> loaded = loaded_nodes(simulation);
@@ -430,7 +427,7 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   watch_signals();
 
   const KeptWarnings warnings;
-  Simulation simulation(scene_of(options, start != nullptr));
+  Simulation simulation(options.scene);
   const output::Bodies* bodies = simulation.bodies();
   if (!bodies && (options.out || options.final_state || options.summary || options.data))
     throw scene::SceneError(
@@ -448,10 +445,9 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   if (start) restore(simulation, *start);
 
   std::optional<DirectoryLock> lock;
-  if (const path directory = directory_of(options);
-      options.out || writes_into(simulation.scene().root().files(), directory)) {
-    output::make_directory(directory);
-    if (!start) lock.emplace(directory);
+  if (options.out) {
+    output::make_directory(*options.out);
+    if (!start) lock.emplace(*options.out);
   }
 
   // Opened before the first step, so that a long run does not end in a file that cannot be written; the recorder last,

@@ -14,7 +14,7 @@ namespace hexaplast::runner {
 
 /// `hexaplast run`, as the command line gives it.
 struct RunOptions {
-  SceneOptions scene;                                ///< `scene.output.replaces` also writes over an earlier run
+  SceneOptions scene;
   std::vector<std::string> command;                  ///< words of the whole command line, for who wants to repeat it
   std::optional<long> steps;                         ///< otherwise from the scene's RunSettings
   std::optional<std::filesystem::path> out;          ///< directory of the run's files; none are written without it
@@ -28,9 +28,9 @@ struct RunOptions {
   std::string field;                           ///< what pictures show, by the word of a quantity; empty: plastic strain
   std::optional<std::filesystem::path> video;  ///< film of the run; needs `out`
   std::optional<long> checkpoint_every;        ///< steps; needs `out`
-  std::optional<std::filesystem::path> write_below;  ///< what the scene writes, where there is no `out`
-  bool quiet = false;                                ///< errors only
-  bool strict = false;                               ///< results that are not to be trusted are a failure
+  bool force = false;                          ///< also writes over an earlier run
+  bool quiet = false;                          ///< errors only
+  bool strict = false;                         ///< results that are not to be trusted are a failure
 };
 
 /// Runs a scene headless and returns 0, or 130 or 143 when a signal ended it: then the current step is completed and

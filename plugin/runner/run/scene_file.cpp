@@ -43,7 +43,6 @@ scene::Scene read_scene(const SceneOptions& options) {
   scene::PluginLoader plugins = load_components(factory, options.plugins, options.plugin_path, options.untrusted);
 
   scene::Scene scene = scene::read_scene(options.file, factory, plugins, scene::SearchPath(options.mesh_path));
-  scene.root().files().rules = options.output;
   // A scene with mistakes may lack what an override is meant for: then init reports the mistakes.
   if (!scene.diagnostics().has_errors())
     for (const std::string& assignment : options.overrides) scene::override_attribute(scene, assignment);

@@ -18,8 +18,6 @@ struct SceneOptions {
   std::vector<std::filesystem::path> plugin_path;  ///< where plugins are looked for before the installation
   std::vector<std::filesystem::path> mesh_path;    ///< where meshes and includes are looked for besides
   std::filesystem::path untrusted;                 ///< folder below which plugin_path leads to nothing; empty: none
-  scene::OutputRules output = {.how_outside = "--allow-outside permits that",
-                               .how_to_replace = "--force replaces it"};  ///< of the scene's components
 };
 
 /// Loads our own components and the named plugins into a factory. Throws PluginError.
@@ -27,7 +25,7 @@ scene::PluginLoader load_components(scene::Factory& factory, const std::vector<s
                                     const std::vector<std::filesystem::path>& plugin_path = {},
                                     const std::filesystem::path& untrusted = {});
 
-/// Reads a scene, replaces the attributes and sets the rules of what it may write, without init. A scene with mistakes
+/// Reads a scene, replaces the attributes, without init. A scene with mistakes
 /// is left as read: init throws them. Throws what reading a scene throws (scene/reader.hpp).
 scene::Scene read_scene(const SceneOptions& options);
 

@@ -175,7 +175,6 @@ std::vector<double> moments_of(const TargetCurve& target, const std::vector<doub
 Experiment::Experiment(SceneOptions scene, TargetCurve target, std::optional<long> steps,
                        const std::vector<std::string>& assignments)
     : scene_(std::move(scene)), target_(std::move(target)), moments_(target_.times) {
-  scene_.output.writes = false;  // hundreds of runs that are only tried
   Simulation simulation(with(assignments));
   required_bodies(simulation);
   find_probes(target_, simulation);

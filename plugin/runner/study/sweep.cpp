@@ -98,10 +98,9 @@ Json plan_of(const SweepOptions& options, scene::Scene& scene, const std::vector
 
 std::vector<std::string> arguments_of(const SweepOptions& options, const SweepTable& table, long run,
                                       const SweepDirectory& place) {
-  std::vector<std::string> words = {"run",           "--quiet",
-                                    "--threads",     std::to_string(options.threads.value_or(1)),
-                                    "--summary",     place.summary(run).string(),
-                                    "--write-below", place.files(run).string(),
+  std::vector<std::string> words = {"run",       "--quiet",
+                                    "--threads", std::to_string(options.threads.value_or(1)),
+                                    "--summary", place.summary(run).string(),
                                     "--force"};
   const auto add = [&](const char* option, const std::string& value) {
     words.emplace_back(option);

@@ -420,11 +420,8 @@ TEST_F(Resume, NamedFilesFollowNoLinkOfTheRunsDirectory) {
 
 // A file of the run with another name elsewhere would change there too.
 TEST_F(Resume, WritesIntoNoFileThatHasOtherNames) {
-  std::string text = kTearingBar;
-  text.insert(text.find("<FixedProjective"), "<WriteState filename='states.txt'/>");
-  write("bar.scn", text);
   ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --checkpoint every=10 --steps 20").code, 0);
-  for (const std::string name : {"history.csv", "removed.csv", "states.txt"}) {
+  for (const std::string name : {"history.csv", "removed.csv"}) {
     const fs::path file = directory_ / "run" / name;
     write("victim", content(file) + "mine\n");
     fs::rename(file, directory_ / "kept");
@@ -437,37 +434,13 @@ TEST_F(Resume, WritesIntoNoFileThatHasOtherNames) {
     fs::rename(directory_ / "kept", file);
   }
   // content of the same size
-  std::string states = content(directory_ / "run/states.txt");
-  write("run/states.txt", "t" + states.substr(1));
+  const std::string history = content(directory_ / "run/history.csv");
+  write("run/history.csv", "S" + history.substr(1));
   const Outcome other = hexaplast("resume run --steps 40");
   EXPECT_EQ(other.code, 3);
-  EXPECT_NE(other.err.find("states.txt does not begin with"), std::string::npos) << other.err;
-  write("run/states.txt", states);
+  EXPECT_NE(other.err.find("history.csv does not begin with"), std::string::npos) << other.err;
+  write("run/history.csv", history);
   EXPECT_EQ(hexaplast("resume run --steps 40").code, 0);
-}
-
-// What the scene of a stranger writes lies in the run's directory too, and needs its own leave to lie elsewhere.
-TEST_F(Resume, TheScenesFilesStayInTheRunsDirectory) {
-  std::string text = kTearingBar;
-  text.insert(text.find("<FixedProjective"), "<WriteState filename='states.txt'/>");
-  write("bar.scn", text);
-  ASSERT_EQ(hexaplast("run bar.scn --out straight --frames 0").code, 0);
-  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --checkpoint every=10 --steps 20").code, 0);
-  EXPECT_EQ(hexaplast("resume run --steps 40").code, 0);
-  EXPECT_EQ(content(directory_ / "run/states.txt"), content(directory_ / "straight/states.txt"));
-  EXPECT_FALSE(content(directory_ / "run/states.txt").empty());
-
-  text.replace(text.find("states.txt"), 10, "../states.txt");
-  write("bar.scn", text);
-  EXPECT_EQ(hexaplast("run bar.scn --out other --frames 0").code, 3);
-  ASSERT_EQ(hexaplast("run bar.scn --out else --frames 0 --checkpoint every=10 --steps 20 --allow-outside").code, 0);
-  write("states.txt", content(directory_ / "states.txt") + "mine");
-  const std::string before = content(directory_ / "states.txt");
-  const Outcome refused = hexaplast("resume else --steps 40");
-  EXPECT_EQ(refused.code, 3);
-  EXPECT_NE(refused.err.find("hint: --allow-outside permits that"), std::string::npos) << refused.err;
-  EXPECT_EQ(content(directory_ / "states.txt"), before);
-  EXPECT_EQ(hexaplast("resume else --steps 40 --allow-outside").code, 0);
 }
 
 TEST_F(Resume, TheCommandLineIsChecked) {
