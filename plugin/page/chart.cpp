@@ -11,20 +11,18 @@
 namespace hexaplast::output {
 namespace {
 
-Ticks vertical_axis(std::span<const Panel> panels, int count) {
+Ticks vertical_axis(const Panel& panel, int count) {
   constexpr double kNoise = 1e-6;  // of the span: rounding does not turn a scale upside down
-  const double span = panels.front().min_span;
+  const double span = panel.min_span;
   double min = 0, max = 0;  // zero, the initial shape, is always in sight
-  for (const Panel& panel : panels) {
-    const auto include = [&](double value) {
-      if (!std::isfinite(value)) return;
-      min = std::min(min, std::min(value, panel.highest));
-      max = std::max(max, std::min(value, panel.highest));
-    };
-    for (const Series& series : panel.series)
-      for (const Curve& curve : series.curves) std::ranges::for_each(curve.values, include);
-    for (const Level& level : panel.levels) include(level.value);
-  }
+  const auto include = [&](double value) {
+    if (!std::isfinite(value)) return;
+    min = std::min(min, std::min(value, panel.highest));
+    max = std::max(max, std::min(value, panel.highest));
+  };
+  for (const Series& series : panel.series)
+    for (const Curve& curve : series.curves) std::ranges::for_each(curve.values, include);
+  for (const Level& level : panel.levels) include(level.value);
 
   if (max - min < span) {
     const bool falls = -min > max + kNoise * span;
@@ -34,37 +32,28 @@ Ticks vertical_axis(std::span<const Panel> panels, int count) {
   return ticks_around(min, max, count);
 }
 
-Ticks horizontal_axis(std::span<const Panel> panels, int count) {
-  const XAxis& axis = panels.front().across;
-  if (!axis.names.empty()) {
-    const double last = static_cast<double>(axis.names.size()) - 1;
-    return {.min = -0.5, .max = last + 0.5, .values = {}, .decimals = 0};
-  }
+Ticks horizontal_axis(const Panel& panel, int count) {
   double min = std::numeric_limits<double>::infinity(), max = -min;
-  for (const Panel& panel : panels)
-    for (const Series& series : panel.series)
-      for (const double x : series.x) {
-        min = std::min(min, x);
-        max = std::max(max, x);
-      }
+  for (const Series& series : panel.series)
+    for (const double x : series.x) {
+      min = std::min(min, x);
+      max = std::max(max, x);
+    }
   if (!(min < max)) {  // a single value stands in the middle
     const double margin = min == 0 || !std::isfinite(min) ? 1 : std::abs(min) / 2;
     min = std::isfinite(min) ? min - margin : -margin;
     max = min + 2 * margin;
   }
-  return axis.is_logarithmic ? ticks_logarithmic(min, max, count) : ticks_within(min, max, count);
+  return ticks_within(min, max, count);
 }
 
 /// Where values stand in a frame [pixels].
 struct Scales {
   const PanelFrame& frame;
   const PanelAxes& axes;
-  bool is_logarithmic;
 
   double x(double value) const {
-    const auto along = [&](double v) { return is_logarithmic ? std::log(v) : v; };
-    const double first = along(axes.across.min), last = along(axes.across.max);
-    return frame.left + frame.width * (along(value) - first) / (last - first);
+    return frame.left + frame.width * (value - axes.across.min) / (axes.across.max - axes.across.min);
   }
   double y(double value) const {
     const double min = axes.upwards.min, max = axes.upwards.max;
@@ -76,7 +65,7 @@ void draw(SvgText& svg, const Scales& at, const std::vector<double>& x, const Cu
   const std::string dashes = curve.dashes.empty() ? "" : fmt::format(R"( stroke-dasharray="{}")", curve.dashes);
   std::string points;
   const auto finish_line = [&] {
-    if (curve.has_line && !points.empty())
+    if (!points.empty())
       svg.add(
           fmt::format(R"(<polyline points="{}" fill="none" stroke="{}" stroke-width="1.8" stroke-linejoin="round"{}/>)",
                       points, curve.colour, dashes));
@@ -89,18 +78,11 @@ void draw(SvgText& svg, const Scales& at, const std::vector<double>& x, const Cu
       finish_line();
   }
   finish_line();
-  if (!curve.has_dots) return;
-  for (std::size_t i = 0; i < x.size(); ++i)
-    if (std::isfinite(curve.values[i])) svg.dot(at.x(x[i]), at.y(curve.values[i]), 2.6, curve.colour);
 }
 
 }  // namespace
 
 std::string Panel::label() const { return unit.empty() ? quantity : fmt::format("{} [{}]", quantity, unit); }
-
-PanelAxes axes_of(std::span<const Panel> panels, int ticks_across, int ticks_upwards) {
-  return {horizontal_axis(panels, ticks_across), vertical_axis(panels, ticks_upwards)};
-}
 
 void SvgText::add(std::string_view element) {
   text_ += element;
@@ -118,27 +100,19 @@ void SvgText::line(double x1, double y1, double x2, double y2, std::string_view 
                   attributes));
 }
 
-void SvgText::dot(double x, double y, double radius, std::string_view colour) {
-  add(fmt::format(R"(<circle cx="{:.2f}" cy="{:.2f}" r="{}" fill="{}"/>)", x, y, radius, colour));
-}
-
-void SvgText::panel(const PanelFrame& frame, const Panel& panel, const PanelAxes& axes, const TickLabels& labels) {
-  const Scales at{frame, axes, panel.across.is_logarithmic};
+PanelAxes SvgText::panel(const PanelFrame& frame, const Panel& panel) {
+  constexpr double kLabelSize = 13;  // [pixels]
+  const PanelAxes axes{horizontal_axis(panel, 5), vertical_axis(panel, 6)};
+  const Scales at{frame, axes};
   const double right = frame.left + frame.width, bottom = frame.top + frame.height;
-  const auto label_across = [&](double value, const std::string& label) {
-    if (labels.across) words(at.x(value), bottom + 5 + labels.size, "middle", labels.size, label);
-  };
 
   for (const double value : axes.across.values) {
     line(at.x(value), frame.top, at.x(value), bottom, inks_.grid);
-    label_across(value, axes.across.label(value));
+    words(at.x(value), bottom + 5 + kLabelSize, "middle", kLabelSize, axes.across.label(value));
   }
-  for (std::size_t i = 0; i < panel.across.names.size(); ++i)
-    label_across(static_cast<double>(i), panel.across.names[i]);
   for (const double value : axes.upwards.values) {
     line(frame.left, at.y(value), right, at.y(value), value == 0 ? inks_.frame : inks_.grid);
-    if (labels.upwards)
-      words(frame.left - 8, at.y(value) + (labels.size - 4) / 2, "end", labels.size, axes.upwards.label(value));
+    words(frame.left - 8, at.y(value) + (kLabelSize - 4) / 2, "end", kLabelSize, axes.upwards.label(value));
   }
   add(fmt::format(R"(<rect x="{:.2f}" y="{:.2f}" width="{}" height="{}" fill="none" stroke="{}"/>)", frame.left,
                   frame.top, frame.width, frame.height, inks_.frame));
@@ -148,13 +122,8 @@ void SvgText::panel(const PanelFrame& frame, const Panel& panel, const PanelAxes
   for (const Level& level : panel.levels)
     line(frame.left, at.y(level.value), right, at.y(level.value), level.colour,
          R"( stroke-width="1.4" stroke-dasharray="6 4")");
-}
-
-PanelAxes SvgText::panel(const PanelFrame& frame, const Panel& panel) {
-  const PanelAxes axes = axes_of({&panel, 1}, 5, 6);
-  this->panel(frame, panel, axes);
   words(frame.left, frame.top - 10, "start", 14, panel.label());
-  words(frame.left + frame.width, frame.top + frame.height + 36, "end", 13, panel.across.label);
+  words(right, bottom + 36, "end", 13, "time [s]");
   return axes;
 }
 

@@ -55,19 +55,4 @@ Ticks ticks_around(double min, double max, int count) {
   return multiples(std::floor(min / step + kOverhang) * step, std::ceil(max / step - kOverhang) * step, step);
 }
 
-Ticks ticks_logarithmic(double min, double max, int count) {
-  constexpr double kSlack = 1e-9;  // an end that is round but for rounding counts
-  Ticks ticks{.min = min, .max = max, .values = {}, .decimals = -1};
-  std::vector<double> powers;
-  for (double k = std::floor(std::log10(min)); k <= std::ceil(std::log10(max)); ++k)
-    for (const double digit : {1.0, 2.0, 5.0}) {
-      const double value = digit * std::pow(10, k);
-      if (value < min * (1 - kSlack) || value > max * (1 + kSlack)) continue;
-      ticks.values.push_back(value);
-      if (digit == 1) powers.push_back(value);
-    }
-  if (static_cast<int>(ticks.values.size()) > count && powers.size() > 1) ticks.values = powers;
-  return ticks.values.size() > 1 ? ticks : ticks_within(min, max, count);
-}
-
 }  // namespace hexaplast::output

@@ -22,9 +22,4 @@ Ticks ticks_within(double min, double max, int count);
 /// The same with the interval grown outwards to the next tick at both ends (a fiftieth of a step may stand out).
 Ticks ticks_around(double min, double max, int count);
 
-/// Ticks for a scale on which equal distances are equal factors, 0 < min < max: 1, 2 and 5 times the powers of ten
-/// within [min, max], or powers of ten alone where those are more than `count`; where that is less than two, even
-/// ones.
-Ticks ticks_logarithmic(double min, double max, int count);
-
 }  // namespace hexaplast::output

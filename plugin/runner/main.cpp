@@ -17,15 +17,15 @@
 #include "runner/look/render.hpp"
 #include "runner/look/view.hpp"
 #include "runner/mesh/command.hpp"
+#include "runner/program.hpp"
 #include "runner/report_errors.hpp"
 #include "runner/run/bench.hpp"
 #include "runner/run/check.hpp"
 #include "runner/run/common_options.hpp"
 #include "runner/run/resume.hpp"
 #include "runner/run/run.hpp"
+#include "runner/study/describe.hpp"
 #include "runner/study/element.hpp"
-#include "runner/study/fit.hpp"
-#include "runner/study/sweep.hpp"
 #include "runner/terminal_log.hpp"
 #include "runner/usage.hpp"
 
@@ -59,8 +59,14 @@ void add_run(CLI::App& app, RunOptions& options) {
   CLI::Option* data =
       run->add_option("--data", options.data, "Write states for other programs into an HDF5 file (docs/studies.md)")
           ->type_name("FILE.h5");
-  data->needs(add_fields(*run, options.fields));
-  add_every(*run, options.every)->needs(data);
+  CLI::Option* fields = add_fields(*run, options.fields);
+  data->needs(fields);
+  add_every(*run, options.every)->needs(fields);
+  // for programs in Python
+  run->add_option("--stream", options.stream)->group("");
+  run->add_option("--measure", options.measures)->delimiter(',')->group("");
+  run->add_option("--parent", options.parent)->group("");
+  run->add_flag("!--no-writing", options.scene.output.writes)->group("");
   add_threads(*run, options.threads);
   run->add_option("--frames", options.frames, "Number of pictures, spread over the run; 0 for none")
       ->type_name("N")
@@ -181,6 +187,9 @@ int main(int argc, char** argv) {
   // Messages are sentences with their own place and severity; the log adds nothing to them.
   spdlog::set_default_logger(std::make_shared<spdlog::logger>("hexaplast", make_terminal_log()));
 
+  if (const std::string verb = argc > 1 ? argv[1] : ""; verb == "sweep" || verb == "fit")
+    return report_errors("hexaplast", [&]() -> int { become_program("hexaplast-" + verb, {argv + 2, argv + argc}); });
+
   CLI::App app("Hexaplast: hexahedral corotational elastoplastic finite elements in real time", "hexaplast");
   app.set_version_flag("--version", "hexaplast " HEXAPLAST_VERSION);
   app.require_subcommand(1);
@@ -206,12 +215,11 @@ int main(int argc, char** argv) {
   add_render(app, render_options)->footer(kExitCodes);
   std::string page_format;
   add_page(app, page_format);
-  SweepOptions sweep_options;
-  CLI::App* sweep_command = add_sweep(app, sweep_options);
-  add_scene(*sweep_command, sweep_options.scene);
-  sweep_command->get_option("scene")->required(false);  // --merge takes none
-  FitOptions fit_options;
-  add_scene(*add_fit(app, fit_options), fit_options.scene);
+  SceneOptions describe_options;
+  add_describe(app, describe_options);
+  // programs in Python, which have been started where they are asked for
+  app.add_subcommand("sweep", "Run a scene for every combination of attribute values; continues what was begun");
+  app.add_subcommand("fit", "Find the attribute values with which a scene repeats a measured curve");
   refuse_empty_values(app);
   try {
     app.parse(argc, argv);
@@ -236,13 +244,10 @@ int main(int argc, char** argv) {
     const bool has_scene = !bench_options.scene.file.empty();
     return report_errors(has_scene ? bench_options.scene.file.string() : "hexaplast", [&] { bench(bench_options); });
   }
+  if (app.got_subcommand("describe"))
+    return report_errors(describe_options.file.string(), [&] { describe(describe_options); });
   if (app.got_subcommand("list")) return report_errors("hexaplast", [&] { list(list_options); });
   if (app.got_subcommand("render")) return report_errors(render_options.run.string(), [&] { render(render_options); });
-  if (app.got_subcommand("sweep"))
-    return report_errors(sweep_options.merge.empty() ? sweep_options.scene.file.string() : "hexaplast sweep",
-                         [&] { return sweep(sweep_options); });
-  if (app.got_subcommand("fit"))
-    return report_errors(fit_options.scene.file.string(), [&] { return fit(fit_options); });
   // the stream alone: warnings are kept for the manifest of the run
   if (run_options.quiet || resume_options.quiet)
     spdlog::default_logger()->sinks().front()->set_level(spdlog::level::err);

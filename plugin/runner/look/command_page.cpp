@@ -37,6 +37,12 @@ std::vector<std::string> names_of(const CLI::Option& option) {
   return names;
 }
 
+/// Whether a program of its own takes the command line: it knows the options.
+bool is_program(const CLI::App& command) {
+  return command.get_parent() && subcommands_of(command).empty() && arguments_of(command).empty() &&
+         options_of(command).size() == 1;  // --help
+}
+
 // ---- the manual page
 
 /// Text as man's macros take it: no line is mistaken for a macro, and a hyphen is one that can be copied.
@@ -80,6 +86,7 @@ void add_command(const CLI::App& command, const std::string& path, std::string& 
     for (const CLI::Option* argument : arguments_of(*inner))
       page += fmt::format(".TP\n\\fI{}\\fR\n{}\n", roff(type_of(*argument)), roff(argument->get_description()));
     for (const CLI::Option* option : options_of(*inner)) add_option(*option, page);
+    if (is_program(*inner)) page += fmt::format(".PP\n\\fB{} \\-\\-help\\fR lists its options.\n", roff(inner_path));
     add_command(*inner, inner_path, page);
   }
 }
@@ -120,6 +127,11 @@ void add_cases(const CLI::App& command, const std::string& path, const std::vect
       "    '{}')\n"
       "      commands='{}' options='{}' places='{}'\n",
       path, commands, options, places);
+  if (is_program(command))
+    script += fmt::format(
+        "      options=$(\"${{COMP_WORDS[0]}}\" {} --help 2>/dev/null | grep -o -- '--[a-z-]*' | sort -u) "
+        "places='@files'\n",
+        path);
   if (!values.empty()) script += fmt::format("      case $previous in\n{}      esac\n", values);
   script += "      ;;\n";
   for (const CLI::App* inner : subcommands_of(command))

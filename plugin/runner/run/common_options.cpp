@@ -9,6 +9,16 @@
 #include "hexaplast/base/parallel.hpp"
 
 namespace hexaplast::runner {
+namespace {
+
+std::string names_of_fields() {
+  std::string names;
+  for (const output::FieldEntry& entry : output::kFields)
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", entry.word);
+  return names;
+}
+
+}  // namespace
 
 void add_plugin_options(CLI::App& command, std::vector<std::string>& plugins,
                         std::vector<std::filesystem::path>& plugin_path) {
@@ -50,21 +60,22 @@ void add_final_state(CLI::App& command, std::optional<std::filesystem::path>& fi
   command.add_option("--final", file, "Write the last state as JSON")->type_name("FILE");
 }
 
+std::string why_no_fields(const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    if (!output::field_of(word)) return fmt::format("'{}' is none of {}", word, names_of_fields());
+    if (std::ranges::count(words, word) > 1) return fmt::format("'{}' is given twice", word);
+  }
+  return "";
+}
+
 CLI::Option* add_fields(CLI::App& command, std::vector<output::Field>& fields) {
-  std::string names;
-  for (const output::FieldEntry& entry : output::kFields)
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", entry.word);
-  const auto take = [&fields, names](const std::vector<std::string>& words) {
-    for (const std::string& word : words) {
-      const std::optional<output::Field> field = output::field_of(word);
-      if (!field) throw CLI::ValidationError("--fields", fmt::format("'{}' is none of {}", word, names));
-      if (std::ranges::count(words, word) > 1)
-        throw CLI::ValidationError("--fields", fmt::format("'{}' is given twice", word));
-      fields.push_back(*field);
-    }
+  const auto take = [&fields](const std::vector<std::string>& words) {
+    if (const std::string why = why_no_fields(words); !why.empty()) throw CLI::ValidationError("--fields", why);
+    for (const std::string& word : words) fields.push_back(*output::field_of(word));
   };
   return command
-      .add_option_function<std::vector<std::string>>("--fields", take, fmt::format("What data sets hold: {}", names))
+      .add_option_function<std::vector<std::string>>("--fields", take,
+                                                     fmt::format("What data sets hold: {}", names_of_fields()))
       ->type_name("FIELD,...")
       ->delimiter(',')
       ->allow_extra_args(false);

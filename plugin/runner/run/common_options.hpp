@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "record/field_file.hpp"
+#include "record/state_stream.hpp"
 #include "runner/run/scene_file.hpp"
 
 namespace hexaplast::runner {
@@ -36,6 +36,7 @@ CLI::Option* add_steps(CLI::App& command, std::optional<long>& steps,
 void add_final_state(CLI::App& command, std::optional<std::filesystem::path>& file);
 
 /// --fields and --every: what data sets hold.
+std::string why_no_fields(const std::vector<std::string>& words);  ///< empty: they are fields
 CLI::Option* add_fields(CLI::App& command, std::vector<output::Field>& fields);
 CLI::Option* add_every(CLI::App& command, long& every);
 

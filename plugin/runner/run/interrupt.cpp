@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "runner/run/interrupt.hpp"
 
+#include <sys/prctl.h>
+#include <unistd.h>
+
 #include <csignal>
 #include <cstdlib>
 
@@ -24,5 +27,10 @@ void watch_signals() {
 }
 
 int requested_signal() { return requested; }
+
+void end_with(int parent) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != parent) std::_Exit(128 + SIGKILL);  // it was too late for the signal
+}
 
 }  // namespace hexaplast::runner

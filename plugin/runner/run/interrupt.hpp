@@ -10,4 +10,7 @@ void watch_signals();
 /// Number of the signal that asked the run to end; 0: none did.
 int requested_signal();
 
+/// Kills this process when the thread of `parent` ends that has started it, in whatever way.
+void end_with(int parent);
+
 }  // namespace hexaplast::runner

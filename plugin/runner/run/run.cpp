@@ -20,6 +20,7 @@
 #include "runner/exit_code.hpp"
 #include "runner/look/render.hpp"
 #include "runner/run/boundary_conditions.hpp"
+#include "runner/run/data_file.hpp"
 #include "runner/run/directory_lock.hpp"
 #include "runner/run/ends.hpp"
 #include "runner/run/interrupt.hpp"
@@ -36,6 +37,7 @@
 #include "runner/run/staging.hpp"
 #include "runner/run/summary_file.hpp"
 #include "runner/standard_output.hpp"
+#include "runner/study/measured.hpp"
 #include "scene/description.hpp"
 #include "scene/visuals.hpp"
 
@@ -129,13 +131,18 @@ void complete(output::Recorder& recorder, Simulation& simulation, const RunOptio
 struct Files {
   std::optional<output::Recorder> recorder;
   std::optional<output::WholeFile> final_state, summary;
-  std::unique_ptr<output::FieldFile> data;
+  std::optional<DataFile> data;
+  std::unique_ptr<output::StateStream> stream;
+  std::optional<Measured> measured;
+
+  /// Who takes states for programs in Python; null: nobody.
+  output::StateStream* states() { return data ? &data->states() : stream.get(); }
   std::optional<Journal> journal;
 };
 
 /// What a data set says of its run, so that it can be used without the scene at hand.
-output::FieldPlan data_plan_of(Simulation& simulation, long num_steps, const RunOptions& options) {
-  output::FieldPlan plan{.fields = options.fields, .every = options.every};
+output::StatePlan data_plan_of(Simulation& simulation, long num_steps, const RunOptions& options) {
+  output::StatePlan plan{.fields = options.fields, .every = options.every, .measures = options.measures};
   for (const scene::Probe* probe : simulation.probes()) plan.probes.push_back(probe->name());
   plan.attributes = {{"format", "hexaplast run 1"},
                      {"version", HEXAPLAST_VERSION},
@@ -156,14 +163,15 @@ output::FieldPlan data_plan_of(Simulation& simulation, long num_steps, const Run
   return plan;
 }
 
-void record_fields(Simulation& simulation, output::FieldFile& data) {
+void record_state(Simulation& simulation, Files& files) {
   const output::StepRecord& latest = simulation.latest();
-  data.record({.step = latest.step,
-               .time = latest.time,
-               .positions = simulation.positions(),
-               .velocities = simulation.velocities(),
-               .conditions = conditions_of(simulation),
-               .probes = latest.probes});
+  files.states()->record({.step = latest.step,
+                          .time = latest.time,
+                          .positions = simulation.positions(),
+                          .velocities = simulation.velocities(),
+                          .conditions = conditions_of(simulation),
+                          .probes = latest.probes,
+                          .measures = files.measured ? files.measured->now() : std::vector<double>()});
 }
 
 // Steps until the end, a signal, or a failure. After a failure the files hold everything up to the last good step.
@@ -173,7 +181,7 @@ void advance(Simulation& simulation, long num_steps, Files& files, const RunOpti
   const auto record = [&] {
     if (recorder)
       recorder->record(simulation.latest(), simulation.positions(), simulation.velocities(), conditions_of(simulation));
-    if (files.data && files.data->wants(simulation.latest().step)) record_fields(simulation, *files.data);
+    if (files.states() && files.states()->wants(simulation.latest().step)) record_state(simulation, files);
   };
   std::optional<long> saved;  // step of the newest checkpoint
   if (!begins) saved = simulation.latest().step;
@@ -361,9 +369,13 @@ void carry_out(Simulation& simulation, long num_steps, Files& files, const RunOp
                bool begins) {
   advance(simulation, num_steps, files, options, kept, begins);
 
-  if (files.data && simulation.latest().step == num_steps) {  // one that is not complete goes
-    if (files.data->last_step() < num_steps) record_fields(simulation, *files.data);
-    files.data->complete({{"state_hash", simulation.state_hash()}});
+  if (files.states() && simulation.latest().step == num_steps) {  // one that is not complete goes
+    if (files.states()->last_step() < num_steps) record_state(simulation, files);
+    const output::NamedTexts attributes = {{"state_hash", simulation.state_hash()}};
+    if (files.data)
+      files.data->complete(attributes);
+    else
+      files.stream->complete(attributes);
   }
   if (files.recorder) complete(*files.recorder, simulation, options);
   if (files.final_state)
@@ -424,12 +436,13 @@ void serialize(Archive& archive, RunRecord& record) {
 
 int run(const RunOptions& options, const output::Checkpoint* start) {
   if (options.threads) set_num_threads(*options.threads);
+  if (options.parent) end_with(*options.parent);
   watch_signals();
 
   const KeptWarnings warnings;
   Simulation simulation(options.scene);
   const output::Bodies* bodies = simulation.bodies();
-  if (!bodies && (options.out || options.final_state || options.summary || options.data))
+  if (!bodies && (options.out || options.final_state || options.summary || options.data || options.stream >= 0))
     throw scene::SceneError(
         scene::format_error(simulation.scene().root().place(),
                             "no body in the scene: --out, --final, --summary and --data have nothing to write"));
@@ -457,8 +470,12 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   if (options.final_state) files.final_state.emplace(place_of(*options.final_state, options, inputs));
   if (options.summary) files.summary.emplace(place_of(*options.summary, options, inputs));
   if (options.data)
-    files.data = output::make_field_file(place_of(*options.data, options, inputs), *bodies,
-                                         data_plan_of(simulation, num_steps, options));
+    files.data.emplace(place_of(*options.data, options, inputs), *bodies, data_plan_of(simulation, num_steps, options));
+  if (options.stream >= 0) {
+    files.stream =
+        std::make_unique<output::StateStream>(options.stream, *bodies, data_plan_of(simulation, num_steps, options));
+    if (!options.measures.empty()) files.measured.emplace(simulation, options.measures);
+  }
   if (options.out && start) {
     Archive saved = start->section("output");
     files.recorder.emplace(*options.out, *bodies, std::move(plan), saved);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hexaplast/mesh/quality.hpp"
+#include "runner/run/ends.hpp"
 #include "runner/run/result_checks.hpp"
 
 namespace hexaplast::runner {
@@ -19,39 +20,44 @@ Json summary_json(Simulation& simulation) {
   const output::Summary summary = output::summarise(bodies, x);
   const output::Largest& plastic = summary.plastic_strain;
 
-  return {{"state_hash", simulation.state_hash()},
-          {"steps", latest.step},
-          {"time", simulation.time()},
-          {"step_ms", totals.step_ms / static_cast<double>(std::max(latest.step, 1L))},
-          {"solver_iterations", totals.iterations},
-          {"preconditioner", preconditioner_line(totals)},
-          {"stalled_solves", totals.stalled_solves},
-          {"stalled_newton", totals.stalled_newton},
-          {"threshold_solves", totals.threshold_solves},
-          {"stalled_averaging", totals.stalled_averaging},
-          {"rolled_back", totals.rolled_back},
-          {"nodes", simulation.num_nodes()},
-          {"hexahedra", bodies.mesh().num_elements()},
-          {"removed", bodies.num_removed()},
-          {"connected_parts", summary.num_pieces},
-          {"least_scaled_jacobian", quality(bodies.mesh()).min_scaled_jacobian},
-          {"inverted", latest.flow.inverted},
-          {"most_inverted", totals.max_inverted},
-          {"plastic_elongation", summary.plastic_elongation},
-          {"plastic_twist_deg", summary.plastic_twist_deg},
-          {"world_elongation", summary.world_elongation},
-          {"world_twist_deg", summary.world_twist_deg},
-          {"material_volume_ratio", summary.material_volume_ratio},
-          {"volume_error", summary.material_volume_ratio - 1},
-          {"world_volume_ratio", summary.world_volume_ratio},
-          {"worst_element_volume_error", summary.worst_element_volume_error},
-          {"largest_plastic_strain", plastic.value},
-          {"largest_plastic_strain_hexahedron", plastic.hexahedron < 0 ? Json(nullptr) : Json(plastic.hexahedron)},
-          {"kinetic_energy", latest.kinetic_energy},
-          {"elastic_energy", bodies.energy(x)},
-          {"dissipated_energy", bodies.dissipated_energy()},
-          {"energy_error", latest.energy ? Json(latest.energy->error()) : Json(nullptr)},
-          {"doubts", check_results(simulation)}};
+  Json json = {{"state_hash", simulation.state_hash()},
+               {"steps", latest.step},
+               {"time", simulation.time()},
+               {"step_ms", totals.step_ms / static_cast<double>(std::max(latest.step, 1L))},
+               {"solver_iterations", totals.iterations},
+               {"preconditioner", preconditioner_line(totals)},
+               {"stalled_solves", totals.stalled_solves},
+               {"stalled_newton", totals.stalled_newton},
+               {"threshold_solves", totals.threshold_solves},
+               {"stalled_averaging", totals.stalled_averaging},
+               {"rolled_back", totals.rolled_back},
+               {"nodes", simulation.num_nodes()},
+               {"hexahedra", bodies.mesh().num_elements()},
+               {"removed", bodies.num_removed()},
+               {"connected_parts", summary.num_pieces},
+               {"least_scaled_jacobian", quality(bodies.mesh()).min_scaled_jacobian},
+               {"inverted", latest.flow.inverted},
+               {"most_inverted", totals.max_inverted},
+               {"material_volume_ratio", summary.material_volume_ratio},
+               {"volume_error", summary.material_volume_ratio - 1},
+               {"world_volume_ratio", summary.world_volume_ratio},
+               {"worst_element_volume_error", summary.worst_element_volume_error},
+               {"largest_plastic_strain", plastic.value},
+               {"largest_plastic_strain_hexahedron", plastic.hexahedron < 0 ? Json(nullptr) : Json(plastic.hexahedron)},
+               {"kinetic_energy", latest.kinetic_energy},
+               {"elastic_energy", bodies.energy(x)},
+               {"dissipated_energy", bodies.dissipated_energy()},
+               {"energy_error", latest.energy ? Json(latest.energy->error()) : Json(nullptr)},
+               {"probes", Json::object()},
+               {"doubts", check_results(simulation)}};
+  if (measures_ends(simulation))
+    json.update({{"plastic_elongation", summary.plastic_elongation},
+                 {"plastic_twist_deg", summary.plastic_twist_deg},
+                 {"world_elongation", summary.world_elongation},
+                 {"world_twist_deg", summary.world_twist_deg}});
+  for (std::size_t p = 0; p < simulation.probes().size(); ++p)
+    json["probes"][simulation.probes()[p]->name()] = latest.probes[p];
+  return json;
 }
 
 }  // namespace hexaplast::runner

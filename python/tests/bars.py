@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Bars of 1 m along x and a section of 0.25 m^2, held at x = 0, and the command that runs them. Without lateral contraction the
+elongation under a force F is F / (E A) exactly, whatever the mesh."""
+import os
+import pathlib
+import subprocess
+import time
+
+SECTION = 0.25  # [m^2]
+COMMAND = os.environ["HEXAPLAST_COMMAND"]
+SCENES = pathlib.Path(__file__).resolve().parents[2] / "scenes"
+
+
+def command(*words, cwd=None, before=()):
+    environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
+    return subprocess.run([*before, COMMAND, *map(str, words)], cwd=cwd, env=environment, capture_output=True, text=True)
+
+
+def _bar(solver, material, load):
+    return ("<Node dt='0.1' gravity='0 0 0'>\n<DefaultAnimationLoop/><RunSettings steps='11'/>\n" + solver +
+            "<RegularGridTopology n='3 2 2' max='1 .5 .5'/><MechanicalObject/>\n"
+            "<HexahedronElastoplasticFEMForceField name='body' youngModulus='2000' poissonRatio='0' " + material +
+            "/>\n<FixedProjectiveConstraint indices='0 3 6 9'/>" + load + "</Node>")
+
+
+# In equilibrium at each of its 11 steps. The pull grows to 50 N at t = 1 s, which step 11 begins with.
+PULLED = _bar("<StaticSolver newtonSolver='@newton' linearSolver='@factors'/><NewtonRaphsonSolver name='newton' "
+              "maxNbIterationsNewton='50' relativeSuccessiveStoppingThreshold='0' relativeInitialStoppingThreshold='0' "
+              "absoluteResidualStoppingThreshold='1e-10'/><SparseLDLSolver name='factors'/>\n", "",
+              "<LinearForceField name='pull' points='2 5 8 11' times='0 1' forces='0 0 0  12.5 0 0'/>")
+
+# In motion: pulled until it flows, then let go.
+FLOWING = _bar("<EulerImplicitSolver rayleighMass='2' rayleighStiffness='0.1'/><SparseLDLSolver/>\n",
+               "yieldStress='60' plasticFlowRate='2'",
+               "<DiagonalMass totalMass='20'/><LinearForceField name='pull' points='2 5 8 11' times='-0.1 0.5 2.54 2.56' "
+               "forces='0 0 0  12.5 0 0  12.5 0 0  0 0 0'/>")
+
+
+def contracting(is_confined):
+    """The same pull on a bar that contracts freely across, or not at all, with the element whose law is that of Hooke for such
+    stretches: the elongation is F / (E A) or F / (M A), M = E (1 - nu) / ((1 + nu) (1 - 2 nu))."""
+    across = ("<PartialFixedProjectiveConstraint fixAll='true' fixedDirections='0 1 1'/>" if is_confined else
+              "<PartialFixedProjectiveConstraint indices='0 1 2 6 7 8' fixedDirections='0 1 0'/>"
+              "<PartialFixedProjectiveConstraint indices='0 1 2 3 4 5' fixedDirections='0 0 1'/>")
+    scene = PULLED.replace("poissonRatio='0' ", "poissonRatio='0.1' volumetric='sample' bending='blended' recovery='none' ")
+    return scene.replace("<FixedProjectiveConstraint indices='0 3 6 9'/>",
+                         "<PartialFixedProjectiveConstraint indices='0 3 6 9' fixedDirections='1 0 0'/>" + across)
+
+
+def processes(*words):
+    """Those whose command lines have these words, by /proc."""
+    found = []
+    for entry in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            line = entry.read_text().replace("\0", " ")
+        except OSError:
+            continue
+        if all(word in line for word in words):
+            found.append(int(entry.parent.name))
+    return found
+
+
+def wait_for(condition, seconds=60):
+    end = time.monotonic() + seconds
+    while not (found := condition()):
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    return found

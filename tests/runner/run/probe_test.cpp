@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "hexaplast/base/types.hpp"
+#include "record/history_table.hpp"
+#include "support/command.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::content;
+using support::Outcome;
+using Json = nlohmann::json;
+
+/// A bar that forceps pull by its upper end.
+class Probes : public support::Command {
+ protected:
+  void write_scene(const std::string& probes) {
+    write("bar.scn", R"xml(<Node dt="0.01" gravity="0 0 0">
+  <RunSettings steps="30" outputEvery="10"/>
+  <DefaultAnimationLoop/>
+  <EulerImplicitSolver rayleighMass="0.1" rayleighStiffness="0.1"/>
+  <SparseLDLSolver/>
+  <RegularGridTopology name="grid" n="3 3 9" max="0.1 0.1 0.4"/>
+  <MechanicalObject name="nodes"/>
+  <DiagonalMass massDensity="1000"/>
+  <HexahedronElastoplasticFEMForceField name="body" youngModulus="5e4" poissonRatio="0.4" yieldStress="2000"
+      plasticFlowRate="4"/>
+  <FixedProjectiveConstraint indices="0-8"/>
+  <GraspForceField name="forceps" indices="72-80" radius="1" graspTime="0.05" keyTimes="0.05 0.3"
+      positions="0.05 0.05 0.4  0.05 0.1 0.45" stiffness="500"/>
+)xml" + probes + "</Node>\n");
+  }
+
+  /// The last row's value of a column.
+  double last(const std::string& column, const std::string& run = "run") {
+    output::HistoryTable table(directory_ / run / "history.csv");
+    const int place = table.find("probe_" + column);
+    double value = std::nan("");
+    for (std::span<const double> row = table.next(); !row.empty(); row = table.next())
+      if (place >= 0) value = row[static_cast<std::size_t>(place)];
+    return value;
+  }
+};
+
+TEST_F(Probes, AreColumnsOfTheHistoryLinesOfTheSummaryAndChartsOfTheReport) {
+  write_scene(R"xml(  <Probe name="tip" value="@nodes.position" indices="72-80" change="true"/>
+  <Probe name="tip_y" value="@nodes.position" indices="72-80" component="y"/>
+  <Probe name="lowest" value="@nodes.position" indices="72-80" component="z" statistic="min"/>
+  <Probe name="pull" value="@forceps.force"/>
+  <Probe name="pull_z" value="@forceps.force" component="z"/>
+  <Probe name="strain" value="@body.plasticStrain" statistic="max"/>
+  <Probe name="volumes" value="@body.volumeRatio" indices="0-3" statistic="sum"/>
+)xml");
+  const Outcome outcome = hexaplast("run bar.scn --out run --frames 0 --final final.json --summary summary.json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+
+  const Json state = Json::parse(content(directory_ / "final.json"));
+  Vec3 mean = Vec3::Zero();
+  double lowest = 1e300;
+  for (int n = 72; n <= 80; ++n) {
+    for (int i = 0; i < 3; ++i) mean[i] += state["positions"][n][i].get<double>() / 9;
+    lowest = std::min(lowest, state["positions"][n][2].get<double>());
+  }
+  EXPECT_NEAR(last("tip"), (mean - Vec3(0.05, 0.05, 0.4)).norm(), 1e-15);
+  EXPECT_NEAR(last("tip_y"), mean.y(), 1e-15);
+  EXPECT_EQ(last("lowest"), lowest);
+  EXPECT_GT(last("pull"), std::abs(last("pull_z")));
+  EXPECT_GT(last("pull_z"), 1);
+  EXPECT_EQ(last("strain"), Json::parse(content(directory_ / "summary.json"))["largest_plastic_strain"]);
+  double sum = 0;
+  for (int e = 0; e < 4; ++e) sum += state["volume_ratio"][e].get<double>();
+  EXPECT_NEAR(last("volumes"), sum, 1e-14);
+
+  for (const char* line : {"\n  tip                 ", " m\n", "\n  pull                ", " N\n", "\n  strain"})
+    EXPECT_NE(outcome.out.find(line), std::string::npos) << line << outcome.out;
+  const std::string report = content(directory_ / "run/report.html");
+  for (const char* title : {"pull_z", "tip_y", "volumes"}) EXPECT_NE(report.find(title), std::string::npos) << title;
+}
+
+TEST_F(Probes, ChangeNothingAndGoOnFromACheckpoint) {
+  write_scene("");
+  const auto hash = [](const std::string& text) { return text.substr(text.find("state hash")); };
+  const std::string without = hash(hexaplast("run bar.scn").out);
+  write_scene("  <Probe name='tip' value='@nodes.position' indices='80' change='true'/>\n");
+  const Outcome whole = hexaplast("run bar.scn --out run --frames 0");
+  EXPECT_EQ(hash(whole.out), without);
+
+  ASSERT_EQ(hexaplast("run bar.scn --out half --frames 0 --steps 15 --checkpoint every=15 --quiet").code, 0);
+  const Outcome resumed = hexaplast("resume half --steps 30");
+  EXPECT_EQ(hash(resumed.out), without) << resumed.err;
+  EXPECT_EQ(last("tip", "half"), last("tip"));
+}
+
+// A column of history.csv that a later version may have is none of a probe.
+TEST_F(Probes, HaveColumnsThatNoOtherColumnIsCalledLike) {
+  write_scene("  <Probe name='step_ms' value='@nodes.position' indices='80'/>\n");
+  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --quiet").code, 0);
+  output::HistoryTable table(directory_ / "run/history.csv");
+  int of_probes = 0;
+  for (const std::string& column : table.columns()) of_probes += column.starts_with("probe_");
+  EXPECT_EQ(of_probes, 1);
+  EXPECT_GE(table.find("step_ms"), 0);
+  EXPECT_NEAR(last("step_ms"), 0.45, 0.05);
+}
+
+TEST_F(Probes, OfConstraintsTellWhatBalancesABodyAtRest) {
+  // at rest the support carries what the forceps pull, in force and in moment
+  write_scene(R"xml(  <Probe name="fx" value="@held.reaction" component="x"/>
+  <Probe name="fy" value="@held.reaction" component="y"/>
+  <Probe name="fz" value="@held.reaction" component="z"/>
+  <Probe name="mx" value="@held.reactionTorque" component="x"/>
+  <Probe name="my" value="@held.reactionTorque" component="y"/>
+  <Probe name="gy" value="@forceps.force" component="y"/>
+  <Probe name="gz" value="@forceps.force" component="z"/>
+  <Probe name="tx" value="@forceps.torque" component="x"/>
+)xml");
+  std::string scene = content(directory_ / "bar.scn");
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    scene.replace(scene.find(from), from.size(), to);
+  };
+  replace("<FixedProjectiveConstraint ", "<FixedProjectiveConstraint name='held' ");
+  replace("yieldStress=\"2000\"", "");
+  replace("plasticFlowRate=\"4\"", "");
+  replace("rayleighMass=\"0.1\"", "rayleighMass=\"8\"");
+  write("bar.scn", scene);
+  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --quiet --steps 600").code, 0);
+  EXPECT_GT(std::abs(last("gy")), 0.5);
+  EXPECT_NEAR(last("fx"), 0, 1e-6);
+  EXPECT_NEAR(last("fy"), -last("gy"), 1e-6);
+  EXPECT_NEAR(last("fz"), -last("gz"), 1e-6);
+  // the tool ends at (0.05, 0.1, 0.45)
+  const double about_origin = last("tx") + 0.1 * last("gz") - 0.45 * last("gy");
+  EXPECT_GT(std::abs(about_origin), 0.1);
+  EXPECT_NEAR(last("mx"), -about_origin, 1e-6);
+}
+
+TEST_F(Probes, OfConstraintsAreExactInMotionToo) {
+  // every node is prescribed: a rigid body that is accelerated needs its mass times its acceleration, step by step
+  write("prescribed.scn", R"xml(<Node dt="0.01" gravity="0 0 -10">
+  <RunSettings steps="20"/><DefaultAnimationLoop/><EulerImplicitSolver rayleighMass="0" rayleighStiffness="0"/>
+  <SparseLDLSolver/><RegularGridTopology name="grid" n="3 3 3" max="0.1 0.1 0.1"/><MechanicalObject name="nodes"/>
+  <UniformMass totalMass="2"/><HexahedronElastoplasticFEMForceField name="body" youngModulus="5e4"/>
+  <FixedProjectiveConstraint name="held" indices="0-8"/><Probe name="z" value="@held.reaction" component="z"/>
+  <Probe name="com" value="@nodes.velocity" component="z" statistic="sum"/></Node>)xml");
+  ASSERT_EQ(hexaplast("run prescribed.scn --out run --frames 0 --quiet").code, 0);
+  output::HistoryTable table(directory_ / "run/history.csv");
+  const auto force = static_cast<std::size_t>(table.find("probe_z")),
+             velocity = static_cast<std::size_t>(table.find("probe_com"));
+  double before = 0;
+  for (std::span<const double> row = table.next(); !row.empty(); row = table.next()) {
+    // momentum: m dv / dt = reaction - weight, whatever happens inside
+    const double momentum = 2. / 27 * row[velocity];
+    if (row[0] > 0) {
+      EXPECT_NEAR((momentum - before) / 0.01, row[force] - 20, 1e-7) << row[0];
+    }
+    before = momentum;
+  }
+}
+
+TEST_F(Probes, OfConstraintsGoOnFromACheckpoint) {
+  write_scene("  <Probe name='z' value='@held.reaction' component='z'/>\n");
+  std::string scene = content(directory_ / "bar.scn");
+  scene.replace(scene.find("<FixedProjectiveConstraint "), 27, "<FixedProjectiveConstraint name='held' ");
+  write("bar.scn", scene);
+  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --quiet").code, 0);
+  ASSERT_EQ(hexaplast("run bar.scn --out half --frames 0 --steps 15 --checkpoint every=15 --quiet").code, 0);
+  const Outcome resumed = hexaplast("resume half --steps 30");
+  EXPECT_EQ(last("z", "half"), last("z")) << resumed.err;
+  EXPECT_NE(last("z"), 0);
+
+  scene.replace(scene.find("<EulerImplicitSolver rayleighMass=\"0.1\" rayleighStiffness=\"0.1\"/>"), 66,
+                "<StaticSolver newtonSolver='@newton'/><NewtonRaphsonSolver name='newton'/>");
+  write("static.scn", scene);
+  const Outcome refused = hexaplast("run static.scn");
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_NE(refused.err.find("reaction: is told by EulerImplicitSolver only"), std::string::npos) << refused.err;
+}
+
+TEST_F(Probes, HaveNoComponentOfSingleNumbers) {
+  write_scene("  <Probe name='volume' value='@body.volume' component='z'/>\n");
+  const Outcome refused = hexaplast("check bar.scn");
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_NE(refused.err.find("component: is given for a value that holds no vectors"), std::string::npos)
+      << refused.err;
+}
+
+TEST_F(Probes, FollowPointsWithinTheBodyAndVolumesOfRegions) {
+  write_scene(R"xml(  <Probe name="inside" value="@nodes.position" points="0.03 0.07 0.21" component="z"/>
+  <Probe name="moved" value="@nodes.position" points="0.03 0.07 0.21  0.05 0.05 0.4" change="true" statistic="max"/>
+  <Probe name="at_node" value="@nodes.position" points="0.05 0.05 0.4" component="y"/>
+  <Probe name="node" value="@nodes.position" indices="76" component="y"/>
+  <Probe name="volume" value="@body.volume" statistic="sum"/>
+  <Probe name="plastic_volume" value="@body.plasticVolume" indices="0-3" statistic="sum"/>
+)xml");
+  const Outcome outcome = hexaplast("run bar.scn --out run --frames 0 --final final.json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NEAR(last("at_node"), last("node"), 1e-14);
+  EXPECT_GT(last("moved"), 0.01);
+  // by hand: the cell's corners around it, 20 % and 40 % along its sides, 1/5 up
+  const Json state = Json::parse(content(directory_ / "final.json"));
+  double z = 0;
+  const double s[3] = {0.03 / 0.05, 0.02 / 0.05, 0.01 / 0.05};
+  for (int corner = 0; corner < 8; ++corner) {
+    const int i = corner & 1, j = (corner >> 1) & 1, k = corner >> 2;
+    const double weight = (i ? s[0] : 1 - s[0]) * (j ? s[1] : 1 - s[1]) * (k ? s[2] : 1 - s[2]);
+    z += weight * state["positions"][(4 + k) * 9 + (1 + j) * 3 + i][2].get<double>();
+  }
+  EXPECT_NEAR(last("inside"), z, 1e-14);
+  output::HistoryTable table(directory_ / "run/history.csv");
+  const auto ratio = static_cast<std::size_t>(table.find("world_volume_ratio"));
+  double current = 0;
+  for (std::span<const double> row = table.next(); !row.empty(); row = table.next()) current = row[ratio];
+  EXPECT_NEAR(last("volume"), 0.004 * current, 1e-15);
+  double sum = 0;
+  for (int e = 0; e < 4; ++e) sum += state["volume_ratio"][e].get<double>() * 0.05 * 0.05 * 0.05;
+  EXPECT_NEAR(last("plastic_volume"), sum, 1e-15);
+
+  write_scene("  <Probe name='out' value='@nodes.position' points='0.05 0.05 0.5'/>\n");
+  EXPECT_NE(hexaplast("run bar.scn --steps 1").err.find("1 of 1 lie outside of all hexahedra, by up to 0.1 m"),
+            std::string::npos);
+  write_scene("  <Probe name='out' value='@body.plasticStrain' points='0.05 0.05 0.5'/>\n");
+  EXPECT_EQ(hexaplast("run bar.scn --steps 1").err.find("bar.scn:14: error: Probe.points: need one vector per node"),
+            0u);
+}
+
+TEST_F(Probes, AreComparedSideBySide) {
+  write_scene("  <Probe name='pull' value='@forceps.force'/>\n");
+  ASSERT_EQ(hexaplast("run bar.scn --out a --frames 0 --quiet").code, 0);
+  ASSERT_EQ(hexaplast("run bar.scn --out b --frames 0 --quiet --set body.youngModulus=4e4").code, 0);
+  const Outcome compared = hexaplast("compare a b -o page.html");
+  ASSERT_EQ(compared.code, 0) << compared.err;
+  const std::string page = content(directory_ / "page.html");
+  EXPECT_NE(page.substr(page.find("Over time")).find(">pull"), std::string::npos);
+}
+
+TEST_F(Probes, ThatCannotBeReadAreRefused) {
+  for (const auto& [probe, message] : std::vector<std::pair<std::string, std::string>>{
+           {"<Probe name='tip'/>", "bar.scn:14: error: Probe.value: is not given: there is nothing to record"},
+           {"<Probe name='tip' value='@nodes.position' indices='81'/>",
+            "bar.scn:14: error: Probe.indices: holds 81, must lie in [0, 81)"},
+           {"<Probe name='tip' value='@nodes.position' component='w'/>", "bar.scn:14: error: Probe.component"},
+           {"<Probe name='tip' value='@forceps.name'/>", "bar.scn:14: error: "},
+           {"<Probe name='tip' value='@nobody.force'/>", "bar.scn:14: error: "},
+           {"<Probe name='the tip' value='@nodes.position'/>", "bar.scn:14: error: Probe 'the tip': names a column"}}) {
+    write_scene(probe + "\n");
+    const Outcome outcome = hexaplast("run bar.scn --out run --frames 0");
+    EXPECT_EQ(outcome.code, 3) << probe;
+    EXPECT_EQ(outcome.err.find(message), 0u) << probe << "\n" << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(directory_ / "run/history.csv"));
+  }
+  write_scene(
+      "<Node name='a'><Probe name='tip' value='@../nodes.position'/></Node>\n<Node name='b'><Probe name='tip' "
+      "value='@../nodes.position'/></Node>\n");
+  const Outcome twice = hexaplast("run bar.scn");
+  EXPECT_EQ(twice.code, 3);
+  EXPECT_EQ(twice.err.find("bar.scn:15: error: Probe 'tip': a second probe of that name"), 0u) << twice.err;
+}
+
+}  // namespace
+}  // namespace hexaplast
