@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The stiffness of elements with assumed strains whose samples have one inverse, from modes.    theory.md
-// sections 2.1, 9.3
+// The stiffness of parallelepipeds with assumed strains, from modes.                      theory.md sections 2.1, 9.3
 #if defined(HEXAPLAST_ELASTIC_ASSUMED_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HEXAPLAST_ELASTIC_ASSUMED_INL
 #undef HEXAPLAST_ELASTIC_ASSUMED_INL
@@ -48,11 +47,11 @@ HWY_INLINE void apply_sample(const Coef* C, V mu, V free, Mat<V>& columns) {
 }
 
 /// u <- L u
-template <int kStride, bool kGeneral, Assumed kAssumed, bool kHasLaw, class V, class Coef>
+template <int kStride, bool kHasLaw, class V, class Coef>
 HWY_INLINE void apply_assumed(const Coef* coef, const StiffnessKind& kind, const typename V::Scalar* weight, V factor,
                               CornerLanes<V>& u) {
   using T = typename V::Scalar;
-  using Places = CoefficientPlaces<kGeneral, kAssumed>;
+  using Places = CoefficientPlaces<false, Assumed::kCorner>;
   const bool has_volume = kind.has_volume(), has_mean = kind.has_mean();
   const Coef* const of_volume = coef + Places::kCount * kStride;
   const Coef* const of_mean = of_volume + (has_volume ? kGradientCoefficients : 0) * kStride;
@@ -66,18 +65,15 @@ HWY_INLINE void apply_assumed(const Coef* coef, const StiffnessKind& kind, const
   modes(u, at);
   V along_volume(T(0)), along_mean(T(0));
   if (has_volume) along_volume = all * (kHasLaw ? lambda - free : lambda) * along_gradient<kStride>(of_volume, at);
-  if (has_mean) along_mean = all * (has_volume ? -free : lambda - free) * along_gradient<kStride>(of_mean, at);
+  if (has_mean) along_mean = all * -free * along_gradient<kStride>(of_mean, at);
 
-  const ShapeModes<kStride, kGeneral, V> shape(coef + Places::kMean * kStride, coef + Places::kSkew * kStride);
-  shape.apply(at);
   const V corner_weight(static_cast<T>(kind.sampling.corner_weight));
-  const V fourth = fourth_weight<kAssumed>(corner_weight);
   const Mat<V> j = load_mat<kStride, V>(coef + Places::kDirections * kStride);
   const AssumedLanes<V> how(j, corner_weight);
   V a[3][3];
   how.columns(at.at + 3, a);
   Mat<V> columns[kCorners];
-  columns_of_modes(at.at, at.at + 3, a, corner_weight, fourth, columns);
+  columns_of_modes(at.at, at.at + 3, a, corner_weight, columns);
   for (int i = 0; i < kCorners; ++i) {
     const Coef* const C = coef + (Places::kC + 9 * i) * kStride;
     if constexpr (kHasLaw) {
@@ -87,9 +83,8 @@ HWY_INLINE void apply_assumed(const Coef* coef, const StiffnessKind& kind, const
       apply_sample<kStride>(C, mu, free, columns[i]);
     }
   }
-  modes_of_columns(columns, corner_weight, fourth, a, at.at, at.at + 3);
+  modes_of_columns(columns, corner_weight, a, at.at, at.at + 3);
   how.add_transpose(a, at.at + 3);
-  shape.apply_transpose(at);
   if (has_volume) add_gradient<kStride>(along_volume, of_volume, at);
   if (has_mean) add_gradient<kStride>(along_mean, of_mean, at);
   modes_transpose(at, u);

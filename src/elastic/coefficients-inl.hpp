@@ -99,59 +99,6 @@ HWY_INLINE void add_gradient(V factor, const Coef* gradient, ModeLanes<V>& actin
   });
 }
 
-/// The mean gradient and the hourglass modes of general shapes, as sums of the modes of the reference cube; those of
-/// parallelepipeds are these modes. Both are four times what they are elsewhere.
-template <int kStride, bool kGeneral, class V>
-struct ShapeModes {
-  V of_mean[kGeneral ? 7 : 1][3];  ///< modes of RestLanes::mean
-  V skew[kGeneral ? 4 : 1][3];     ///< RestLanes::skew
-
-  template <class Coef>
-  HWY_INLINE ShapeModes(const Coef* mean, const Coef* skews) {
-    if constexpr (kGeneral) {
-      for (int k = 0; k < kGradientCoefficients; ++k) of_mean[k / 3][k % 3] = load_as(mean + k * kStride);
-      for (int k = 0; k < 12; ++k) skew[k / 3][k % 3] = load_as(skews + k * kStride);
-    }
-  }
-  /// The first three become the mean, in columns of the edges, the others the hourglass modes.
-  HWY_INLINE void apply(ModeLanes<V>& modes) const {
-    if constexpr (kGeneral)
-      for (int i = 0; i < 3; ++i) {
-        V mean[3];
-        for (int n = 0; n < 3; ++n) {
-          mean[n] = of_mean[0][n] * modes.at[0][i];
-          for (int k = 1; k < 7; ++k) mean[n] += of_mean[k][n] * modes.at[k][i];
-        }
-        for (int n = 0; n < 3; ++n) modes.at[n][i] = mean[n];
-        for (int l = 0; l < 4; ++l)
-          modes.at[3 + l][i] -= skew[l][0] * mean[0] + skew[l][1] * mean[1] + skew[l][2] * mean[2];
-      }
-  }
-  HWY_INLINE void apply_transpose(ModeLanes<V>& acting) const {
-    if constexpr (kGeneral)
-      for (int i = 0; i < 3; ++i) {
-        V mean[3];
-        for (int n = 0; n < 3; ++n) {
-          mean[n] = acting.at[n][i];
-          for (int l = 0; l < 4; ++l) mean[n] -= skew[l][n] * acting.at[3 + l][i];
-        }
-        for (int k = 0; k < 7; ++k) {
-          const V part = of_mean[k][0] * mean[0] + of_mean[k][1] * mean[1] + of_mean[k][2] * mean[2];
-          acting.at[k][i] = k < 3 ? part : acting.at[k][i] + part;
-        }
-      }
-  }
-};
-/// Stores them.
-template <int kStride, class Rest, class Coef>
-HWY_INLINE void store_shape(const Rest& rest, Coef* mean, Coef* skews) {
-  using V = std::remove_cvref_t<decltype(rest.volume)>;
-  ModeLanes<V> modes_of;
-  modes(rest.mean, modes_of);
-  for (int k = 0; k < kGradientCoefficients; ++k) store_as(V(0.5) * modes_of.at[k / 3][k % 3], mean + k * kStride);
-  for (int k = 0; k < 12; ++k) store_as(rest.skew[k / 3][k % 3], skews + k * kStride);
-}
-
 }  // namespace hexaplast::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -32,17 +32,13 @@ CycleOperator::CycleOperator(const Model& model)
       is_thin_(model.partition->num_blocks) {
   for (int e = 0; e < model.mesh.num_elements(); ++e)
     if (is_thin(model, e)) is_thin_[model.partition->place_of_element[e] / kBlock] = 1;
-  simple_.kind = {.sampling = {.assumed = Assumed::kModes,
-                               .corner_weight = sampling_of(model.settings).corner_weight,
-                               .one_rotation = true},
-                  .volumetric = model.settings.volumetric};
+  simple_.kind = {.sampling = {.assumed = Assumed::kCorner, .corner_weight = sampling_of(model.settings).corner_weight},
+                  .volumetric = model.settings.volumetric,
+                  .one_rotation = true};
   simple_.resize(std::vector<unsigned char>(model.partition->num_blocks, 0));
 }
 
-bool CycleOperator::is_for(const Settings& settings) {
-  const Sampling sampling = sampling_of(settings);
-  return !sampling.one_rotation && !sampling.of_the_centre;
-}
+bool CycleOperator::is_for(const Settings& settings) { return !sampling_of(settings).of_the_centre; }
 
 template <class Visit>
 void CycleOperator::visit_others(const Visit& visit) const {

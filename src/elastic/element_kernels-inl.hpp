@@ -33,13 +33,9 @@ class CoefficientWriter {
     const Mat<V>& inverse = inverse_at(element_.rest, i);
     const Mat<V> C = product_transposed(inverse, R);
     store_mat<kStride>(C, length_, coef_ + (Places::kC + 9 * i) * kStride);
-    if constexpr (Places::kAtCorners) store_mat<kStride>(R, V(1.0), coef_ + (Places::kRotation + 9 * i) * kStride);
+    if constexpr (kGeneral) store_mat<kStride>(R, V(1.0), coef_ + (Places::kRotation + 9 * i) * kStride);
     if (has_law_) {
       const Mat<V> cof = R * matrix(cofactor(S));
-      if (has_mean_) {
-        dilatations_.add_columns(i, product_transposed(inverse, cof));
-        if constexpr (Places::kAtCorners) dilatations_.add_shared(i, cof);
-      }
       const Mat<V> G = product_transposed(cof, R);
       const V k = p.in_stress_at(dilatation(of.law, S));
       const V numbers[7] = {G(0, 0),
@@ -52,7 +48,7 @@ class CoefficientWriter {
       for (int n = 0; n < 7; ++n) store_as(bounded<Coef>(numbers[n]), of_law_ + (7 * i + n) * kStride);
     } else if (has_mean_) {
       dilatations_.add_columns(i, C);
-      if constexpr (Places::kAtCorners) dilatations_.add_shared(i, R);
+      if constexpr (kGeneral) dilatations_.add_shared(i, R);
     }
   }
 
@@ -60,14 +56,12 @@ class CoefficientWriter {
   HWY_INLINE void finish(const ModeLanes<V>& of_volume) {
     const auto& rest = element_.rest;
     Coef* to = coef_;
-    if constexpr (Places::kAtCorners) store_corners<kStride>(rest.h, length_, to + Places::kShared * kStride);
+    if constexpr (kGeneral) store_corners<kStride>(rest.h, length_, to + Places::kShared * kStride);
     if constexpr (Places::kAssumes) store_mat<kStride>(element_.j, length_, to + Places::kDirections * kStride);
-    if constexpr (Places::kHasMean && Places::kAtCorners) {
+    if constexpr (Places::kHasMean) {
       store_corners<kStride>(rest.mean, V(1.0), to + Places::kMean * kStride);
       for (int k = 0; k < 9; ++k) store_as(rest.skew[k / 3][k % 3], to + (Places::kSkew + k) * kStride);
       store_mat<kStride>(rest.dual, length_, to + Places::kDual * kStride);
-    } else if constexpr (Places::kHasMean) {
-      store_shape<kStride>(rest, to + Places::kMean * kStride, to + Places::kSkew * kStride);
     }
     to += Places::kCount * kStride;
     if (has_volume_) {
@@ -124,7 +118,7 @@ HWY_INLINE void apply_samples(const Coef* coef, const StiffnessKind& kind, const
   using Places = CoefficientPlaces<kGeneral, kAssumed>;
   RestLanes<kGeneral, kAssumed, V> rest;
   rest.corner_weight = V(static_cast<T>(kind.sampling.corner_weight));
-  if constexpr (Places::kAtCorners) load_corners<kStride>(coef + Places::kShared * kStride, rest.h);
+  if constexpr (kGeneral) load_corners<kStride>(coef + Places::kShared * kStride, rest.h);
   if constexpr (Places::kHasMean) {
     load_corners<kStride>(coef + Places::kMean * kStride, rest.mean);
     for (int k = 0; k < 9; ++k) rest.skew[k / 3][k % 3] = load_as(coef + (Places::kSkew + k) * kStride);
@@ -154,7 +148,7 @@ HWY_INLINE void apply_samples(const Coef* coef, const StiffnessKind& kind, const
     const V all(static_cast<T>(kCorners));  // samples weigh an eighth each
     if (has_volume || has_mean)
       apply_gradients<kStride>(has_volume ? of_volume : nullptr, all * (kHasLaw ? lambda - free : lambda),
-                               has_mean ? of_mean : nullptr, all * (has_volume ? -free : lambda - free), u, together);
+                               has_mean ? of_mean : nullptr, all * -free, u, together);
   }
 
   ColumnsTranspose<kGeneral, kAssumed, V> acting;
@@ -165,7 +159,7 @@ HWY_INLINE void apply_samples(const Coef* coef, const StiffnessKind& kind, const
     }
     const Mat<V> C = load_mat<kStride, V>(coef + (Places::kC + 9 * i) * kStride);
     Mat<V> Z = transposed_product(columns_at(columns, i), C), R;
-    if constexpr (Places::kAtCorners) {
+    if constexpr (kGeneral) {
       R = load_mat<kStride, V>(coef + (Places::kRotation + 9 * i) * kStride);
       const Mat<V> H = shared_at(columns, i);
       for (int r = 0; r < 3; ++r)
@@ -177,7 +171,7 @@ HWY_INLINE void apply_samples(const Coef* coef, const StiffnessKind& kind, const
     else
       P = stress_increment(Z, mu, free);
     acting.add_columns(i, product_transposed(C, P));  // rows
-    if constexpr (Places::kAtCorners) acting.add_shared(i, P * R);
+    if constexpr (kGeneral) acting.add_shared(i, P * R);
   };
   if constexpr (kUnrolls)
     unrolled<kCorners>(sample);
@@ -193,8 +187,8 @@ template <int kStride, bool kGeneral, Assumed kAssumed, bool kPerSample, bool kH
           class Coef>
 HWY_INLINE void apply_stiffness(const Coef* coef, const StiffnessKind& kind, const typename V::Scalar* weight, V factor,
                                 CornerLanes<V>& u) {
-  if constexpr (kAssumed == Assumed::kModes || (kAssumed == Assumed::kCorner && !kGeneral))
-    apply_assumed<kStride, kGeneral, kAssumed, kHasLaw>(coef, kind, weight, factor, u);
+  if constexpr (kAssumed == Assumed::kCorner && !kGeneral)
+    apply_assumed<kStride, kHasLaw>(coef, kind, weight, factor, u);
   else
     apply_samples<kStride, kGeneral, kAssumed, kPerSample, kHasLaw, kUnrolls>(coef, kind, weight, factor, u);
 }

@@ -24,7 +24,7 @@ HWY_NOINLINE void add_product_of(const ElementOperator<T, Coef>& op, int block, 
   gather(op.partition(), block, lane, p, u);
   const auto* const coef = stored(op, block) + lane;
   if constexpr (kWhich == Which::kOneRotation)
-    apply_one_rotation<kBlock, kGeneral>(coef, op.kind, weight, V(factor), u);
+    apply_one_rotation<kBlock>(coef, op.kind, weight, V(factor), u);
   else
     apply_stiffness<kBlock, kGeneral, kAssumed, kWhich == Which::kPerSample, kWhich == Which::kLaw, unrolls>(
         coef, op.kind, weight, V(factor), u);
@@ -40,13 +40,12 @@ void add_product(const ElementOperator<T, Coef>& op, const unsigned char* blocks
     for (int lane = 0; lane < kBlock; lane += Lanes<T>::kCount)
       if (op.per_sample)
         add_product_of<Which::kPerSample, true, Assumed::kNothing>(op, block, lane, factor, p, Ap);
+      else if (op.kind.one_rotation)
+        add_product_of<Which::kOneRotation, false, Assumed::kCorner>(op, block, lane, factor, p, Ap);
       else
         for_shape(
             op.is_general[block] != 0,
             op.kind.sampling.assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
-              if constexpr (kAssumed == Assumed::kModes)
-                if (op.kind.sampling.one_rotation)
-                  return add_product_of<Which::kOneRotation, kGeneral, kAssumed>(op, block, lane, factor, p, Ap);
               if (op.kind.has_law())
                 add_product_of<Which::kLaw, kGeneral, kAssumed>(op, block, lane, factor, p, Ap);
               else
@@ -67,9 +66,9 @@ void add_diagonal(const ElementOperator<T, Coef>& op, const unsigned char* block
   const int weights = op.per_sample ? 2 * kCorners * kBlock : 2 * kBlock;
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
     if (blocks && !blocks[block]) continue;
-    const bool has_shared = (op.per_sample || op.is_general[block]) && kind.sampling.assumed != Assumed::kModes;
-    const int of_shape = num_coefficients({.sampling = kind.sampling}, op.per_sample || op.is_general[block]);
-    const int per_sample = kind.sampling.one_rotation ? 0 : 9 * kBlock;
+    const bool has_shared = op.per_sample || op.is_general[block];
+    const int of_shape = num_coefficients({.sampling = kind.sampling, .one_rotation = kind.one_rotation}, has_shared);
+    const int per_sample = kind.one_rotation ? 0 : 9 * kBlock;
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
       const auto* coef = stored(op, block) + lane;
       const auto *rotation = coef + 9 * kCorners * kBlock, *shared = rotation + 9 * kCorners * kBlock;
@@ -117,14 +116,14 @@ void add_diagonal(const ElementOperator<T, Coef>& op, const unsigned char* block
           }
         }
       }
-      if (!op.per_sample && kind.volumetric != Volumetric::kSample) {
+      if (!op.per_sample && kind.has_volume()) {
         const V free = free_modulus(kind.volumetric, f * load(weight), lambda), none(T(0));
-        const V of_mean = (!kind.has_volume() ? lambda - free : kind.has_law() ? none : -free) * V(T(1.0 / kCorners));
+        const V of_mean = (kind.has_law() ? none : -free) * V(T(1.0 / kCorners));
         const V of_ratio = V(T(kCorners)) * (kind.has_law() ? lambda - free : lambda);
         CornerLanes<V> of_ratio_at;
         ModeLanes<V> of_ratio_modes;
         set_zero(of_ratio_modes);
-        if (kind.has_volume()) add_gradient<kBlock>(V(T(1)), of_volume, of_ratio_modes);
+        add_gradient<kBlock>(V(T(1)), of_volume, of_ratio_modes);
         modes_transpose(of_ratio_modes, of_ratio_at);
         for (int a = 0; a < kCorners; ++a)
           for (int c = 0; c < 3; ++c) {

@@ -107,72 +107,6 @@ HWY_INLINE void screen_turns(const Mat<V>& R_centre, const PolarLanes<V>* polar,
   for (int i = 0; i < kCorners; ++i)
     store_as(V(0.5) * (dot(R_centre, polar[i].R) - V(1.0)), screen + (YieldScreen::kCosine + i) * kBlock);
 }
-/// What else is screened of elements with one rotation; turned: R_m^T F_i.
-template <class V, class T, class Coef>
-HWY_NOINLINE void screen_one_rotation(const ElementPass<T, Coef>& pass, const MaterialLanes<V>& of,
-                                      const PressureLanes<V>& p, const Mat<V>* turned, float* screen) {
-  V min_det(1e300);
-  for (int i = 0; i < kCorners; ++i) {
-    const Sym<V> S = symmetric_part(turned[i]);
-    const Sym<V> yielding = stress(of.law, of.mooney_fraction, S, of.mu, p.in_stress_at(dilatation(of.law, S)));
-    store_as(stress_norm_bound(yielding, pass.settings.yield_norm), screen + (YieldScreen::kNorm + i) * kBlock);
-    min_det = min(min_det, determinant(turned[i]));
-  }
-  store_as(min_det, screen + YieldScreen::kMinDet * kBlock);
-}
-
-/// Forces are those of the mean and of the modes; samples have a part in what may flow alone.                  eq. E29
-template <bool kGeneral, class T, class Coef>
-HWY_NOINLINE void linearize_one_rotation(const ElementPass<T, Coef>& pass, int block, int lane) {
-  using V = Lanes<double>;
-  const std::uint32_t present = static_cast<std::uint32_t>(pass.present[block]) >> lane;
-  CornerLanes<V> x, u, f;
-  gather_shapes(pass.partition, block, lane, present, pass.plastic_rest, pass.current, x, u);
-  ElementLanes<kGeneral, Assumed::kModes, V> element;
-  place_mean(x, u, pass.op.kind.sampling, element);
-  const auto& rest = element.rest;
-  const V volume = select_bits(present, rest.volume, V(0.0));
-  const MaterialLanes<V> of = begin_elements(pass, block, lane, volume);
-  ModeLanes<V> of_volume;
-  const V theta = dilatation(of.law, element.mean.S);
-  const PressureLanes<V> p = pressures(of, theta, rest.volume, u, of_volume);
-
-  float* const screen = screen_of(pass, block, lane);
-  Mat<V> turned[kCorners];
-  turned_gradients(element, turned);
-  screen_one_rotation(pass, of, p, turned, screen);
-  if (pass.screens_rotation) {
-    PolarLanes<V> polar[kCorners];
-    for (int first = 0; first < kCorners; first += kAtOnce) safe_polars<kAtOnce>(turned + first, polar + first);
-    screen_turns(transposed_product(element.mean.R, safe_polar(centre_gradient(x, u)).R), polar, screen);
-  }
-  store_as(rest.min_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
-  screen_folding(pass, element, block);
-
-  const Mat<V> j = scaled(V(pass.length), element.j);
-  ModeStiffness<V> stiffness(j, rest.corner_weight, of.mu, of.free);
-  V on_modes[4][3];
-  apply(stiffness.of_two, element.columns.Q, on_modes);
-  apply(stiffness.of_three, element.columns.Q + 3, on_modes + 3);
-  const V modulus = (of.mu + of.free) * V(1 / (pass.length * pass.length));
-  for (auto& mode : on_modes)
-    for (V& entry : mode) entry *= modulus;
-  store_one_rotation<kBlock>(rest, j, stiffness, pass.op.kind.has_volume() ? &of_volume : nullptr, V(pass.length),
-                             coefficients(pass, block, lane));
-
-  V moment[3] = {V(0.0), V(0.0), V(0.0)};
-  add_moment(-1, element.columns.Q, on_modes, moment);
-  const Mat<V> P = element.mean.R * matrix(stress(of.law, of.mooney_fraction, element.mean.S, of.mu, p.at(theta)));
-  const Mat<V> by_turning = turning(element.mean, dual_of(rest), moment),
-               by_stress = product_transposed(dual_of(rest), P);
-  Mat<V> on_mean;
-  for (int n = 0; n < 3; ++n)
-    for (int i = 0; i < 3; ++i) on_mean(n, i) = by_turning(n, i) + by_stress(n, i);
-  corners_of_modes(rest, on_mean, on_modes, -volume, f);
-  add_volume_force(of, p, of_volume, volume / rest.volume, f);
-  scatter_add(f, pass.partition, block, lane, pass.force);
-}
-
 template <bool kGeneral, Assumed kAssumed, class T, class Coef>
 HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, int lane) {
   using V = Lanes<double>;
@@ -183,7 +117,7 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
   gather_shapes(pass.partition, block, lane, present, pass.plastic_rest, pass.current, x, u);
   ElementLanes<kGeneral, kAssumed, V> element;
   place_element(x, u, kind.sampling, element);
-  decompose(kind.sampling, element);
+  decompose(element);
   const V volume = select_bits(present, element.rest.volume, V(0.0));
   const MaterialLanes<V> of = begin_elements(pass, block, lane, volume);
   const PressureLanes<V> p = pressures(of, element, u, of_volume);
@@ -199,7 +133,7 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
     const Sym<V> sigma = stress(of.law, of.mooney_fraction, S, of.mu, p.at(theta));
     const Mat<V> P = R * matrix(sigma);
     acting.add_columns(i, product_transposed(inverse_at(element.rest, i), P));
-    if constexpr (RestLanes<kGeneral, kAssumed, V>::kAtCorners) acting.add_shared(i, P);
+    if constexpr (kGeneral) acting.add_shared(i, P);
     writer.add_sample(i, of, p);
 
     const Sym<V> yielding = of.volumetric == Volumetric::kVolumeRatio
@@ -229,8 +163,6 @@ void linearize_chunk(const ElementPass<T, Coef>& pass, int chunk) {
       for_shape(
           pass.op.is_general[block] != 0,
           pass.op.kind.sampling.assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
-            if constexpr (kAssumed == Assumed::kModes)
-              if (pass.op.kind.sampling.one_rotation) return linearize_one_rotation<kGeneral>(pass, block, lane);
             linearize_lanes<kGeneral, kAssumed>(pass, block, lane);
           });
   }
@@ -255,29 +187,17 @@ struct ExactCoefficients {
     ElementLanes<kGeneral, kAssumed, V> element;
     const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
     const MaterialLanes<V> of(model.settings, load(lame), load(lame + kBlock));
-    if constexpr (kAssumed == Assumed::kModes)
-      if (kind.sampling.one_rotation) {
-        place_mean(x, u, kind.sampling, element);
-        pressures(of, dilatation(of.law, element.mean.S), element.volume, u, of_volume);
-        ModeStiffness<V> stiffness(element.j, element.rest.corner_weight, of.mu, of.free);
-        store_one_rotation<kStride>(element.rest, element.j, stiffness, kind.has_volume() ? &of_volume : nullptr,
-                                    V(1.0), coef);
-      }
-    if (!kind.sampling.one_rotation) {
-      place_element(x, u, kind.sampling, element);
-      decompose(kind.sampling, element);
-      const PressureLanes<V> p = pressures(of, element, u, of_volume);
-      CoefficientWriter<kStride, kGeneral, kAssumed, V, double> writer(element, kind, V(1.0), coef);
-      for (int i = 0; i < kCorners; ++i) writer.add_sample(i, of, p);
-      writer.finish(of_volume);
-    }
+    place_element(x, u, kind.sampling, element);
+    decompose(element);
+    const PressureLanes<V> p = pressures(of, element, u, of_volume);
+    CoefficientWriter<kStride, kGeneral, kAssumed, V, double> writer(element, kind, V(1.0), coef);
+    for (int i = 0; i < kCorners; ++i) writer.add_sample(i, of, p);
+    writer.finish(of_volume);
     const V per_sample = V(factor / kCorners) * select_bits(present, element.rest.volume, V(0.0));
     store(per_sample * of.mu, weight);
     store(per_sample * of.lambda, weight + kStride);
   }
   HWY_NOINLINE void apply(CornerLanes<V>& u) const {
-    if constexpr (kAssumed == Assumed::kModes)
-      if (kind.sampling.one_rotation) return apply_one_rotation<kStride, kGeneral>(coef, kind, weight, V(1.0), u);
     if (kind.has_law())
       apply_stiffness<kStride, kGeneral, kAssumed, false, true, false>(coef, kind, weight, V(1.0), u);
     else
@@ -351,7 +271,7 @@ void ratios_of(const Model& model, const double* plastic_rest, const double* cur
   }
 }
 
-/// Elastic energy.                                                                              eq. 18, E1, E5, E14
+/// Elastic energy.                                                                              eq. 18, E5, E14
 double energy_of(const Model& model, const double* plastic_rest, const double* current, std::uint16_t present,
                  int block) {
   using V = Lanes<double>;
@@ -366,7 +286,7 @@ double energy_of(const Model& model, const double* plastic_rest, const double* c
     for_shape(true, sampling_of(model.settings).assumed, [&]<bool kGeneral, Assumed kAssumed>() {
       ElementLanes<kGeneral, kAssumed, V> element;
       place_element(x, u, sampling_of(model.settings), element);
-      decompose(sampling_of(model.settings), element);
+      decompose(element);
       const V density = mean_energy_density(of, element, pressures(of, element, u, gradient));
       sum += select_bits(here, element.rest.volume * density, V(0.0));
     });
@@ -397,7 +317,7 @@ void linearize_coarse(const Partition& partition, const double* plastic_rest, co
           for (int n = 0; n < 2 * kCorners; ++n) weight[n * kBlock + k] = 0;
       ElementLanes<true, Assumed::kNothing, V> element;
       place_element(x, u, op.kind.sampling, element);
-      decompose(op.kind.sampling, element);
+      decompose(element);
       const MaterialLanes<V> nothing(Settings{.volumetric = Volumetric::kSample}, V(0.0), V(0.0));
       CoefficientWriter<kBlock, true, Assumed::kNothing, V, float> writer(element, op.kind, V(length),
                                                                           op.coef.data() + op.offset[block] + lane);
@@ -410,14 +330,12 @@ void linearize_as_simple(const Model& model, const Linearization& at, const unsi
                          ElementOperator<float, Half>& op) {
   using V = Lanes<double>;
   const Partition& partition = *model.partition;
-  const Sampling sampling = sampling_of(model.settings);
-  const double fourth_weight = sampling.assumed == Assumed::kModes ? kFourthWeight : sampling.corner_weight;
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
     for (int lane = 0; lane < kBlock && blocks[block]; lane += V::kCount) {
       const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
       CornerLanes<V> x, u;
       gather_shapes(partition, block, lane, present, at.plastic_rest.data(), at.current.data(), x, u);
-      ElementLanes<false, Assumed::kModes, V> element;
+      ElementLanes<false, Assumed::kCorner, V> element;
       place_mean(x, u, op.kind.sampling, element);
       ModeLanes<V> current, of_volume;
       if (op.kind.has_volume()) {
@@ -432,8 +350,7 @@ void linearize_as_simple(const Model& model, const Linearization& at, const unsi
       store_as(per_sample * mu, op.weight.data() + first);
       store_as(per_sample * lambda, op.weight.data() + first + kBlock);
       const Mat<V> j = scaled(V(model.length), element.j);
-      ModeStiffness<V> stiffness(j, element.rest.corner_weight, mu, free_modulus(op.kind.volumetric, mu, lambda),
-                                 fourth_weight);
+      ModeStiffness<V> stiffness(j, op.kind.sampling.corner_weight, mu, free_modulus(op.kind.volumetric, mu, lambda));
       store_one_rotation<kBlock>(element.rest, j, stiffness, op.kind.has_volume() ? &of_volume : nullptr,
                                  V(model.length), const_cast<hwy::float16_t*>(stored(op, block)) + lane);
     }

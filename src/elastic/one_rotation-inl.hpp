@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The stiffness of elements with one rotation: of their modes, no samples.                theory.md sections 2.2, 9.3
+// The stiffness of parallelepipeds with one rotation: of their modes, no samples.               theory.md section 9.3
 #if defined(HEXAPLAST_ELASTIC_ONE_ROTATION_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HEXAPLAST_ELASTIC_ONE_ROTATION_INL
 #undef HEXAPLAST_ELASTIC_ONE_ROTATION_INL
@@ -41,19 +41,6 @@ HWY_INLINE void factorize(LowerLanes<kSize, N>& A) {
   });
 }
 
-/// A u
-template <int kSize, class N>
-HWY_INLINE void apply(const LowerLanes<kSize, N>& A, const N (*u)[3], N (*out)[3]) {
-  unrolled<kSize>([&](auto r) __attribute__((always_inline)) {
-    N sum = A(r, 0) * u[0][0];
-    unrolled<kSize - 1>([&](auto n) __attribute__((always_inline)) {
-      constexpr int c = n + 1;
-      sum += A(r > c ? r : c, r > c ? c : r) * u[c / 3][c % 3];
-    });
-    out[r / 3][r % 3] = sum;
-  });
-}
-
 /// u <- weight L L^T u of a stored factor: rounded, it is still one of a positive matrix.
 template <int kSize, int kStride, class V, class Coef>
 HWY_INLINE void apply_factor(const Coef* from, V weight, V (*u)[3]) {
@@ -79,10 +66,10 @@ struct ModeStiffness {
   LowerLanes<9, N> of_two;
   LowerLanes<3, N> of_three;
 
-  HWY_NOINLINE ModeStiffness(const Mat<N>& j, N corner_weight, N mu, N free, double fourth_weight = kFourthWeight) {
+  HWY_NOINLINE ModeStiffness(const Mat<N>& j, double corner_weight, N mu, N free) {
     using T = ScalarOf<N>;
     const N one(T(1)), whole = one / max(mu + free, N(T(1e-200)));  // nothing where nothing is
-    const N squared = corner_weight * corner_weight * whole, of_mu = squared * mu, of_free = squared * free;
+    const N squared = N(T(corner_weight)) * N(T(corner_weight)) * whole, of_mu = squared * mu, of_free = squared * free;
     N lengths(T(0));
     unrolled<3>([&](auto n) __attribute__((always_inline)) {
       constexpr int m = n == 0 ? 1 : 0, l = 3 - n - m;
@@ -113,7 +100,7 @@ struct ModeStiffness {
       }
       lengths += square;
     });
-    const N fourth(T(fourth_weight * fourth_weight)), of_lengths = fourth * whole * mu * lengths;
+    const N fourth(T(corner_weight * corner_weight)), of_lengths = fourth * whole * mu * lengths;
     for (int i = 0; i < 3; ++i)
       for (int k = 0; k <= i; ++k) {
         const N sum = fourth * (j(0, i) * j(0, k) + j(1, i) * j(1, k) + j(2, i) * j(2, k));
@@ -124,10 +111,10 @@ struct ModeStiffness {
 
 /// Stores the coefficients of an element whose rotation is known; j: its directions, in units of `length`. The
 /// stiffness of its modes becomes its factor.
-template <int kStride, bool kGeneral, class V, class Coef>
-HWY_NOINLINE void store_one_rotation(const RestLanes<kGeneral, Assumed::kModes, V>& rest, const Mat<V>& j,
+template <int kStride, class V, class Coef>
+HWY_NOINLINE void store_one_rotation(const RestLanes<false, Assumed::kCorner, V>& rest, const Mat<V>& j,
                                      ModeStiffness<V>& stiffness, const ModeLanes<V>* of_volume, V length, Coef* coef) {
-  using Places = OneRotationPlaces<kGeneral>;
+  using Places = OneRotationPlaces;
   factorize(stiffness.of_two);
   factorize(stiffness.of_three);
   store_mat<kStride>(j, V(1.0), coef + Places::kDirections * kStride);
@@ -135,16 +122,15 @@ HWY_NOINLINE void store_one_rotation(const RestLanes<kGeneral, Assumed::kModes, 
     store_as(stiffness.of_two.at[k], coef + (Places::kOfTwo + k) * kStride);
   for (int k = 0; k < stiffness.of_three.kCount; ++k)
     store_as(stiffness.of_three.at[k], coef + (Places::kOfThree + k) * kStride);
-  if constexpr (kGeneral) store_shape<kStride>(rest, coef + Places::kMean * kStride, coef + Places::kSkew * kStride);
   if (of_volume) store_gradient<kStride>(*of_volume, length / rest.volume, coef + Places::kCount * kStride);
 }
 
 /// u <- L u: the mean gradient, the modes of two coordinates and that of three do no work on one another.     eq. E29
-template <int kStride, bool kGeneral, class V, class Coef>
+template <int kStride, class V, class Coef>
 HWY_INLINE void apply_one_rotation(const Coef* coef, const StiffnessKind& kind, const typename V::Scalar* weight,
                                    V factor, CornerLanes<V>& u) {
   using T = typename V::Scalar;
-  using Places = OneRotationPlaces<kGeneral>;
+  using Places = OneRotationPlaces;
   const Coef* const of_volume = coef + Places::kCount * kStride;
   // four times the mean edges and the hourglass modes, and eight samples that weigh an eighth each: 8 / 4 / 4
   const V mu = V(T(0.5)) * factor * load(weight), lambda = V(T(0.5)) * factor * load(weight + kStride);
@@ -153,9 +139,6 @@ HWY_INLINE void apply_one_rotation(const Coef* coef, const StiffnessKind& kind, 
   modes(u, at);
   V along_volume(T(0));
   if (kind.has_volume()) along_volume = V(T(2 * kCorners)) * lambda * along_gradient<kStride>(of_volume, at);
-
-  const ShapeModes<kStride, kGeneral, V> shape(coef + Places::kMean * kStride, coef + Places::kSkew * kStride);
-  shape.apply(at);
 
   const Mat<V> j = load_mat<kStride, V>(coef + Places::kDirections * kStride);
   Mat<V> mean;
@@ -168,7 +151,6 @@ HWY_INLINE void apply_one_rotation(const Coef* coef, const StiffnessKind& kind, 
   apply_factor<9, kStride>(coef + Places::kOfTwo * kStride, of_modes, at.at + 3);
   apply_factor<3, kStride>(coef + Places::kOfThree * kStride, of_modes, at.at + 6);
 
-  shape.apply_transpose(at);
   if (kind.has_volume()) add_gradient<kStride>(along_volume, of_volume, at);
   modes_transpose(at, u);
 }

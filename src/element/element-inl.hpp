@@ -24,9 +24,6 @@ HWY_INLINE void for_shape(bool is_general, Assumed assumed, const F& f) {
     case Assumed::kCorner:
       return is_general ? f.template operator()<true, Assumed::kCorner>()
                         : f.template operator()<false, Assumed::kCorner>();
-    case Assumed::kModes:
-      return is_general ? f.template operator()<true, Assumed::kModes>()
-                        : f.template operator()<false, Assumed::kModes>();
   }
 }
 
@@ -50,7 +47,7 @@ struct ElementLanes : SampleLanes<N> {
 
 template <bool kGeneral, Assumed kAssumed, class N>
 HWY_INLINE const Mat<N>& inverse_at(const RestLanes<kGeneral, kAssumed, N>& rest, int sample) {
-  return rest.inverse[RestLanes<kGeneral, kAssumed, N>::kAtCorners ? sample : 0];
+  return rest.inverse[kGeneral ? sample : 0];
 }
 /// J_o^-1 / 2 where something is assumed.
 template <bool kGeneral, Assumed kAssumed, class N>
@@ -79,7 +76,7 @@ HWY_INLINE void place_mean(const CornerLanes<N>& x, const CornerLanes<N>& u, con
   }
 }
 
-/// Gradients of the samples at current positions u; the polar decompositions are left to the caller.       eq. 7, E11
+/// Gradients of the samples at current positions u; the polar decompositions are left to the caller.       eq. 7, E11c
 template <bool kGeneral, Assumed kAssumed, class N>
 HWY_NOINLINE void place_element(const CornerLanes<N>& x, const CornerLanes<N>& u, const Sampling& sampling,
                                 ElementLanes<kGeneral, kAssumed, N>& element) {
@@ -93,56 +90,16 @@ HWY_NOINLINE void place_element(const CornerLanes<N>& x, const CornerLanes<N>& u
   for (int i = 0; i < kCorners; ++i) {
     Mat<N>& F = element.F[i];
     F = transposed_product(columns_at(columns, i), inverse_at(rest, i));
-    if constexpr (RestLanes<kGeneral, kAssumed, N>::kAtCorners) {
+    if constexpr (kGeneral) {
       const Mat<N> H = shared_at(columns, i);
       for (int k = 0; k < 9; ++k) F.m[k / 3][k % 3] += H.m[k / 3][k % 3];
     }
   }
 }
 
-/// R_m^T F_i of all samples, of an element whose mean is placed: the mean stretch, what is linear in one coordinate and
-/// what is bilinear in two.                                                                                    eq. E11
-template <bool kGeneral, class N>
-HWY_NOINLINE void turned_gradients(const ElementLanes<kGeneral, Assumed::kModes, N>& element, Mat<N>* turned) {
-  const auto& rest = element.rest;
-  const Mat<N>&R = element.mean.R, &dual = dual_of(rest), S = matrix(element.mean.S);
-  N Q[4][3], a[3][3];
-  for (int l = 0; l < 4; ++l)
-    for (int i = 0; i < 3; ++i) {
-      const auto& mode = element.columns.Q[l];
-      Q[l][i] = R(0, i) * mode[0] + R(1, i) * mode[1] + R(2, i) * mode[2];
-    }
-  AssumedLanes<N>(dual, rest.corner_weight).columns(Q, a);
-  for (int l = 0; l < 4; ++l)
-    for (int i = 0; i < 3; ++i) Q[l][i] *= l < 3 ? rest.corner_weight : N(ScalarOf<N>(kFourthWeight));
-  for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < 3; ++k) {
-      N of_one[3], of_two[3];
-      for (int n = 0; n < 3; ++n) {
-        const int m = (n + 1) % 3, l = (n + 2) % 3;
-        of_one[n] = a[n][i] * dual(n, k) + Q[m][i] * dual(l, k) + Q[l][i] * dual(m, k);
-        of_two[n] = Q[3][i] * dual(n, k);
-      }
-      for (int far = 0; far < 2; ++far) {  // in the third coordinate
-        const auto add = [&](N of, N by) { return far ? of + by : of - by; };
-        const N sum = add(S(i, k), of_one[2]), first = add(of_one[0], of_two[1]), second = add(of_one[1], of_two[0]);
-        const N alike = sum + of_two[2], other = sum - of_two[2], both = first + second, across = first - second;
-        turned[4 * far](i, k) = alike - both;
-        turned[4 * far + 1](i, k) = other + across;
-        turned[4 * far + 2](i, k) = alike + both;
-        turned[4 * far + 3](i, k) = other - across;
-      }
-    }
-}
-
-/// Rotations and stretches of all samples.                                                             eq. 6, E28
+/// Rotations and stretches of all samples.                                                                     eq. 6
 template <class N>
-HWY_NOINLINE void decompose(const Sampling& sampling, SampleLanes<N>& element) {
-  if (sampling.one_rotation) {
-    for (int i = 0; i < kCorners; ++i)  // S_m + R_m^T (F_i - F_m)
-      element.polar[i] = {element.mean.R, symmetric_part(transposed_product(element.mean.R, element.F[i])), 0};
-    return;
-  }
+HWY_NOINLINE void decompose(SampleLanes<N>& element) {
   for (int first = 0; first < kCorners; first += kAtOnce) {
     safe_polars<kAtOnce>(element.F + first, element.polar + first);
   }
@@ -152,15 +109,7 @@ HWY_NOINLINE void decompose(const Sampling& sampling, SampleLanes<N>& element) {
 template <class N>
 HWY_INLINE N free_modulus(Volumetric volumetric, N mu, N lambda) {
   using T = ScalarOf<N>;
-  switch (volumetric) {
-    case Volumetric::kSample:
-      return lambda;
-    case Volumetric::kMeanFree:
-      return N(T(0));
-    case Volumetric::kMean:
-    case Volumetric::kVolumeRatio:
-      break;
-  }
+  if (volumetric == Volumetric::kSample) return lambda;
   const N twice = mu + mu;  // of both signs: operators are added and subtracted; absent elements have neither
   return twice * (abs(lambda) / max(abs(lambda + twice), N(T(1e-30))));
 }
@@ -210,10 +159,6 @@ HWY_NOINLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, N mean_dilat
   p.shared = p.in_stress = p.excess = N(T(0));
   p.dilatation = mean_dilatation;
   if (of.volumetric == Volumetric::kSample) return p;
-  if (of.volumetric != Volumetric::kVolumeRatio) {
-    p.shared = p.in_stress = (of.lambda - of.free) * p.dilatation;
-    return p;
-  }
   ModeLanes<N> at;
   modes(u, at);
   p.excess = volume_of(at, gradient) / volume - N(T(1));
@@ -232,7 +177,7 @@ HWY_INLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, const SampleLa
   return pressures(of, N(T(1.0 / kCorners)) * sum, element.volume, u, gradient);
 }
 
-/// Elastic energy over the volume of the plastic rest shape.                                     eq. E1, E5, E14
+/// Elastic energy over the volume of the plastic rest shape.                                         eq. E5, E14
 template <class N>
 HWY_INLINE N mean_energy_density(const MaterialLanes<N>& of, const SampleLanes<N>& element, const PressureLanes<N>& p) {
   using T = ScalarOf<N>;

@@ -22,7 +22,7 @@ ElementSamples samples(const ElementPoints& plastic_rest, const ElementPoints& c
   scalar::ElementLanes<true, kAssumed, double> element;
   const scalar::CornerLanes<double> u = corners_of(current);
   place_element(corners_of(plastic_rest), u, sampling_of(settings), element);
-  decompose(sampling_of(settings), element);
+  decompose(element);
   const scalar::MaterialLanes<double> of(settings, lame.mu, lame.lambda);
   scalar::ModeLanes<double> volume_gradient;
   const scalar::PressureLanes<double> pressure = pressures(of, element, u, volume_gradient);
@@ -33,8 +33,6 @@ ElementSamples samples(const ElementPoints& plastic_rest, const ElementPoints& c
     const scalar::PolarLanes<double>& at = element.polar[i];
     found.F[i] = to_eigen(element.F[i]);
     found.polar[i] = {to_eigen(at.R), to_eigen(matrix(at.S))};
-    // what flows by rotation is the rotation of the sample itself
-    if (sampling_of(settings).one_rotation) found.polar[i].R = polar(found.F[i]).R;
     found.stress[i] = to_eigen(
         matrix(stress(of.law, of.mooney_fraction, at.S, of.mu, pressure.in_stress_at(dilatation(of.law, at.S)))));
   }
@@ -48,8 +46,6 @@ ElementSamples element_samples(const ElementPoints& plastic_rest, const ElementP
   switch (sampling_of(settings).assumed) {
     case Assumed::kCorner:
       return samples<Assumed::kCorner>(plastic_rest, current, lame, settings);
-    case Assumed::kModes:
-      return samples<Assumed::kModes>(plastic_rest, current, lame, settings);
     case Assumed::kNothing:
       break;
   }

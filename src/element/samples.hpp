@@ -11,7 +11,7 @@ namespace hexaplast {
 
 /// The eight samples of one hexahedron, by the formulas of the kernels.
 struct ElementSamples {
-  std::array<Mat3, kCorners> F;       ///< deformation gradients                                       eq. 7, E11
+  std::array<Mat3, kCorners> F;       ///< deformation gradients                                       eq. 7, E11c
   std::array<Polar, kCorners> polar;  ///< R, S of them                                                eq. 6
   std::array<Mat3, kCorners> stress;  ///< [Pa] sigma in the material frame              eq. 12, E3, E5, E15, E19
   double volume = 0;                  ///< [m^3] of the plastic rest shape; each sample carries an eighth of it

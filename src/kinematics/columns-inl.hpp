@@ -65,14 +65,13 @@ class AssumedLanes {
 };
 
 /// Columns of the samples, from the mean, the hourglass modes and what is assumed: column n has
-/// mean_n + s_m Q_l + s_l Q_m + s_m s_l Q_3 + s_n a_n, with corner_weight of the first three modes and `fourth` of the
-/// last.
+/// mean_n + s_m Q_l + s_l Q_m + s_m s_l Q_3 + s_n a_n, with corner_weight of the modes.
 template <class N>
-HWY_INLINE void columns_of_modes(const N (*mean)[3], const N (*modes)[3], const N (&a)[3][3], N corner_weight, N fourth,
+HWY_INLINE void columns_of_modes(const N (*mean)[3], const N (*modes)[3], const N (&a)[3][3], N corner_weight,
                                  Mat<N>* columns) {
   N Q[4][3];
   for (int l = 0; l < 4; ++l)
-    for (int i = 0; i < 3; ++i) Q[l][i] = (l < 3 ? corner_weight : fourth) * modes[l][i];
+    for (int i = 0; i < 3; ++i) Q[l][i] = corner_weight * modes[l][i];
   unrolled<3>([&](auto n) __attribute__((always_inline)) {
     constexpr int m = kOther[n][0], l = kOther[n][1];
     for (int i = 0; i < 3; ++i) {
@@ -88,8 +87,7 @@ HWY_INLINE void columns_of_modes(const N (*mean)[3], const N (*modes)[3], const 
 }
 /// The transpose, of what acts on the columns.
 template <class N>
-HWY_INLINE void modes_of_columns(const Mat<N>* columns, N corner_weight, N fourth, N (&a)[3][3], N (*mean)[3],
-                                 N (*modes)[3]) {
+HWY_INLINE void modes_of_columns(const Mat<N>* columns, N corner_weight, N (&a)[3][3], N (*mean)[3], N (*modes)[3]) {
   N Q[4][3];
   unrolled<3>([&](auto n) __attribute__((always_inline)) {
     constexpr int m = kOther[n][0], l = kOther[n][1];
@@ -111,15 +109,7 @@ HWY_INLINE void modes_of_columns(const Mat<N>* columns, N corner_weight, N fourt
     }
   });
   for (int l = 0; l < 4; ++l)
-    for (int i = 0; i < 3; ++i) modes[l][i] = (l < 3 ? corner_weight : fourth) * Q[l][i];
-}
-
-/// Fraction of the mode s_0 s_1 s_2 in samples that are made of hourglass modes.
-inline constexpr double kFourthWeight = 1.0 / 3.0;
-
-template <Assumed kAssumed, class N>
-HWY_INLINE N fourth_weight(N corner_weight) {
-  return kAssumed == Assumed::kModes ? N(static_cast<ScalarOf<N>>(kFourthWeight)) : corner_weight;
+    for (int i = 0; i < 3; ++i) modes[l][i] = corner_weight * Q[l][i];
 }
 
 /// Columns of 2 Jhat at the samples, as far as they are linear in nodal values once the rotation of the mean is held.
@@ -175,9 +165,8 @@ HWY_INLINE void finish_columns(const RestLanes<kGeneral, kAssumed, N>& rest, con
   using Rest = RestLanes<kGeneral, kAssumed, N>;
   if constexpr (kAssumed != Assumed::kNothing) how.columns(at.Q, at.a);
   if constexpr (Rest::kByModes) {
-    columns_of_modes(at.mean.m, at.Q, at.a, rest.corner_weight, fourth_weight<kAssumed>(rest.corner_weight),
-                     at.by_modes);
-  } else if constexpr (Rest::kAtCorners) {
+    columns_of_modes(at.mean.m, at.Q, at.a, rest.corner_weight, at.by_modes);
+  } else if constexpr (kGeneral) {
     at.H = outer_sum(u, rest.h);
     scale(rest.corner_weight, at.e);
     if constexpr (kAssumed != Assumed::kNothing)
@@ -228,26 +217,15 @@ struct One {
 };
 
 /// factor times what acts on the mean columns and on the hourglass modes, at the corners.
-template <bool kGeneral, Assumed kAssumed, class N, class Factor>
-HWY_INLINE void corners_of_modes(const RestLanes<kGeneral, kAssumed, N>& rest, const Mat<N>& mean, const N (*Q)[3],
-                                 Factor factor, CornerLanes<N>& f) {
-  const N quarter = factor * N(ScalarOf<N>(0.25)), none(ScalarOf<N>(0));
+template <class N, class Factor>
+HWY_INLINE void corners_of_modes(const Mat<N>& mean, const N (*Q)[3], Factor factor, CornerLanes<N>& f) {
+  const N quarter = factor * N(ScalarOf<N>(0.25));
   ModeLanes<N> at;
   for (int n = 0; n < 3; ++n)
-    for (int i = 0; i < 3; ++i) at.at[n][i] = kGeneral ? none : quarter * mean(n, i);
+    for (int i = 0; i < 3; ++i) at.at[n][i] = quarter * mean(n, i);
   for (int l = 0; l < 4; ++l)
     for (int i = 0; i < 3; ++i) at.at[3 + l][i] = quarter * Q[l][i];
   modes_transpose(at, f);
-  if constexpr (kGeneral) {
-    Mat<N> all = mean;
-    for (int l = 0; l < 4; ++l)
-      for (int n = 0; n < 3; ++n)
-        for (int i = 0; i < 3; ++i) all(n, i) -= rest.skew[l][n] * Q[l][i];
-    for (int c = 0; c < kCorners; ++c)
-      for (int i = 0; i < 3; ++i)
-        f.at[c][i] +=
-            factor * (rest.mean.at[c][0] * all(0, i) + rest.mean.at[c][1] * all(1, i) + rest.mean.at[c][2] * all(2, i));
-  }
 }
 
 /// The transpose: collects what acts on the columns of the samples and brings it to the corners.
@@ -258,7 +236,7 @@ struct ColumnsTranspose {
 
   HWY_INLINE ColumnsTranspose() {
     if constexpr (!Rest::kByModes) set_zero(e);
-    if constexpr (Rest::kAtCorners) {
+    if constexpr (kGeneral) {
       set_zero(H);
       if constexpr (kAssumes)
         for (Mat<N>& M : turned) set_zero(M);
@@ -292,12 +270,11 @@ struct ColumnsTranspose {
   template <class How>
   HWY_INLINE void take_assumed(const Rest& rest, const How& how) {
     if constexpr (kAssumes) {
-      if constexpr (Rest::kAtCorners)
+      if constexpr (kGeneral)
         for (int n = 0; n < 3; ++n)
           for (int i = 0; i < 3; ++i) a[n][i] = dot(turned[n].m[i], rest.dual.m[n]);
       else
-        modes_of_columns(by_modes, rest.corner_weight, fourth_weight<kAssumed>(rest.corner_weight), a, mean.m,
-                         on_modes);
+        modes_of_columns(by_modes, rest.corner_weight, a, mean.m, on_modes);
       for (auto& mode : Q)
         for (N& entry : mode) entry = N(ScalarOf<N>(0));
       how.add_transpose(a, Q);
@@ -312,9 +289,9 @@ struct ColumnsTranspose {
         for (int k = 0; k < 9; ++k) mean.m[k / 3][k % 3] += mean_acting->m[k / 3][k % 3];
       for (int l = 0; l < 4; ++l)
         for (int i = 0; i < 3; ++i) on_modes[l][i] += Q[l][i];
-      return corners_of_modes(rest, mean, on_modes, factor, f);
+      return corners_of_modes(mean, on_modes, factor, f);
     } else {
-      if constexpr (Rest::kAtCorners) {
+      if constexpr (kGeneral) {
         for (int c = 0; c < kCorners; ++c)
           for (int r = 0; r < 3; ++r)
             f.at[c][r] = factor * (H(r, 0) * rest.h.at[c][0] + H(r, 1) * rest.h.at[c][1] + H(r, 2) * rest.h.at[c][2]);

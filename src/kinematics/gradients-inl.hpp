@@ -186,19 +186,17 @@ HWY_INLINE void add_hourglass_transpose(const N (&Q)[3][3], EdgeLanes<N>& e) {
   }
 }
 
-/// Constants of the plastic rest shape, for whole edges instead of half ones. Parallelepipeds, and samples that are
-/// made of hourglass modes, need one inverse.
+/// Constants of the plastic rest shape, for whole edges instead of half ones. Parallelepipeds need one inverse.
 template <bool kGeneral, Assumed kAssumed, class N>
 struct RestLanes {
-  static constexpr bool kAtCorners = kGeneral && kAssumed != Assumed::kModes;
   static constexpr bool kHasMean = kGeneral && kAssumed != Assumed::kNothing;
-  static constexpr bool kByModes = kAssumed != Assumed::kNothing && !kAtCorners;
+  static constexpr bool kByModes = kAssumed != Assumed::kNothing && !kGeneral;
   static constexpr int kModes = kByModes ? 4 : 3;
 
-  Mat<N> inverse[kAtCorners ? kCorners : 1];  ///< J_i^-1 / 2; its rows belong to the edges of the corner
-  CornerLanes<N> h;                           ///< where kAtCorners: what all samples share
-  Mat<N> dual;                                ///< where kHasMean: J_o^-1 / 2
-  CornerLanes<N> mean;                        ///< where kHasMean: Gm_a 2 J_o, so that F_m 2 J_o = sum_a x_a (x) mean_a
+  Mat<N> inverse[kGeneral ? kCorners : 1];  ///< J_i^-1 / 2; its rows belong to the edges of the corner
+  CornerLanes<N> h;                         ///< where kGeneral: what all samples share
+  Mat<N> dual;                              ///< where kHasMean: J_o^-1 / 2
+  CornerLanes<N> mean;                      ///< where kHasMean: Gm_a 2 J_o, so that F_m 2 J_o = sum_a x_a (x) mean_a
   N skew[kModes][3];  ///< where kHasMean: hourglass modes of the plastic rest shape, in its mean edges
   N volume;
   N min_jacobian;   ///< smallest det J_i
@@ -221,8 +219,7 @@ HWY_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
   } else {
     rest.min_jacobian = N(T(1e30));
     for (int i = 0; i < kCorners; ++i) {
-      const Mat<N> inverse = reciprocal(edges_at(e, i), det);
-      if constexpr (Rest::kAtCorners) rest.inverse[i] = inverse;
+      rest.inverse[i] = reciprocal(edges_at(e, i), det);
       rest.min_jacobian = min(rest.min_jacobian, N(T(0.125)) * det);
     }
     CornerLanes<N> Gm;
@@ -241,10 +238,7 @@ HWY_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
         for (int n = 0; n < 3; ++n)
           rest.skew[l][n] = Q[l][0] * centre(n, 0) + Q[l][1] * centre(n, 1) + Q[l][2] * centre(n, 2);
     }
-    if constexpr (!Rest::kAtCorners) {
-      rest.inverse[0] = centre;
-    } else if (!sampling
-                    .of_the_centre) {  // h = Gm - corner_weight mean g                                          eq. 8
+    if (!sampling.of_the_centre) {  // h = Gm - corner_weight mean g                                            eq. 8
       if (sampling.corner_weight == 1) {  // corners alone
         set_zero(rest.h);
       } else {

@@ -8,9 +8,7 @@ namespace hexaplast {
 /// What a strain of the samples is assumed to be instead of what the corners say.                theory.md section 2.1
 enum class Assumed {
   kNothing,
-  kCorner,  ///< the part linear in a coordinate is tangential to the faces of that coordinate, about gradients of
-            ///< corners
-  kModes    ///< the same about gradients that are made of hourglass modes
+  kCorner  ///< the part linear in a coordinate is tangential to the faces of that coordinate
 };
 
 /// How the eight samples of an element follow from its corners.
@@ -18,8 +16,6 @@ struct Sampling {
   Assumed assumed = Assumed::kNothing;
   double corner_weight = 0.5;  ///< [-] of the corner's gradient in that of its sample; the rest is the same in all
   bool of_the_centre = false;  ///< corner_weight = 0, and what all have in common is the gradient at the centre
-  bool one_rotation =
-      false;  ///< with kModes: samples have the rotation of the mean, and S_i = S_m + sym R_m^T (F_i - F_m)
 
   /// What of the difference of a sample's plastic increment from the mean of the eight goes into the rest shape:
   /// samples of corner_weight 1/2 show as much of a mode in which the element bends as their corners move by, others 2
@@ -34,10 +30,6 @@ constexpr Sampling sampling_of(const Settings& settings) {
   switch (settings.bending) {
     case Bending::kAssumedCorner:
       return {.assumed = Assumed::kCorner, .corner_weight = kFullIntegration};
-    case Bending::kAssumed:
-      return {.assumed = Assumed::kModes, .corner_weight = kFullIntegration};
-    case Bending::kOneRotation:
-      return {.assumed = Assumed::kModes, .corner_weight = kFullIntegration, .one_rotation = true};
     case Bending::kVertex:
       return {.corner_weight = 1};
     case Bending::kCentre:

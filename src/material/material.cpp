@@ -75,13 +75,6 @@ void validate(const Settings& settings, Names names) {
   for (const Row<Settings>& row : settings_rows())
     if (const double value = row.at.get(settings); !row.admits(value))
       refuse(row.called(names), value, "", row.condition());
-  if (settings.bending == Bending::kOneRotation && settings.law != ElasticLaw::kCorotated) {
-    const Row<Settings>& law = *find_row(settings_rows(), "law", Names::kScenes);
-    throw InputError(
-        fmt::format("law = {}: must be corotated with bending = oneRotation: the others need a rotation for "
-                    "each sample",
-                    law.words[static_cast<std::size_t>(settings.law)]));
-  }
 }
 
 bool can_stretch(const Material& material) { return material.flow_rate > 0 && std::isfinite(material.yield_stress); }
@@ -103,10 +96,10 @@ double bytes_per_hexahedron(const std::vector<Material>& materials, const Settin
                                 settings.rotation_plasticity == RotationPlasticity::kCentre;
   // what not every history has stands in the trial history of a step once more
   const double tensors = (tracks_stretch ? kCorners : 0) + (turns_at_corners ? kCorners - 1 : 0);
-  const bool assumes = settings.bending == Bending::kAssumedCorner || settings.bending == Bending::kAssumed;
-  const double coefficients = (assumes ? 51 : 0) + (settings.volumetric != Volumetric::kSample ? 42 : 0) +
+  const double coefficients = (settings.bending == Bending::kAssumedCorner ? 51 : 0) +
+                              (settings.volumetric != Volumetric::kSample ? 42 : 0) +
                               (settings.law != ElasticLaw::kCorotated ? 56 : 0);
-  const bool has_simple_cycles = settings.bending != Bending::kOneRotation && settings.bending != Bending::kCentre;
+  const bool has_simple_cycles = settings.bending != Bending::kCentre;
   const double of_cycles = 60 + (settings.volumetric == Volumetric::kVolumeRatio ? 21 : 0);
   const double of_latest = 51;  // masses and fixed axes of the latest eigenvalues, positions of the latest energy
   const double more = (flows ? 2 : 1) * tensors * sizeof(Mat3) +

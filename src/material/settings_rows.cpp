@@ -7,14 +7,14 @@ namespace hexaplast {
 
 namespace {
 
-constexpr std::string_view kBendings[] = {"blended", "assumedCorner", "assumed", "oneRotation", "vertex", "centre"};
-constexpr std::string_view kVolumetrics[] = {"sample", "mean", "meanFree", "volumeRatio"};
+constexpr std::string_view kBendings[] = {"blended", "assumedCorner", "vertex", "centre"};
+constexpr std::string_view kVolumetrics[] = {"sample", "volumeRatio"};
 constexpr std::string_view kRecoveries[] = {"none", "cluster"};
 constexpr std::string_view kLaws[] = {"corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin"};
 constexpr std::string_view kYieldNorms[] = {"vonMises", "frobenius", "spectral"};
 constexpr std::string_view kRotations[] = {"objective", "vertex", "centre", "none"};
 constexpr std::string_view kFrames[] = {"bestFit", "world"};
-constexpr std::string_view kAveragings[] = {"gaussNewton", "localGlobal", "jacobi"};
+constexpr std::string_view kAveragings[] = {"gaussNewton", "jacobi"};
 constexpr std::string_view kPrecisions[] = {"double", "mixed"};
 
 constexpr Row<Settings> kSettingsRows[] = {
@@ -25,10 +25,8 @@ constexpr Row<Settings> kSettingsRows[] = {
      .group = kNumerics,
      .words = kBendings,
      .help =
-         "Strain of the samples. assumedCorner: bends freely on regular meshes; assumed: freer on distorted meshes, "
-         "but corners may fold under plastic flow; oneRotation: as assumed with one rotation per hexahedron; blended: "
-         "between corners and centre, stiff in bending, as published; vertex (too stiff) and centre (hourglass modes) "
-         "for comparison.",
+         "Strain of the samples. assumedCorner: bends freely; blended: between corners and centre, stiff in bending, "
+         "as published; vertex (too stiff) and centre (hourglass modes) for comparison.",
      .at = kMember<&Settings::bending>},
     {.member = "blend_weight",
      .old_member = "blend_share",
@@ -42,9 +40,8 @@ constexpr Row<Settings> kSettingsRows[] = {
      .name = "volumetric",
      .group = kNumerics,
      .words = kVolumetrics,
-     .help = "What resists a change of volume. volumeRatio: the exact volume of the hexahedron; mean: the mean strain "
-             "of its samples; sample: each sample, which locks towards Poisson's ratio 0.5, as published; meanFree: "
-             "the mean alone, too soft where a body is one hexahedron thick.",
+     .help = "What resists a change of volume. volumeRatio: the exact volume of the hexahedron; sample: each of its "
+             "samples, which locks towards Poisson's ratio 0.5, as published.",
      .at = kMember<&Settings::volumetric>},
     {.member = "law",
      .name = "law",
@@ -114,8 +111,8 @@ constexpr Row<Settings> kSettingsRows[] = {
      .words = kAveragings,
      .help =
          "Rest-shape averaging: how the rest shapes of the hexahedra are projected onto one mesh. gaussNewton: a "
-         "Gauss-Newton step that leaves rotations of hexahedra free; for comparison localGlobal (converges slowly in "
-         "bending and twist) and jacobi (one sweep, depends on the mesh).",
+         "Gauss-Newton step that leaves rotations of hexahedra free; for comparison jacobi (one sweep, depends on the "
+         "mesh).",
      .at = kMember<&Settings::averaging>},
     {.member = "averaging_steps",
      .name = "averagingSteps",

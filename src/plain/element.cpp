@@ -21,7 +21,6 @@ Vec3 reference_coordinates(int corner) {
 /// lambda_f, the modulus of a sample's own dilatation [Pa].                                                    eq. E2
 double free_modulus(Volumetric volumetric, const Lame& k) {
   if (volumetric == Volumetric::kSample) return k.lambda;
-  if (volumetric == Volumetric::kMeanFree) return 0;
   return 2 * k.mu * k.lambda / (k.lambda + 2 * k.mu);
 }
 
@@ -123,15 +122,14 @@ Element::Element(const ElementPoints& plastic_rest, const ElementPoints& current
     mean_dilatation_ += dilatation_[i] / kCorners;
   }
 
-  // what resists a change of volume                                                          eq. E1 to E5, E14 to E18
+  // what resists a change of volume                                                          eq. E2 to E5, E14 to E18
   const scalar::LawConstants<double> constants(law_, mooney_fraction_, lame.mu);
   free_ = free_modulus(settings.volumetric, lame);
   k0_ = constants.k0;
   own_ = constants.b0 + free_;
-  shared_ = lame.lambda - free_;  // of the mean dilatation
   if (settings.volumetric == Volumetric::kVolumeRatio) {
     const bool is_corotated = law_ == ElasticLaw::kCorotated;
-    shared_ = is_corotated ? -free_ : 0;
+    shared_ = is_corotated ? -free_ : 0;  // of the mean dilatation
     of_volume_ = is_corotated ? lame.lambda : lame.lambda - free_;
     volume_excess_ = volume(current) / rest.volume - 1;
     volume_gradient_ = hexaplast::volume_gradient(current) / rest.volume;

@@ -39,13 +39,12 @@ class Joining final : public LinearSystem {
     report.skipped = false;
     remove_means(gradient);  // which are rounding, and outside the range of H and P
     const PointArray before = history_.plastic_rest_positions;
-    const bool has_own_maps = model_.maps_per_element() > 1;
 
     if (model_.settings.averaging == AveragingMethod::kJacobi) {
       PointArray dx = PointArray::Zero(num_nodes(), 3);
       precondition(-gradient, dx);
       move(before, dx);
-    } else if (model_.settings.averaging == AveragingMethod::kLocalGlobal || has_own_maps) {
+    } else if (model_.maps_per_element() > 1) {
       solve(before, gradient, false, solver, report);
     } else {
       solve(before, gradient, true, solver, report);

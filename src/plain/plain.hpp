@@ -13,12 +13,12 @@
 
 /// The method for a whole body, to be read beside the paper (R. Gao, J. Peters, "Improving hexahedral-FEM-based
 /// plasticity in surgery simulation") and docs/theory.md: one element after the other, in double precision, on one
-/// thread. It serves every option but bending="assumed" and "oneRotation", and the kernels are tested against it.
+/// thread. It serves every option, and the kernels are tested against it.
 ///
 ///   paper                                   | theory.md         | where
 ///   (1)      gradients, blended             | 1, 7 to 9, E11c   | Element, kinematics/gradients.hpp
 ///   (2)      rotation and stretch           | 5, 6              | kinematics/polar.hpp
-///            stress, force, stiffness       | 11 to 18, E1 to E7 | Element, Elasticity
+///            stress, force, stiffness       | 11 to 18, E2 to E7 | Element, Elasticity
 ///   (4)      plastic stretch                | 20 to 23          | plastic/point_flow.hpp
 ///   (5), (6) plastic rotation               | 24 to 26, 33, 34  | plastic/element_flow.hpp
 ///   (7)      rest shape                     | 27                | plastic/rest_shape.hpp
@@ -65,7 +65,7 @@ class Element {
   /// Corners [m].
   Element(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame, const Settings& settings);
 
-  double energy() const;                                         ///< [J]                        eq. 18, E1, E5, E14
+  double energy() const;                                         ///< [J]                        eq. 18, E5, E14
   ElementPoints force() const;                                   ///< [N] per corner     eq. 15, E3, E6, E13, E15
   ElementPoints force_increment(const ElementPoints& dx) const;  ///< [N] rotations fixed    eq. 16, E4, E7, E20
   const ElementSamples& samples() const { return samples_; }
@@ -86,10 +86,10 @@ class Element {
   std::array<Mat3, kCorners> along_dilatation_;  // d theta_i / d F_i
   CornerValues guard_;                           // beta_i [Pa]                                                eq. E21
   double mean_dilatation_ = 0;
-  double k0_, own_, shared_;  // pressures k_i = k0 + own theta_i + shared mean theta [Pa]
-  double free_;               // lambda_f [Pa]                                                           eq. E2
-  double of_volume_ = 0;      // modulus of the volume ratio [Pa]
-  double volume_excess_ = 0;  // beta^ - 1
+  double k0_, own_, shared_ = 0;  // pressures k_i = k0 + own theta_i + shared mean theta [Pa]
+  double free_;                   // lambda_f [Pa]                                                           eq. E2
+  double of_volume_ = 0;          // modulus of the volume ratio [Pa]
+  double volume_excess_ = 0;      // beta^ - 1
   ElementPoints volume_gradient_ = ElementPoints::Zero();  // b_a [1/m] eq. E6
 };
 

@@ -393,11 +393,10 @@ void Averaging::step(const Model& model, LinearSolver& solver, History& history,
     if (warm) history.averaging_increment = increment_;
   };
 
-  const AveragingMethod method = model.settings.averaging;
-  if (method == AveragingMethod::kJacobi) {
+  if (model.settings.averaging == AveragingMethod::kJacobi) {
     System(model, *this, false).precondition(gradient_, increment_);
     move(false);
-  } else if (method == AveragingMethod::kLocalGlobal || model.maps_per_element() > 1) {
+  } else if (model.maps_per_element() > 1) {
     solve(System(model, *this, false));
   } else {
     solve(System(model, *this, true));

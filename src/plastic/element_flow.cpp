@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "plastic/element_flow.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -116,10 +115,6 @@ ElementStep flow_element(const FlowInput& at, const ElementHistory& before, doub
   for (const Mat3& F : at.samples.F) min_det = std::min(min_det, F.determinant());
   const double min_jacobian = min_jacobian_ratio(at.corner_jacobian, at.x);
   step.inverted = min_det < 0;
-  if (at.settings.bending == Bending::kOneRotation)  // stretches may be negative though F is not inverted
-    for (const Polar& polar : at.samples.polar)
-      min_det =
-          std::min(min_det, Eigen::SelfAdjointEigenSolver<Mat3>(polar.S, Eigen::EigenvaluesOnly).eigenvalues()[0]);
   step.skipped = std::min(min_det, min_jacobian) < at.settings.inversion_threshold;
 
   const bool stretches = can_stretch(at.material), rotates = can_rotate(at.material, at.settings);

@@ -113,9 +113,6 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
     polars<kAtOnce>(element.F + first, element.polar + first);
     for (int m = 0; m < kAtOnce; ++m) fails |= element.polar[first + m].doubtful;
   }
-  Mat<V> R[kCorners];  // of the samples themselves
-  for (int i = 0; i < kCorners; ++i) R[i] = element.polar[i].R;
-  if (sampling.one_rotation) decompose(sampling, element);
   const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
   D mu[kParts<T>], lambda[kParts<T>];
   for (int part = 0; part < kParts<T>; ++part) {
@@ -157,11 +154,6 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
     const Mat<V> cof = cofactor(F);
     const V det = F(0, 0) * cof(0, 0) + F(0, 1) * cof(0, 1) + F(0, 2) * cof(0, 2);
     fails |= bits<T>(hn::Not(det > guard));
-    if (sampling.one_rotation) {  // stretches may be negative though F is not inverted
-      const V xx = FRS.S.xx - guard, yy = FRS.S.yy - guard, minor = xx * yy - FRS.S.xy * FRS.S.xy;
-      const V whole = determinant(Sym<V>{xx, yy, FRS.S.zz - guard, FRS.S.yz, FRS.S.zx, FRS.S.xy});
-      fails |= bits<T>(hn::Not(min(min(xx, minor), whole) > V(T(0))));
-    }
 
     Mat<V> increment;  // R^p S^p - 1
     set_zero(increment);
@@ -195,7 +187,7 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
       stretch.store(elements, wanted, [&](int e) { return trial.plastic_stretch[e][i].data(); });
     }
     if (model.can_rotate) {
-      const RotationVector<V> Q = rotation_log(transposed_product(R_centre, R[i]));
+      const RotationVector<V> Q = rotation_log(transposed_product(R_centre, FRS.R));
       fails |= Q.near_half_turn;
       angle[i] = Q.angle;
       const V threshold = gather_numbers<T>(elements, [&](int e) { return history.rotation_yield[e][i]; });

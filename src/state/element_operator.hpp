@@ -21,41 +21,37 @@ struct StiffnessKind {
   Sampling sampling = {};
   Volumetric volumetric = Volumetric::kSample;
   ElasticLaw law = ElasticLaw::kCorotated;
+  bool one_rotation = false;  ///< of the simple form (OneRotationPlaces): parallelepipeds, of the corotated law
 
   bool has_volume() const { return volumetric == Volumetric::kVolumeRatio; }
   bool has_law() const { return law != ElasticLaw::kCorotated; }
   /// Whether the mean dilatation of the samples acts on each of them, by a term of its own.
-  bool has_mean() const {
-    return volumetric != Volumetric::kSample && !sampling.one_rotation && !(has_volume() && has_law());
-  }
+  bool has_mean() const { return has_volume() && !has_law() && !one_rotation; }
 };
 
 /// Where the coefficients of an element stand; the gradients of the volume ratio and of the mean dilatation, and the
 /// coefficients of the law come last, in this order. All lengths are in units of Model::length.
 template <bool kGeneral, Assumed kAssumed>
 struct CoefficientPlaces {
-  static constexpr bool kAtCorners = kGeneral && kAssumed != Assumed::kModes;
   static constexpr bool kAssumes = kAssumed != Assumed::kNothing;
   static constexpr bool kHasMean = kGeneral && kAssumes;
 
-  static constexpr int kC = 0;                                                   ///< C_i = J_i^-1 R_i^T / 2
-  static constexpr int kRotation = kC + 9 * kCorners;                            ///< R_i
-  static constexpr int kShared = kRotation + (kAtCorners ? 9 * kCorners : 0);    ///< h
-  static constexpr int kDirections = kShared + (kAtCorners ? 3 * kCorners : 0);  ///< rows R_m J^n / 2
-  static constexpr int kMean = kDirections + (kAssumes ? 9 : 0);                 ///< RestLanes::mean
-  static constexpr int kSkew = kMean + (kHasMean ? (kAtCorners ? 24 : 21) : 0);  ///< RestLanes::skew
-  static constexpr int kDual = kSkew + (kHasMean ? (kAtCorners ? 9 : 12) : 0);   ///< RestLanes::dual
-  static constexpr int kCount = kDual + (kHasMean && kAtCorners ? 9 : 0);
+  static constexpr int kC = 0;                                                 ///< C_i = J_i^-1 R_i^T / 2
+  static constexpr int kRotation = kC + 9 * kCorners;                          ///< R_i
+  static constexpr int kShared = kRotation + (kGeneral ? 9 * kCorners : 0);    ///< h
+  static constexpr int kDirections = kShared + (kGeneral ? 3 * kCorners : 0);  ///< rows R_m J^n / 2
+  static constexpr int kMean = kDirections + (kAssumes ? 9 : 0);               ///< RestLanes::mean
+  static constexpr int kSkew = kMean + (kHasMean ? 24 : 0);                    ///< RestLanes::skew
+  static constexpr int kDual = kSkew + (kHasMean ? 9 : 0);                     ///< RestLanes::dual
+  static constexpr int kCount = kDual + (kHasMean ? 9 : 0);
 };
-/// The same of elements with one rotation, whose products are sums over modes instead of samples.
-template <bool kGeneral>
+/// The same of the simple form that cycles take for elements: parallelepipeds with one rotation, whose products are
+/// sums over modes instead of samples.
 struct OneRotationPlaces {
-  static constexpr int kDirections = 0;                         ///< rows R_m J^n / 2
-  static constexpr int kOfTwo = 9;                              ///< ModeStiffness, as its factor
-  static constexpr int kOfThree = kOfTwo + 45;                  ///< the same
-  static constexpr int kMean = kOfThree + 6;                    ///< modes of RestLanes::mean
-  static constexpr int kSkew = kMean + (kGeneral ? 3 * 7 : 0);  ///< RestLanes::skew
-  static constexpr int kCount = kSkew + (kGeneral ? 12 : 0);
+  static constexpr int kDirections = 0;         ///< rows R_m J^n / 2
+  static constexpr int kOfTwo = 9;              ///< ModeStiffness, as its factor
+  static constexpr int kOfThree = kOfTwo + 45;  ///< the same
+  static constexpr int kCount = kOfThree + 6;
 };
 inline constexpr int kGradientCoefficients = 3 * (kCorners - 1);  ///< modes of a gradient at the corners
 inline constexpr int kLawCoefficients = 7 * kCorners;             ///< R_i cof(S_i) R_i^T (6) and beta (1)

@@ -33,11 +33,10 @@ int num_shape_coefficients(bool is_general) {
 }  // namespace
 
 int num_coefficients(const StiffnessKind& kind, bool is_general) {
-  const int of_shape =
-      kind.sampling.one_rotation ? (is_general ? OneRotationPlaces<true>::kCount : OneRotationPlaces<false>::kCount)
-      : kind.sampling.assumed == Assumed::kNothing ? num_shape_coefficients<Assumed::kNothing>(is_general)
-      : kind.sampling.assumed == Assumed::kCorner  ? num_shape_coefficients<Assumed::kCorner>(is_general)
-                                                   : num_shape_coefficients<Assumed::kModes>(is_general);
+  const int of_shape = kind.one_rotation ? OneRotationPlaces::kCount
+                       : kind.sampling.assumed == Assumed::kNothing
+                           ? num_shape_coefficients<Assumed::kNothing>(is_general)
+                           : num_shape_coefficients<Assumed::kCorner>(is_general);
   return of_shape + (kind.has_volume() + kind.has_mean()) * kGradientCoefficients +
          (kind.has_law() ? kLawCoefficients : 0);
 }

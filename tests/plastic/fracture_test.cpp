@@ -70,7 +70,6 @@ TEST(Fracture, ByStressTakesNoElementThatOnlyTurns) {
       for (int e = 0; e < 3; ++e) materials[e].fracture_stress = 600;
       Settings settings;
       settings.rotation_plasticity = mode;
-      if (mode != RotationPlasticity::kObjective) settings.averaging = AveragingMethod::kLocalGlobal;
       Body body(mesh, materials, settings);
       for (int k = 0; k < 50; ++k) ASSERT_EQ(body.flow(twisted, kStep).removed, 0) << "step " << k;
       EXPECT_TRUE(body.state().history.removed.empty());
@@ -167,8 +166,7 @@ std::vector<Material> breaking_in_random_order(int count, Random& random) {
 }
 
 TEST(Fracture, LeavesNothingSingularDownToTheLastElement) {
-  for (const AveragingMethod averaging :
-       {AveragingMethod::kGaussNewton, AveragingMethod::kLocalGlobal, AveragingMethod::kJacobi}) {
+  for (const AveragingMethod averaging : {AveragingMethod::kGaussNewton, AveragingMethod::kJacobi}) {
     Random random(203);
     const HexMesh mesh = support::distorted_block({4, 4, 4}, kEdge, 0.1, 204);
     Settings settings;

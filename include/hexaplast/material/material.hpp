@@ -35,8 +35,6 @@ struct Material {
 enum class Bending {
   kBlended,        ///< mean of corner and centre, shifted to the exact mean: passes the patch test; stiff in bending
   kAssumedCorner,  ///< about corners, with an assumed strain that bends freely
-  kAssumed,        ///< about hourglass modes, with the same: freest on distorted meshes, corners may fold
-  kOneRotation,    ///< as kAssumed with the rotation of the mean for all samples; of the corotated law alone
   kVertex,         ///< corners alone: stiff
   kCentre          ///< the centre alone, eight times: soft, with hourglass modes
 };
@@ -44,9 +42,7 @@ enum class Bending {
 /// What resists a change of volume.
 enum class Volumetric {
   kSample,      ///< every sample: locks towards Poisson's ratio 1/2
-  kMean,        ///< the mean of the samples, and a bounded modulus for what they deviate from it
-  kMeanFree,    ///< the mean of the samples alone: too soft one hexahedron thick
-  kVolumeRatio  ///< the exact volume of the hexahedron, and the same bounded modulus
+  kVolumeRatio  ///< the exact volume of the hexahedron, and a bounded modulus for what samples deviate from their mean
 };
 
 /// How stress follows from stretch. All agree with Hooke's law in the small.
@@ -87,7 +83,6 @@ enum class RotationFrame {
 /// How the isolated rest shapes become one plastic rest shape.
 enum class AveragingMethod {
   kGaussNewton,  ///< one Gauss-Newton step that leaves the rotations of the joined elements free  theory.md eq. 31
-  kLocalGlobal,  ///< rotations held fixed while positions are solved for: lags in bending and twist
   kJacobi        ///< one sweep of averages, as printed in the paper: depends on the mesh size
 };
 
@@ -113,7 +108,7 @@ struct Settings {
   RotationPlasticity rotation_plasticity = RotationPlasticity::kObjective;
   RotationFrame rotation_frame = RotationFrame::kBestFit;  ///< of the modes kVertex and kCentre
   AveragingMethod averaging =
-      AveragingMethod::kGaussNewton;  ///< kVertex and kCentre know kLocalGlobal and kJacobi only
+      AveragingMethod::kGaussNewton;  ///< kVertex and kCentre hold their rotation maps fixed in it
   int averaging_steps = 1;            ///< per time step, in [1, 1000]
   double averaging_tolerance = 0;     ///< relative residual of its linear systems; 0: 1e-6, in mixed precision 1e-2
   Precision precision = Precision::kDouble;

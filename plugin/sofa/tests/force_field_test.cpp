@@ -203,12 +203,12 @@ TEST(ForceField, RefusesWhatTheAttributeTableRefuses)
     EXPECT_THROW(SofaScene::from_text(block(R"(averaging="best")")).body(), std::runtime_error);
 
     // SOFA would go on with the word before
-    SofaScene misspelt = SofaScene::from_text(block(R"(averaging="localglobal")"));
+    SofaScene misspelt = SofaScene::from_text(block(R"(averaging="Jacobi")"));
     EXPECT_TRUE(is_invalid(misspelt.field()));
-    misspelt.field().d_averaging.read("localGlobal");
+    misspelt.field().d_averaging.read("jacobi");
     misspelt.field().reinit();
     EXPECT_FALSE(is_invalid(misspelt.field()));
-    EXPECT_EQ(misspelt.body().settings().averaging, AveragingMethod::kLocalGlobal);
+    EXPECT_EQ(misspelt.body().settings().averaging, AveragingMethod::kJacobi);
 }
 
 // Positions change several times between the events of a step; the body flows once, by the whole of it.

@@ -119,7 +119,7 @@ TEST_F(ElementCommand, WrongInputEndsWith3AndNamesKeyValueAndWhatIsAllowed) {
            {"{" + kCube +
                 R"(, "parameters": {"dt": 1, "yieldStress": 1, "plasticFlowRate": 0.1, "volumeRestitution": 9}})",
             {"volumeRestitution"}},
-           {"{" + kCube + R"(, "parameters": {"gradient": "vertex", "bending": "assumed"}})", {"bending", "twice"}},
+           {"{" + kCube + R"(, "parameters": {"gradient": "vertex", "bending": "blended"}})", {"bending", "twice"}},
            {"{" + kCube + R"(, "parameters": {"youngModulus": 1, "E": 2}})", {"E", "twice", "another name"}},
        }) {
     const Outcome outcome = element("", c.input);
