@@ -276,8 +276,8 @@ TEST(CalculixRubber, BlockHeldAtBothEndsIsNearC3D8I) {
                  mooney_rivlin = element(Bending::kAssumedCorner, Volumetric::kVolumeRatio, ElasticLaw::kMooneyRivlin);
   for (const auto& [settings, poisson_ratio, stretch, law, band] :
        {HeldBlock{corotated, 0.49, 1.5, "neoHooke", 0.2}, HeldBlock{neo_hookean, 0.49, 1.5, "neoHooke", 0.06},
-        HeldBlock{neo_hookean, 0.45, 0.6, "neoHooke", 0.03},
-        HeldBlock{mooney_rivlin, 0.45, 0.6, "mooneyRivlin", 0.03}}) {
+        HeldBlock{neo_hookean, 0.45, 0.6, "neoHooke", 0.09},
+        HeldBlock{mooney_rivlin, 0.45, 0.6, "mooneyRivlin", 0.04}}) {
     const double ours = support::held_block(poisson_ratio, stretch, settings).force;
     const double theirs =
         row_of(reference,
