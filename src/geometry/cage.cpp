@@ -30,9 +30,9 @@ enum class CageCell : unsigned char {
 };
 
 /// The cells of a grid, and what is known of each: enclosed, until they are touched or reached.
-class Cells {
+class LabelledCells {
  public:
-  explicit Cells(const CageGrid& grid)
+  explicit LabelledCells(const CageGrid& grid)
       : grid_(grid), width_((grid.max - grid.min).cwiseQuotient(Vec3(grid.cells[0], grid.cells[1], grid.cells[2]))) {
     kind_.assign(static_cast<std::size_t>(grid.cells[0]) * grid.cells[1] * grid.cells[2], CageCell::kEnclosed);
   }
@@ -110,11 +110,11 @@ bool touches(const std::array<Vec3, 3>& corners, const Vec3& half) {
   return true;
 }
 
-void mark_touched(const std::array<Vec3, 3>& corners, Cells& cells) {
+void mark_touched(const std::array<Vec3, 3>& corners, LabelledCells& cells) {
   const Vec3 half = (0.5 + kTouch) * cells.width();
   const Vec3 min = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]),
              max = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]), reach = kTouch * cells.width();
-  Cells::for_each_in(cells.cell_at(min - reach), cells.cell_at(max + reach), [&](const GridCell& c) {
+  LabelledCells::for_each_in(cells.cell_at(min - reach), cells.cell_at(max + reach), [&](const GridCell& c) {
     if (cells.kind(c) == CageCell::kTouched) return;
     const Vec3 centre = cells.centre(c);
     if (touches({corners[0] - centre, corners[1] - centre, corners[2] - centre}, half))
@@ -123,7 +123,7 @@ void mark_touched(const std::array<Vec3, 3>& corners, Cells& cells) {
 }
 
 /// From the cells at the border of the grid through all that the surface does not touch.
-void mark_outside(const CageGrid& grid, Cells& cells) {
+void mark_outside(const CageGrid& grid, LabelledCells& cells) {
   std::vector<GridCell> waiting;
   const auto reach = [&](const GridCell& c) {
     if (cells.kind(c) != CageCell::kEnclosed) return;
@@ -203,12 +203,12 @@ double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
   return 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
 }
 
-/// Cells that the outside reaches only through holes of the surface, and around which it winds nearly: a hole is meant
-/// to be closed where the cage would be hollow, and a sheet or a bowl is open. Around what a surface winds whose
-/// faces are not oriented alike is not known: all such cells count.
-/// cells: reached from outside; closed: the same before, touched alone.
-std::size_t count_leaks(ConstPoints x, const SurfaceEdges& edges, const CageGrid& grid, const Cells& cells,
-                        Cells closed) {
+/// LabelledCells that the outside reaches only through holes of the surface, and around which it winds nearly: a hole
+/// is meant to be closed where the cage would be hollow, and a sheet or a bowl is open. Around what a surface winds
+/// whose faces are not oriented alike is not known: all such cells count. cells: reached from outside; closed: the same
+/// before, touched alone.
+std::size_t count_leaks(ConstPoints x, const SurfaceEdges& edges, const CageGrid& grid, const LabelledCells& cells,
+                        LabelledCells closed) {
   // a fan over each hole
   std::unordered_map<int, int> number;  // of the nodes of open edges
   for (const Edge& edge : edges.open)
@@ -317,7 +317,7 @@ std::vector<CageCell> cells_around(ConstPoints x, std::span<const Triangle> tria
                                    const CageGrid& grid) {
   if (triangles.empty() && quads.empty()) throw InputError("the surface has neither triangles nor quads");
   require_grid(grid);
-  Cells cells(grid);
+  LabelledCells cells(grid);
   const Eigen::AlignedBox3d box(Vec3(grid.min - kTouch * cells.width()), Vec3(grid.max + kTouch * cells.width()));
   const auto corner = [&](int node) -> Vec3 {
     if (node < 0 || node >= x.rows())
@@ -337,7 +337,7 @@ std::vector<CageCell> cells_around(ConstPoints x, std::span<const Triangle> tria
   }
   for (const auto& [a, b, c] : faces) mark_touched({corner(a), corner(b), corner(c)}, cells);
   const SurfaceEdges edges = edges_of_surface(x, faces);
-  std::optional<Cells> touched;
+  std::optional<LabelledCells> touched;
   if (!edges.open.empty()) touched = cells;
   mark_outside(grid, cells);
   if (edges.open.empty()) return cells.take();
