@@ -66,7 +66,6 @@ void add_run(CLI::App& app, RunOptions& options) {
   run->add_option("--stream", options.stream)->group("");
   run->add_option("--measure", options.measures)->delimiter(',')->group("");
   run->add_option("--parent", options.parent)->group("");
-  run->add_flag("!--no-writing", options.scene.output.writes)->group("");
   add_threads(*run, options.threads);
   run->add_option("--frames", options.frames, "Number of pictures, spread over the run; 0 for none")
       ->type_name("N")

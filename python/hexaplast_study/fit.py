@@ -144,7 +144,7 @@ def answer(question, assignments):
     # the scene's own --set come first: those of the fit count
     scene = question.words.index("--")
     with open(os.memfd_create("messages"), "w+", errors="replace") as messages:  # a disk may be full
-        code = command.run([*question.words[:scene], *words, "--no-writing", *question.words[scene:]], messages, read)
+        code = command.run([*question.words[:scene], *words, *question.words[scene:]], messages, read)
         messages.seek(0)
         text = messages.read().strip()
     if code == 0:

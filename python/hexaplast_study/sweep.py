@@ -162,7 +162,7 @@ def carry_out(task):
     # after the --set of the scene: of several for one attribute the last one counts
     scene = task.words.index("--")
     words = [*task.words[:scene], *[word for name, value in task.values.items() for word in ("--set", f"{name}={value}")],
-             "--summary", str(part / "summary.json"), "--write-below", str(part), *task.words[scene:]]
+             "--summary", str(part / "summary.json"), *task.words[scene:]]
 
     def read(stream):
         from . import states

@@ -251,7 +251,7 @@ def test_mistakes_of_the_command_line_end_with_2(place):
                            (["bar.scn", *vary, "--fields", "displacement,strane"], "'strane' is none of"),
                            (["bar.scn", *vary, "--fields", "strain,strain"], "'strain' is given twice"),
                            (["bar.scn", *vary, "--jobs", "0"], "must be a whole number from 1"),
-                           (["bar.scn", *vary, "--allow-outside"], "unknown option '--allow-outside'"),
+                           (["bar.scn", *vary, "--frames"], "unknown option '--frames'"),
                            (["bar.scn", "x.scn", *vary], "unexpected argument 'x.scn'"),
                            ([], "SCENE is required, or --merge"), (["bar.scn"], "--vary is required, or --merge"),
                            *[(["bar.scn", *vary, f"--shard={shard}"], "must be i/n with i from 1 to n, and n at most 100000")

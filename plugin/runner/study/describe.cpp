@@ -82,7 +82,6 @@ Json describe_free(scene::Scene& scene, const Json& asked) {
 
 Json describe_curve(SceneOptions options, const Json& asked, const Json& places, Json& input) {
   for (const Json& assignment : asked.at("assignments")) options.overrides.push_back(assignment.get<std::string>());
-  options.output.writes = false;
   Simulation simulation(options);
   if (!simulation.bodies())
     throw scene::SceneError(
