@@ -40,9 +40,6 @@ class DensePeer {
   /// One step of dt [s] under gravity [m/s^2] from x and v; dv: the velocity increment that was found.
   SolveReport step(const Vec3& gravity, double dt, const Stop& stop, Points x, Points v, Points dv);
 
-  /// The stiffness matrices alone, per element.
-  static constexpr std::size_t kBytesPerElement = 24 * 24 * sizeof(double);
-
  private:
   using Vec24 = std::array<double, 24>;          // corner by corner
   using Matrix24 = std::array<double, 24 * 24>;  // row by row

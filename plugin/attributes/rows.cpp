@@ -7,7 +7,6 @@
 #include <list>
 #include <string>
 
-#include "hexaplast/base/error.hpp"
 #include "hexaplast/material/rows.hpp"
 
 namespace hexaplast::attributes {
@@ -85,12 +84,6 @@ std::span<const Attribute> region_attributes() {
     return found;
   }();
   return all;
-}
-
-const Attribute& body_attribute(std::string_view name) {
-  const auto found = std::ranges::find(body_attributes(), name, &Attribute::name);
-  if (found == body_attributes().end()) throw InputError(fmt::format("a body has no attribute {}", name));
-  return *found;
 }
 
 std::vector<Attribute> joined(std::span<const Attribute> first, std::span<const Attribute> then) {

@@ -13,9 +13,6 @@ std::span<const Attribute> body_attributes();
 /// The core's rows of Material as attributes of a region of a body: none has a default.
 std::span<const Attribute> region_attributes();
 
-/// One of the body's.
-const Attribute& body_attribute(std::string_view name);
-
 /// The attributes of one table, then those of another.
 std::vector<Attribute> joined(std::span<const Attribute> first, std::span<const Attribute> then);
 

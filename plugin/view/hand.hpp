@@ -81,8 +81,6 @@ class Hand {
   /// scene has refused an instrument: a part of it is there.
   void reset();
 
-  bool is_holding() const { return state_ == State::kHolding; }
-
   /// Nodes in the grip, of body held_body(), and [N] what the instrument does to all bodies.
   std::vector<int> held() const;
   int held_body() const { return held_body_; }
