@@ -25,30 +25,4 @@ inline std::string pulled_bar() {
       "", "<LinearForceField name='pull' points='2 5 8 11' times='0 1' forces='0 0 0  12.5 0 0'/>");
 }
 
-/// The same pull on a bar that contracts freely across, or not at all, with the element whose law is that of Hooke for
-/// such stretches: the elongation is F / (E A) or F / (M A), M = E (1 - nu) / ((1 + nu) (1 - 2 nu)).
-inline std::string pulled_bar(bool is_confined) {
-  std::string scene = pulled_bar();
-  const auto replace = [&](const std::string& what, const std::string& with) {
-    scene.replace(scene.find(what), what.size(), with);
-  };
-  replace("poissonRatio='0' ", "poissonRatio='0.1' volumetric='sample' bending='blended' recovery='none' ");
-  const std::string across = is_confined
-                                 ? "<PartialFixedProjectiveConstraint fixAll='true' fixedDirections='0 1 1'/>"
-                                 : "<PartialFixedProjectiveConstraint indices='0 1 2 6 7 8' fixedDirections='0 1 0'/>"
-                                   "<PartialFixedProjectiveConstraint indices='0 1 2 3 4 5' fixedDirections='0 0 1'/>";
-  replace("<FixedProjectiveConstraint indices='0 3 6 9'/>",
-          "<PartialFixedProjectiveConstraint indices='0 3 6 9' fixedDirections='1 0 0'/>" + across);
-  return scene;
-}
-
-/// In motion: pulled until it flows, then let go.
-inline std::string flowing_bar() {
-  return bar_of_two(
-      "<EulerImplicitSolver rayleighMass='2' rayleighStiffness='0.1'/><SparseLDLSolver/>\n",
-      "yieldStress='60' plasticFlowRate='2'",
-      "<DiagonalMass totalMass='20'/><LinearForceField name='pull' points='2 5 8 11' times='-0.1 0.5 2.54 2.56' "
-      "forces='0 0 0  12.5 0 0  12.5 0 0  0 0 0'/>");
-}
-
 }  // namespace hexaplast::support
