@@ -75,8 +75,6 @@ def test_a_sweep_by_mpi_is_that_of_the_command(tmp_path, alone):
     script.write_text(f"""
 from mpi4py.futures import MPIPoolExecutor
 from hexaplast import study
-
-from bars import SCENES, command, processes, wait_for
 if __name__ == "__main__":
     with MPIPoolExecutor() as executor:
         study.sweep({str(BAR)!r}, {GRID!r}, executor, out={str(tmp_path / "out")!r}, steps=20,
