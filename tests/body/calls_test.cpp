@@ -14,6 +14,7 @@
 #include "hexaplast/geometry/plane_cut.hpp"
 #include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/cholesky.hpp"
+#include "hexaplast/solve/conjugate_gradients.hpp"
 #include "hexaplast/solve/grip.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
 #include "mesh/lumped_mass.hpp"
