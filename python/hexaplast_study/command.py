@@ -74,7 +74,8 @@ def report_errors(action):
 
 
 def printable(text):
-    return "".join(c if c.isprintable() else "?" for c in text)
+    """What a terminal shows and does not obey; other characters by their number."""
+    return "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in text)
 
 
 def command():
