@@ -49,7 +49,7 @@ inline constexpr std::array kExamples = {
 <NewtonRaphsonSolver name="newton" maxNbIterationsNewton="50" maxNbIterationsLineSearch="3"
     relativeSuccessiveStoppingThreshold="0" relativeInitialStoppingThreshold="1e-6"
     absoluteResidualStoppingThreshold="1e-8"/>)xml"},
-    Example{"CGLinearSolver", R"xml(<CGLinearSolver iterations="200" tolerance="1e-9" threshold="1e-20"/>)xml"},
+    Example{"CGLinearSolver", R"xml(<CGLinearSolver iterations="200" tolerance="1e-9" threshold="0"/>)xml"},
     Example{"MultigridCGLinearSolver", R"xml(<MultigridCGLinearSolver preconditioner="auto" tolerance="0.001"/>)xml"},
     Example{"SparseLDLSolver", R"xml(<SparseLDLSolver template="CompressedRowSparseMatrixMat3x3d"/>)xml"},
     Example{"RegularGridTopology",

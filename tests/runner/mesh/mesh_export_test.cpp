@@ -44,8 +44,9 @@ class Calculix : public support::Command {
 
   /// Displacements [m] that ccx finds for a scene, num_nodes x 3; they have seven digits.
   PointArray displacements(const std::string& scene, int num_nodes) {
-    const Outcome written = shell("'" HEXAPLAST_SOURCE_DIR "/benchmarks/calculix/scene_deck.py' --hexaplast '" +
-                                  std::string(HEXAPLAST_COMMAND) + "' " + scene);
+    const Outcome written =
+        shell("PATH=/usr/bin:$PATH '" HEXAPLAST_SOURCE_DIR "/benchmarks/calculix/scene_deck.py' --hexaplast '" +
+              std::string(HEXAPLAST_COMMAND) + "' " + scene);
     EXPECT_EQ(written.code, 0) << written.err;
     write("deck.inp", written.out);
     const Outcome outcome = shell("OMP_NUM_THREADS=1 ccx -i deck");
