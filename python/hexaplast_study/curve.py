@@ -72,7 +72,7 @@ def read_target(file, compare):
     compare: the columns that are compared; empty: all but the first of time and force. Raises FileError, and SceneError with
     file and line."""
     if pathlib.Path(file).exists() and not pathlib.Path(file).is_file():
-        raise FileError(f"{file}: error: cannot be read: is not a regular file")
+        raise FileError(f"{file}: error: cannot be read: is not a file")
     try:
         lines = pathlib.Path(file).read_text("utf-8-sig", errors="replace").split("\n")
     except OSError as error:

@@ -369,7 +369,7 @@ def csv_text(rows):
 def read_plan(path):
     file = pathlib.Path(path, "sweep.json")
     if file.exists() and not file.is_file():
-        raise file_error(f"{file}: is not a regular file")
+        raise file_error(f"{file}: is not a file")
     try:
         plan = json.loads(file.read_text())
     except OSError as error:

@@ -131,7 +131,8 @@ TEST_F(Command, RejectedScenesEndWith3) {
   const Outcome outcome = hexaplast("run bad.scn");
   EXPECT_EQ(outcome.code, 3);
   EXPECT_EQ(outcome.err,
-            "bad.scn:2: error: Nonsense: unknown component\n"
+            "bad.scn:2: error: Nonsense: unknown component\n  hint: a scene with other components of SOFA runs in SOFA, "
+            "with the plugin Hexaplast\n"
             "bad.scn:3: error: RunSettings.stepz: unknown attribute\n  hint: did you mean 'steps'?\n");
 
   write(
@@ -198,7 +199,7 @@ TEST_F(Command, PluginsThatCannotBeUsedEndWith6) {
       {"just some text, longer than any header could be: " + std::string(200, '.'), "it is not a shared library"},
       {renamed("hexaplast_plugin_abi_tag"), "it carries no hexaplast_plugin_abi_tag of this program"},
       {renamed("hexaplast_register_components"), "it has no function hexaplast_register_components"},
-      {other_number, "it was built for another component interface: 99, must be 9"},
+      {other_number, "it was built for another component interface: 99, must be 10"},
   };
   write("other.scn", "<Node>\n<RequiredPlugin pluginName='Sofa.Component.Mass Other'/></Node>");
   for (const auto& [file, reason] : cases) {
