@@ -120,7 +120,6 @@ TEST_F(CommandPage, CompletesValues) {
   EXPECT_EQ(completed("ru"), (std::set<std::string>{"run"}));
   EXPECT_EQ(completed("run --qu"), (std::set<std::string>{"--quiet"}));
   EXPECT_EQ(completed("mesh offset --direction ''"), (std::set<std::string>{"inward", "outward", "both"}));
-  EXPECT_EQ(completed("mesh export bar.scn --format v"), (std::set<std::string>{"vtu"}));
   EXPECT_EQ(completed("run b"), (std::set<std::string>{"bar.scn"}));
   EXPECT_EQ(completed("run bar.scn --final b"), (std::set<std::string>{"bar.scn"}));
   EXPECT_EQ(completed("run bar.scn --steps ''"), (std::set<std::string>{}));
