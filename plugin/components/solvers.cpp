@@ -187,7 +187,7 @@ class StaticSolver final : public SystemSolver {
       return newton_->solve(system(), linear_solver(), time, x);
     });
     system().project_motion(time);
-    const bool is_first = time < 1.5 * dt;
+    const bool is_first = time < 0.5 * dt;
     if (is_first) warn_of_small_forces(found);
     return heeded(report_of(found));
   }

@@ -63,6 +63,9 @@ class Instrument {
   /// Remarks where it is within the body at the beginning, if it is active. x: num_nodes x 3 [m].
   void look_at_start(const Pose& pose, ConstPoints x);
 
+  /// It goes on in the place of another one: where it is when it is first active is nothing to remark.
+  void go_on() { has_looked_ = true; }
+
   /// What it remarked on the way here.
   std::vector<Remark> take_warnings() { return std::exchange(warnings_, {}); }
 

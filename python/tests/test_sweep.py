@@ -317,7 +317,7 @@ def test_a_run_writes_a_data_set_only_if_it_is_complete(flowing):
     assert (flowing / "found.h5").read_bytes() == whole
     assert sorted(os.listdir(flowing)) == ["bar.scn", "found.h5"]
     full = sweep(flowing, "run", "bar.scn", "--quiet", "--data", "/dev/full", "--fields", "velocity", code=5)
-    assert "/dev/full: is not a file" in full.stderr
+    assert "/dev/full: is not a regular file" in full.stderr
 
 
 def test_without_python_or_its_packages_an_error_names_them(flowing):

@@ -228,7 +228,8 @@ const Ordeal kOrdeals[] = {
 
 class Recovers : public testing::TestWithParam<Ordeal> {};
 
-// The kinds of deformations in turn. Unfolded in 8 s, even where something is in the way; in shape when it is gone.
+// The kinds of deformations in turn. Unfolded in 8 s, neo-Hooke's solids in 16 s, even where something is in the way;
+// in shape when it is gone.
 TEST_P(Recovers, FromAThrow) {
   const Ordeal& ordeal = GetParam();
   const int num_bars = num_seeds(static_cast<int>(std::size(kDeformations)));
@@ -254,7 +255,7 @@ TEST_P(Recovers, FromAThrow) {
       };
       EXPECT_TRUE(springs_act()) << name << ", seed " << seed;
 
-      bar.run(400);
+      bar.run(settings.law == ElasticLaw::kCorotated ? 400 : 800);
       EXPECT_TRUE(bar.x.allFinite() && bar.v.allFinite()) << name << ", seed " << seed;
       num_unfolded += !springs_act();
       in_the_way = false;

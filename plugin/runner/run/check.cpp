@@ -253,6 +253,7 @@ void check(const CheckOptions& options) {
     print(found, options.scene.file.stem().string());
   }
   flush_standard_output();
+  log_warnings(scene);  // of the step that was tried
   for (const std::string& sentence : found.warnings)
     spdlog::warn("{}", scene::format({scene::Severity::kWarning, {file, 0}, sentence}));
 }

@@ -52,6 +52,7 @@ Pose InstrumentContactForceField<TDataTypes>::poseAfter(SReal duration) const
 template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::makePart()
 {
+    const bool goesOn = m_instrument.has_value();
     m_instrument.reset();
     m_bodyField = nullptr;
     BodyField& field = body_field_of(*this->mstate);
@@ -60,6 +61,7 @@ void InstrumentContactForceField<TDataTypes>::makePart()
     checkRigid();
     m_bodyMade = m_bodyField->timesMade();
     m_instrument.emplace(options(), *m_bodyField->body());
+    if (goesOn) m_instrument->go_on();
     pass_on(*this, m_instrument->take_warnings());
 }
 
