@@ -130,10 +130,11 @@ TEST_F(Command, RejectedScenesEndWith3) {
   write("bad.scn", "<Node>\n<Nonsense/>\n<RunSettings stepz='3'/>\n</Node>");
   const Outcome outcome = hexaplast("run bad.scn");
   EXPECT_EQ(outcome.code, 3);
-  EXPECT_EQ(outcome.err,
-            "bad.scn:2: error: Nonsense: unknown component\n  hint: a scene with other components of SOFA runs in SOFA, "
-            "with the plugin Hexaplast\n"
-            "bad.scn:3: error: RunSettings.stepz: unknown attribute\n  hint: did you mean 'steps'?\n");
+  EXPECT_EQ(
+      outcome.err,
+      "bad.scn:2: error: Nonsense: unknown component\n  hint: a scene with other components of SOFA runs in SOFA, "
+      "with the plugin Hexaplast\n"
+      "bad.scn:3: error: RunSettings.stepz: unknown attribute\n  hint: did you mean 'steps'?\n");
 
   write(
       "two.scn",
