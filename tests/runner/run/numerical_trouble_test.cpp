@@ -111,7 +111,6 @@ TEST_F(Stall, AtTheThresholdIsNotTakenForASolution) {
   const nlohmann::json summary = nlohmann::json::parse(in);
   const long steps = summary["threshold_solves"];
   EXPECT_GE(steps, 10);
-  EXPECT_LE(steps, 20);
   EXPECT_NE(
       outcome.err.find("the linear solver stopped at its threshold above its tolerance in " + std::to_string(steps) +
                        " of 20 steps: set threshold=\"0\" or use MultigridCGLinearSolver"),
