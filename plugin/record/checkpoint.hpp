@@ -19,8 +19,14 @@ struct CheckpointSection {
   std::function<void(Archive&)> serialize;
 };
 
-/// Writes checkpoint_<step>.hxc into the directory of a run, whole, and removes all but the newest two there.
-/// docs/checkpoints.md has the format. Throws OutputError; what was there before is then still there.
+/// Writes checkpoint_<step>.hxc into the directory of a run, whole, and removes all but the newest two there. Throws
+/// OutputError; what was there before is then still there. The format, little-endian, in bytes:
+///
+///   8  HXPCKPT and a zero          8  name of a section, padded with zeros
+///   4  format version              8  size n of its contents
+///   4  number of sections          n  contents: each list begins with its length (8 bytes)
+///   8  XXH64 of the scene          8  XXH64 of name, size and contents
+///   8  XXH64 of the bytes before   and so on for each section
 void write_checkpoint(const std::filesystem::path& directory, long step, std::uint64_t scene_hash,
                       std::span<const CheckpointSection> sections);
 

@@ -16,9 +16,19 @@ namespace hexaplast::output {
 
 inline constexpr std::string_view kViewerName = "viewer.json";
 
-/// Collects states of a run for the viewer in its report (docs/output.md describes the file): positions in 16 bits
-/// within the box of all that is shown, values at nodes in 8 bits between the smallest and the largest, and what holds
-/// and loads the bodies. They are kept in single precision until the run is over, since the ranges are known only then.
+/// Collects states of a run for the viewer in its report. They are kept in single precision until the run is over,
+/// since the ranges are known only then. The file is a JSON object:
+///
+///  - states: step, time, loads (node, force), instruments (`tools`), `springs` (their two ends each, from entry
+///    `first` of the array of that name on, within `springBox`; which are `slack`), hexahedra that are `gone` since
+///    the state before, and `fixed` nodes where they change
+///  - data: base64 of a zlib stream with the `arrays` one after the other. Each has `count` unsigned integers of
+///    `bits` bits: first the lowest bytes of all entries, then the next ones. An entry is the difference d to the
+///    entry `stride` before it (to 0 at first), as 2 d if d is not negative, otherwise as -2 d - 1; sums are modulo
+///    2^bits
+///
+/// `hexahedra` has eight nodes each, `positions` three numbers per node and state, 0 to 65535 from end to end of `box`
+/// [m], and `values_...` one, 0 to 254 from `least` to `most` of the field, 255 for no value.
 class ViewerStates {
  public:
   static constexpr int kMaxStates = 60, kFewestStates = 6;

@@ -67,7 +67,7 @@ TEST_F(CheckpointFile, IsReadAsItWasWritten) {
   EXPECT_THROW(checkpoint.section("run"), InputError);
 }
 
-// docs/checkpoints.md, byte by byte
+// record/checkpoint.hpp has the format, byte by byte
 TEST_F(CheckpointFile, HasTheDocumentedLayout) {
   write_checkpoint(1);
   const std::string bytes = content("checkpoint_000000001.hxc");
