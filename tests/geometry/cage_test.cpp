@@ -109,12 +109,7 @@ TEST(Cage, IsOneConformingMeshAroundTheSurface) {
   const Surface surface = sphere(Vec3(1, 2, 3), 0.2, 40);
   const Cage cage = cage_of(surface, cubes_around(surface.x, 7));
   const PointArray& x = cage.mesh.positions();
-  double enclosed = 0;
-  for (const Quad& face : cage.mesh.boundary_faces()) {
-    const Vec3 a = x.row(face[0]).transpose(), b = x.row(face[1]).transpose(), c = x.row(face[2]).transpose(),
-               d = x.row(face[3]).transpose();
-    enclosed += (a.dot(b.cross(c)) + a.dot(c.cross(d))) / 6;
-  }
+  const double enclosed = support::enclosed_volume(x, cage.mesh.boundary_faces());
   EXPECT_NEAR(enclosed, volume_of(cage.mesh), 1e-12);
   EXPECT_GT(enclosed, 4 * std::numbers::pi / 3 * 0.008);
   EXPECT_EQ(Embedding(x, cage.mesh.hexahedra(), surface.x).num_outside(), 0);

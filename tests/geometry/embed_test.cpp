@@ -36,32 +36,6 @@ TEST(Embedding, GivesBackThePointsInGeneralHexahedra) {
   EXPECT_LE(max_abs(found - points), 1e-14);
 }
 
-// Trilinear, not affine: the image of a reference point of a warped hexahedron is found again at the same reference
-// point after any other deformation.
-TEST(Embedding, CoordinatesAreTheExactTrilinearOnes) {
-  const ElementPoints corners = support::distorted_hexahedron(1, 0.2, 47),
-                      moved = support::distorted_hexahedron(2, 0.3, 48);
-  const auto image = [](const ElementPoints& x, const Vec3& s) {
-    Vec3 p = Vec3::Zero();
-    for (int a = 0; a < kCorners; ++a) {
-      double N = 1;
-      for (int d = 0; d < 3; ++d) N *= (1 + kCornerSign[a][d] * s[d]) / 2;
-      p += N * x.row(a).transpose();
-    }
-    return p;
-  };
-  const HexMesh mesh = support::single_element(corners);
-  support::Random random(49);
-  PointArray points(100, 3), expected(100, 3), found(100, 3);
-  for (int n = 0; n < 100; ++n) {
-    const Vec3 s = random.vector(n < 50 ? 1 : 0.999);
-    points.row(n) = image(corners, s).transpose();
-    expected.row(n) = image(moved, s).transpose();
-  }
-  Embedding(mesh.positions(), mesh.hexahedra(), points).apply(PointArray(moved), found);
-  EXPECT_LE(max_abs(found - expected), 1e-12);
-}
-
 // The same in hexahedra that are just not inside out: corners moved by up to a third of an edge.
 TEST(Embedding, FindsPlacesInTheWorstSoundHexahedra) {
   support::Random random(61);
@@ -193,12 +167,7 @@ TEST(Embedding, TransposedKeepsForceAndMoment) {
   embedding.apply(dx, dp);
   EXPECT_NEAR(nodal.cwiseProduct(dx).sum(), f.cwiseProduct(dp).sum(), 1e-12);
 
-  const auto moment = [](const PointArray& at, const PointArray& force) {
-    Vec3 sum = Vec3::Zero();
-    for (int n = 0; n < at.rows(); ++n) sum += Vec3(at.row(n).transpose()).cross(Vec3(force.row(n).transpose()));
-    return sum;
-  };
-  EXPECT_LE(max_abs(moment(x, nodal) - moment(p, f)), 1e-11);
+  EXPECT_LE(max_abs(support::moment(x, nodal) - support::moment(p, f)), 1e-11);
 }
 
 // J^T B J by blocks against the product J^T (B (J dx)).

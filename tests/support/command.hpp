@@ -8,8 +8,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <string>
+
+#include "support/files.hpp"
 
 namespace hexaplast::support {
 
@@ -18,13 +19,6 @@ struct Outcome {
   int code;  ///< exit code; minus the signal that ended it
   std::string out, err;
 };
-
-inline std::string content(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
 
 /// Runs the command as its users do, in a directory of its own.
 class Command : public testing::Test {

@@ -36,6 +36,13 @@ testing::AssertionResult agrees(const Actual& actual, const Expected& expected, 
   return testing::AssertionFailure() << "relative error " << error << " above " << tolerance;
 }
 
+/// Of forces at points, about the origin.
+inline Vec3 moment(ConstPoints x, ConstPoints f) {
+  Vec3 sum = Vec3::Zero();
+  for (Eigen::Index n = 0; n < x.rows(); ++n) sum += Vec3(x.row(n)).cross(Vec3(f.row(n)));
+  return sum;
+}
+
 /// (f(+step) - f(-step)) / 2 step.
 inline double central_difference(const std::function<double(double)>& f, double step) {
   return (f(step) - f(-step)) / (2 * step);

@@ -7,10 +7,10 @@
 #include <charconv>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <string>
 
 #include "record/recorder.hpp"
+#include "support/files.hpp"
 #include "support/shapes.hpp"
 
 namespace hexaplast::support {
@@ -33,13 +33,6 @@ class Scratch {
  private:
   std::filesystem::path path_;
 };
-
-inline std::string content(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
 
 inline void put(const std::filesystem::path& file, const std::string& text) {
   std::ofstream(file, std::ios::binary) << text;

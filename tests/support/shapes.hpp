@@ -50,16 +50,33 @@ Rows mapped(const Rows& x, const Mat3& A, const Vec3& b = Vec3::Zero()) {
   return (x * A.transpose()).rowwise() + b.transpose();
 }
 
-/// Two copies of a mesh in one, the second `gap` [m] beside the first.
-inline HexMesh two_copies(const HexMesh& one, double gap) {
-  PointArray positions(2 * one.num_nodes(), 3);
-  positions << one.positions(), mapped(one.positions(), Mat3::Identity(), Vec3(gap, 0, 0));
-  std::vector<Hexahedron> hexahedra = one.hexahedra();
-  for (Hexahedron corners : one.hexahedra()) {
-    for (int& n : corners) n += one.num_nodes();
+/// Two meshes in one, the nodes and hexahedra of the second one behind.
+inline HexMesh joined(const HexMesh& a, const HexMesh& b) {
+  PointArray positions(a.num_nodes() + b.num_nodes(), 3);
+  positions << a.positions(), b.positions();
+  std::vector<Hexahedron> hexahedra = a.hexahedra();
+  for (Hexahedron corners : b.hexahedra()) {
+    for (int& n : corners) n += a.num_nodes();
     hexahedra.push_back(corners);
   }
   return HexMesh(positions, hexahedra);
+}
+
+inline HexMesh shifted(const HexMesh& mesh, const Vec3& by) {
+  return HexMesh(mapped(mesh.positions(), Mat3::Identity(), by), mesh.hexahedra());
+}
+
+/// Two copies of a mesh in one, the second `gap` [m] beside the first.
+inline HexMesh two_copies(const HexMesh& one, double gap) { return joined(one, shifted(one, Vec3(gap, 0, 0))); }
+
+/// Volume inside a closed surface whose faces look outwards, quads as two triangles each.
+template <class Face>
+double enclosed_volume(const PointArray& x, const std::vector<Face>& faces) {
+  double sum = 0;
+  for (const Face& face : faces)
+    for (std::size_t k = 2; k < face.size(); ++k)
+      sum += Vec3(x.row(face[0])).dot(Vec3(x.row(face[k - 1])).cross(Vec3(x.row(face[k]))));
+  return sum / 6;
 }
 
 /// Greatest distance of two shapes along an axis after the best rigid motion: averaging fixes the mean, and the turn
