@@ -106,6 +106,20 @@ Body flown(std::array<int, 3> cells, double distortion, YieldNorm norm, double s
 /// What a step adds to a history has these errors: of lengths in units of the edge, and of angles and strains.
 double rounding_of_flow(Precision precision) { return precision == Precision::kDouble ? 1e-14 : 5e-8; }
 
+void expect_the_same_flow(const History& found, const History& expected, const Model& model, double rounding) {
+  for (int e = 0; e < model.mesh.num_elements(); ++e) {
+    const ElementHistory one = found.element(e), plainly = expected.element(e);
+    const Lame& lame = model.lame[e];
+    EXPECT_LE(support::max_abs(one.rest_shape - plainly.rest_shape), rounding * kEdge);
+    for (int i = 0; i < kCorners; ++i) {
+      EXPECT_LE(support::max_abs(one.plastic_stretch[i] - plainly.plastic_stretch[i]), rounding);
+      EXPECT_NEAR(one.yield_stress[i], plainly.yield_stress[i], 0.1 * rounding * (3 * lame.lambda + 2 * lame.mu));
+      EXPECT_NEAR(one.rotation_yield[i], plainly.rotation_yield[i], 10 * rounding);
+      EXPECT_NEAR(one.plastic_strain[i], plainly.plastic_strain[i], rounding);
+    }
+  }
+}
+
 void expect_the_flow_of_the_elements(YieldNorm norm, double size, Precision precision) {
   const Body body = flown({3, 2, 3}, 0.15, norm, size, precision);
   const Model& model = body.state().model;
@@ -114,17 +128,7 @@ void expect_the_flow_of_the_elements(YieldNorm norm, double size, Precision prec
   const PointArray x = body.mesh().positions() + random.field(body.mesh().num_nodes(), size * kEdge);
   PreconditionedConjugateGradients solver(1e-6, 10000);
   ASSERT_EQ(plain::flow(model, x, 0.01, solver, expected).yielded, body.mesh().num_elements());
-  const double rounding = rounding_of_flow(precision);
-  const Lame& lame = model.lame[0];
-  for (int e = 0; e < body.mesh().num_elements(); ++e) {
-    const ElementHistory found = body.state().history.element(e), plainly = expected.element(e);
-    EXPECT_LE(support::max_abs(found.rest_shape - plainly.rest_shape), rounding * kEdge);
-    for (int i = 0; i < kCorners; ++i) {
-      EXPECT_NEAR(found.yield_stress[i], plainly.yield_stress[i], 0.1 * rounding * (3 * lame.lambda + 2 * lame.mu));
-      EXPECT_NEAR(found.rotation_yield[i], plainly.rotation_yield[i], 10 * rounding);
-      EXPECT_NEAR(found.plastic_strain[i], plainly.plastic_strain[i], rounding);
-    }
-  }
+  expect_the_same_flow(body.state().history, expected, model, rounding_of_flow(precision));
 }
 
 TEST_P(OnEverySet, FlowIsThatOfTheElements) {
@@ -158,14 +162,7 @@ bool flows_in_lanes(double stretch, Precision precision) {
   History expected = history;
   PreconditionedConjugateGradients solver(1e-6, 10000);
   EXPECT_EQ(plain::flow(model, x, 0.01, solver, expected).yielded, mesh.num_elements());
-  for (int e = 0; e < mesh.num_elements(); ++e) {
-    const ElementHistory found = trial.element(e), plainly = expected.element(e);
-    EXPECT_LE(support::max_abs(found.rest_shape - plainly.rest_shape), rounding * kEdge);
-    for (int i = 0; i < kCorners; ++i) {
-      EXPECT_LE(support::max_abs(found.plastic_stretch[i] - plainly.plastic_stretch[i]), rounding);
-      EXPECT_NEAR(found.plastic_strain[i], plainly.plastic_strain[i], rounding);
-    }
-  }
+  expect_the_same_flow(trial, expected, model, rounding);
   return true;
 }
 

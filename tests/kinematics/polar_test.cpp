@@ -36,11 +36,6 @@ void expect_polar_of(const Mat3& F) {
   EXPECT_GE(svd.d[1], std::abs(svd.d[2]));
 }
 
-Mat3 with_singular_values(Random& random, const Vec3& d) {
-  const Mat3 U = random.rotation(), V = random.rotation();
-  return U * d.asDiagonal() * V.transpose();
-}
-
 TEST(Polar, MatchesGoldenCases) {
   for (const auto& c : support::golden("polar")) {
     const Mat3 F = support::matrix(c["F"]);
@@ -57,43 +52,6 @@ TEST(Polar, MatchesGoldenCases) {
     EXPECT_NEAR(w.norm(), c["phi"], 1e-9) << F;
     EXPECT_LE((w - support::vector(c["rotvec"])).cwiseAbs().maxCoeff(), 1e-8) << F;
     EXPECT_LE((rotation_power(p.R, 0.3) - support::matrix(c["R_pow_0_3"])).cwiseAbs().maxCoeff(), 1e-8) << F;
-  }
-}
-
-TEST(Polar, HoldsForRandomReflectedAndDeficientGradients) {
-  Random random(11);
-  for (int k = 0; k < 20000; ++k) {
-    const double a = random.uniform(0.2, 2), b = random.uniform(-1, 1);
-    expect_polar_of(random.matrix(1));
-    expect_polar_of(with_singular_values(random, {a, a, a}));
-    expect_polar_of(with_singular_values(random, {a, a, -a}));
-    expect_polar_of(with_singular_values(random, {2, a, -a}));
-    expect_polar_of(with_singular_values(random, {a, b, 0}));
-    expect_polar_of(with_singular_values(random, {a, 0, 0}));
-    expect_polar_of(with_singular_values(random, {a, 1e-9 * b, 1e-13}));
-    if (HasFailure()) return;
-  }
-  expect_polar_of(Mat3::Zero());
-}
-
-TEST(Polar, HoldsAtExtremeScales) {
-  Random random(12);
-  for (int k = 0; k < 2000; ++k) {
-    const Mat3 F = random.matrix(1);
-    for (const double scale : {1e-150, 1e-80, 1e80, 1e150}) expect_polar_of(scale * F);
-    if (HasFailure()) return;
-  }
-}
-
-// Higham's iteration X <- (X + X^-T) / 2 shares nothing with a singular value decomposition.
-TEST(Polar, EqualsHighamsIterationForRightHandedGradients) {
-  Random random(13);
-  for (int k = 0; k < 20000; ++k) {
-    const Mat3 F = random.matrix(1);
-    if (F.determinant() < 1e-3) continue;  // the iteration loses digits towards rank 2
-    Mat3 X = F;
-    for (int i = 0; i < 40; ++i) X = 0.5 * (X + X.inverse().transpose().eval());
-    ASSERT_LE((polar(F).R - X).cwiseAbs().maxCoeff(), 1e-10) << F;
   }
 }
 
@@ -120,6 +78,10 @@ TEST(Polar, HoldsForAMillionGradientsAndIsEigensWhereItIsUnique) {
     ASSERT_LE((R.transpose() * R - Mat3::Identity()).cwiseAbs().maxCoeff(), 1e-12) << F;
     ASSERT_GT(R.determinant(), 0) << F;
     ASSERT_LE((svd.U * svd.d.asDiagonal() * svd.V.transpose() - F).cwiseAbs().maxCoeff(), 4e-12 * scale) << F;
+    const Polar p = polar(F);
+    ASSERT_EQ(p.R, R) << F;
+    ASSERT_LE((p.R * p.S - F).cwiseAbs().maxCoeff(), 4e-12 * scale) << F;
+    ASSERT_LE((p.S - p.S.transpose()).cwiseAbs().maxCoeff(), 4e-12 * scale) << F;
 
     // unique where the two smallest stretches are not opposite
     if (svd.d[1] + svd.d[2] < 1e-3 * scale) continue;
@@ -145,19 +107,6 @@ TEST(RotationLog, GoesThereAndBack) {
   }
 }
 
-TEST(RotationLog, KeepsTheRotationNearHalfATurn) {
-  Random random(15);
-  for (int k = 0; k < 2000; ++k) {
-    const Vec3 axis = random.direction();
-    for (const double gap : {0.0, 1e-15, 1e-12, 1e-9, 1e-7, 1e-5}) {
-      const Mat3 R = rotation_exp((kPi - gap) * axis);
-      const Vec3 w = rotation_log(R);
-      ASSERT_LE(w.norm(), kPi + 1e-15);
-      ASSERT_LE((rotation_exp(w) - R).cwiseAbs().maxCoeff(), 1e-8) << "gap " << gap;
-    }
-  }
-}
-
 TEST(RotationPower, MakesOneRotationOfTwoPartsUpToHalfATurn) {
   Random random(18);
   for (int k = 0; k < 2000; ++k) {
@@ -168,6 +117,7 @@ TEST(RotationPower, MakesOneRotationOfTwoPartsUpToHalfATurn) {
       const double tolerance = gap > 1e-6 ? 1e-12 : 1e-8;
       ASSERT_LE((rotation_power(R, fraction) * rotation_power(R, 1 - fraction) - R).cwiseAbs().maxCoeff(), tolerance);
       ASSERT_LE((rotation_exp(rotation_log(R)) - R).cwiseAbs().maxCoeff(), tolerance) << "gap " << gap;
+      ASSERT_LE(rotation_log(R).norm(), kPi + 1e-15);
     }
   }
 }

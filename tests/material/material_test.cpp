@@ -50,12 +50,6 @@ TEST(Material, RefusesValuesOutsideTheirRangesAndNamesTheElement) {
   EXPECT_NO_THROW(validate(std::vector<Material>(3)));
 }
 
-TEST(Material, MessagesStateTheValue) {
-  Material m;
-  m.poisson_ratio = 0.625;
-  EXPECT_TRUE(refuses<InputError>([&] { validate({m}); }, {"poisson_ratio", "0.625", "[0, 0.5)"}));
-}
-
 // Of one material, and of a body of which no element can be carried past its limit. Where some can, it is theirs.
 TEST(Material, RefusesAFractureStressBelowTheYieldStress) {
   Material m;
@@ -82,19 +76,6 @@ TEST(Material, IsOneOrOnePerElement) {
   EXPECT_NO_THROW(Body(support::block({2, 2, 2}, 0.1), std::vector<Material>(8)));
 }
 
-TEST(Settings, RefuseValuesOutsideTheirRanges) {
-  for (const double bad : {-1.0, kNan, kInf}) {
-    Settings settings;
-    settings.volume_restitution = bad;
-    EXPECT_TRUE(refuses<InputError>([&] { validate(settings); }, {"volume_restitution"}));
-  }
-  for (const double bad : {-0.1, 1.0, kNan}) {
-    Settings settings;
-    settings.inversion_threshold = bad;
-    EXPECT_TRUE(refuses<InputError>([&] { validate(settings); }, {"inversion_threshold"}));
-  }
-}
-
 TEST(Settings, RefuseWhatIsNoEnumeratorAndNumbersOfStepsOutOfRange) {
   Settings settings;
   settings.precision = static_cast<Precision>(2);
@@ -104,6 +85,8 @@ TEST(Settings, RefuseWhatIsNoEnumeratorAndNumbersOfStepsOutOfRange) {
     EXPECT_TRUE(refuses<InputError>([&] { validate(settings, Names::kScenes); },
                                     {fmt::format("averagingSteps = {}: must lie in [1, 1000]", bad)}));
   }
+  settings = {.volume_restitution = kInf};
+  EXPECT_TRUE(refuses<InputError>([&] { validate(settings); }, {"volume_restitution"}));
 }
 
 TEST(CheckTimeStep, RefusesWhatIsUnstableAndAdvisesAgainstWhatIsInaccurate) {

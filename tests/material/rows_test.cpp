@@ -57,7 +57,11 @@ void expect_validation(std::span<const Row<Options>> rows, const Validate& valid
     } else {
       for (const double bound : {row.range.min, row.range.max})
         if (std::isfinite(bound)) wrong.push_back(bound == row.range.min ? bound - 1 : bound + 1);
-      if (row.at.type == MemberType::kReal) wrong.push_back(std::numeric_limits<double>::quiet_NaN());
+      if (row.at.type == MemberType::kReal) {
+        wrong.push_back(std::numeric_limits<double>::quiet_NaN());
+        if (row.range.exclusive_min) wrong.push_back(row.range.min);
+        if (row.range.exclusive_max) wrong.push_back(row.range.max);
+      }
     }
     for (const double value : wrong) {
       Options options;

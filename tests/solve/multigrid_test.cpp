@@ -10,6 +10,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/grid.hpp"
+#include "hexaplast/geometry/shapes.hpp"
 #include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
@@ -21,24 +22,9 @@
 namespace hexaplast {
 namespace {
 
-/// A tube of `around` hexahedra by `layers` by `along`, closed around.
-HexMesh tube(int around, int layers, int along) {
-  PointArray X((layers + 1) * around * (along + 1), 3);
-  const auto node = [&](int i, int j, int k) { return (k * (layers + 1) + j) * around + i % around; };
-  for (int k = 0; k <= along; ++k)
-    for (int j = 0; j <= layers; ++j)
-      for (int i = 0; i < around; ++i) {
-        const double angle = 2 * std::numbers::pi * i / around, radius = 0.1 + 0.01 * j;
-        X.row(node(i, j, k)) << radius * std::cos(angle), radius * std::sin(angle), 0.02 * k;
-      }
-  std::vector<Hexahedron> hexahedra;
-  for (int k = 0; k < along; ++k)
-    for (int j = 0; j < layers; ++j)
-      for (int i = 0; i < around; ++i)
-        hexahedra.push_back({node(i, j, k), node(i, j + 1, k), node(i + 1, j + 1, k), node(i + 1, j, k),
-                             node(i, j, k + 1), node(i, j + 1, k + 1), node(i + 1, j + 1, k + 1),
-                             node(i + 1, j, k + 1)});
-  return HexMesh(X, hexahedra);
+/// A straight tube of `around` hexahedra by `layers` by `along`.
+HexMesh straight_tube(int around, int layers, int along) {
+  return tube({layers, around, along}, 0.1, 0.1 + 0.01 * layers, arc(0.02 * along, 0, along + 1));
 }
 
 /// A cylinder of five blocks: a square in the middle, `across` hexahedra wide, and four as wide around it. Around four
@@ -79,16 +65,9 @@ HexMesh o_grid(int along, int across = 4) {
 
 /// The same mesh `count` times, far apart.
 HexMesh copies(const HexMesh& mesh, int count) {
-  PointArray X = mesh.positions().replicate(count, 1);
-  std::vector<Hexahedron> hexahedra;
-  for (int k = 0; k < count; ++k) {
-    X.middleRows(k * mesh.num_nodes(), mesh.num_nodes()).col(0).array() += k;
-    for (Hexahedron h : mesh.hexahedra()) {
-      for (int& node : h) node += k * mesh.num_nodes();
-      hexahedra.push_back(h);
-    }
-  }
-  return HexMesh(X, hexahedra);
+  HexMesh all = mesh;
+  for (int k = 1; k < count; ++k) all = support::joined(all, support::shifted(mesh, Vec3(k, 0, 0)));
+  return all;
 }
 
 /// A block without the cells of one corner region and some others: a voxel cage.
@@ -153,7 +132,7 @@ TEST(Coarsening, TakesCagesWithHolesAndElementsInAnyOrientation) {
 }
 
 TEST(Coarsening, ClosesTubes) {
-  const HexMesh mesh = tube(16, 2, 10);
+  const HexMesh mesh = straight_tube(16, 2, 10);
   const auto coarse = coarsen(mesh.num_nodes(), mesh.hexahedra());
   ASSERT_TRUE(coarse);
   EXPECT_EQ(coarse->cells.size(), 8u * 1 * 5);
@@ -191,7 +170,7 @@ TEST(Coarsening, LeavesMeshesWhoseCellsWouldNotMeetAcrossASeam) {
     const HexMesh mesh = o_grid(8, across);
     EXPECT_FALSE(coarsen(mesh.num_nodes(), mesh.hexahedra())) << across;
   }
-  const HexMesh slit = tube(17, 2, 10);
+  const HexMesh slit = straight_tube(17, 2, 10);
   EXPECT_FALSE(coarsen(slit.num_nodes(), slit.hexahedra()));
 }
 
@@ -224,7 +203,7 @@ TEST(Multigrid, NeedsFewIterationsWhereJacobiNeedsMany) {
     EXPECT_LT(factor * multigrid, jacobi) << multigrid << " and " << jacobi << " for " << mesh.num_elements();
   };
   gains(regular_grid({8, 8, 16}, Vec3::Zero(), Vec3(0.1, 0.1, 0.2)), 3);
-  gains(tube(24, 2, 20), 3);
+  gains(straight_tube(24, 2, 20), 3);
   gains(cage(), 1.5);  // holes in one cell of two
 }
 

@@ -4,8 +4,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <deque>
-
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/embed.hpp"
@@ -13,100 +11,22 @@
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "support/compare.hpp"
+#include "support/dense.hpp"
 #include "support/random.hpp"
+#include "support/slab.hpp"
 
 namespace hexaplast {
 namespace {
 
-constexpr double kDt = 0.01;
-const Vec3 kSize(0.16, 0.16, 0.04);
+using support::kSlabStep;
+using support::Slab;
+using support::slab_mesh;
 
-/// Blocks between nodes, which the kernels do not know.
-class Ties final : public NodalOperator {
- public:
-  void add_product(ConstPoints p, Points Fp) const override {
-    for (const auto& [a, b, block] : blocks) Fp.row(a) += p.row(b) * block.transpose();
-  }
-  void add(int a, int b, const Mat3& block) { blocks.push_back({a, b, block}); }
-
-  struct Block {
-    int a, b;
-    Mat3 block;
-  };
-  std::vector<Block> blocks;
-};
-
-/// diagonal + dt^2 (stiffness of the bodies) + ties, on the nodes of a slab that is held at x = 0.
-class Slab final : public LinearSystem {
- public:
-  explicit Slab(HexMesh of, double mass_fraction = 1)
-      : mesh(std::move(of)), diagonal(PointArray::Constant(mesh.num_nodes(), 3, mass_fraction * kNodalMass)) {
-    for (int n = 0; n < mesh.num_nodes(); ++n)
-      if (mesh.positions()(n, 0) < 1e-9) held.push_back(n);
-  }
-
-  /// Hexahedra [first, last) of the mesh.
-  void add_body(int first, int last, double young_modulus, Precision precision = Precision::kDouble) {
-    Settings settings = published_element();  // on which the bounds of iterations were measured
-    settings.precision = precision;
-    const std::vector<Hexahedron> some(mesh.hexahedra().begin() + first, mesh.hexahedra().begin() + last);
-    Body& body =
-        bodies.emplace_back(HexMesh(mesh.positions(), some),
-                            std::vector{Material{.young_modulus = young_modulus, .poisson_ratio = 0.45}}, settings);
-    body.linearize(mesh.positions());
-  }
-
-  int num_nodes() const override { return mesh.num_nodes(); }
-
-  void apply(ConstPoints p, Points Ap) const override {
-    Ap = diagonal.cwiseProduct(p);
-    for (const Body& body : bodies) body.add_stiffness_product(-kDt * kDt, p, Ap);
-    ties.add_product(p, Ap);
-    project(Ap);
-  }
-
-  void assemble(BlockMatrix& A) const override {
-    for (int n = 0; n < num_nodes(); ++n) A.add(n, n, Mat3(diagonal.row(n).asDiagonal()));
-    for (const Body& body : bodies) body.add_stiffness_blocks(-kDt * kDt, A);
-    for (const auto& [a, b, block] : ties.blocks) A.add(a, b, block);
-    for (const int n : held)
-      for (int axis = 0; axis < 3; ++axis) A.pin(n, axis);
-  }
-
-  bool describe(MatrixFreeSystem& system) const override {
-    system.diagonal = diagonal;
-    system.diagonal_version = 0;
-    system.couples_coordinates = slides;
-    system.free.setOnes(num_nodes(), 3);
-    for (const int n : held) system.free.row(n).setZero();
-    for (const Body& body : bodies) body.describe(-kDt * kDt, system);
-    if (!ties.blocks.empty()) system.others.push_back(&ties);
-    return true;
-  }
-
-  /// Held nodes stay; where they slide, those at the far end keep to planes.
-  void project(Points field) const override {
-    for (const int n : held) field.row(n).setZero();
-    if (!slides) return;
-    const Eigen::RowVector3d normal(0, 0.6, 0.8);
-    for (int n = 0; n < num_nodes(); ++n)
-      if (mesh.positions()(n, 0) > kSize[0] - 1e-9) field.row(n) -= field.row(n).dot(normal) * normal;
-  }
-
-  static constexpr double kNodalMass = 1e-3;  // [kg] 1000 kg/m^3 in cells of a centimetre
-
-  HexMesh mesh;
-  PointArray diagonal;
-  std::deque<Body> bodies;
-  Ties ties;
-  std::vector<int> held;
-  bool slides = false;
-};
-
-HexMesh slab_mesh() { return regular_grid({16, 16, 4}, Vec3::Zero(), kSize); }
+/// On which the bounds of iterations were measured.
+const Settings kMeasured = published_element();
 
 /// Of a node of the slab's matrix, roughly.
-double stiffness_of_node(double young_modulus) { return kDt * kDt * young_modulus * 0.01; }
+double stiffness_of_node(double young_modulus) { return kSlabStep * kSlabStep * young_modulus * 0.01; }
 
 struct Outcome {
   SolveReport report;
@@ -125,9 +45,7 @@ Outcome solve(const Slab& slab, LinearSolver& solver) {
 
   BlockMatrix A(slab.num_nodes());
   slab.assemble(A);
-  PointArray r = b;
-  for (int n = 0; n < slab.num_nodes(); ++n)
-    for (const auto& [column, block] : A.row(n)) r.row(n) -= outcome.x.row(column) * block.transpose();
+  PointArray r = b - support::times(A, outcome.x);
   slab.project(r);
   outcome.residual = r.norm() / b.norm();
   return outcome;
@@ -205,7 +123,7 @@ void PrintTo(const Beside& beside, std::ostream* out) { *out << beside.name; }
 
 Slab one_body(double young_modulus, Precision precision = Precision::kDouble) {
   Slab made(slab_mesh());
-  made.add_body(0, made.mesh.num_elements(), young_modulus, precision);
+  made.add_body(0, made.mesh.num_elements(), young_modulus, kMeasured, precision);
   return made;
 }
 
@@ -320,8 +238,8 @@ HexMesh two_halves() {
 TEST(SeveralBodies, HaveACycleEach) {
   for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
     Slab slab(two_halves());
-    slab.add_body(0, 512, 1e5, precision);
-    slab.add_body(512, 1024, 1e6, precision);
+    slab.add_body(0, 512, 1e5, kMeasured, precision);
+    slab.add_body(512, 1024, 1e6, kMeasured, precision);
     tie_springs(slab, 0.1 * stiffness_of_node(1e5));
     const int alone = solve(one_body(1e6, precision)).report.iterations;
     for (const Preconditioner preconditioner : {Preconditioner::kMultigrid, Preconditioner::kAuto}) {
@@ -339,8 +257,8 @@ TEST(SeveralBodies, HaveACycleEach) {
 TEST(SeveralBodies, MayShareNodes) {
   for (const auto& [first, end] : {std::pair{512, 1024}, std::pair{256, 768}, std::pair{1020, 1024}}) {
     Slab slab(slab_mesh());
-    slab.add_body(0, first == 256 ? 1024 : first, 1e6);
-    slab.add_body(first, end, 1e5);
+    slab.add_body(0, first == 256 ? 1024 : first, 1e6, kMeasured);
+    slab.add_body(first, end, 1e5, kMeasured);
     const auto [report, x, residual] = solve(slab);
     EXPECT_EQ(report.preconditioner, PreconditionedBy::kMultigrid);
     EXPECT_LE(residual, 1.001e-6);
@@ -374,8 +292,8 @@ TEST(OtherTerms, AndBodiesHaveTheSameBitsOnAnyNumberOfThreads) {
   const auto answer = [](int threads, bool has_two) {
     set_num_threads(threads);
     Slab slab(slab_mesh());
-    slab.add_body(0, has_two ? 512 : 1024, 1e5, Precision::kMixed);
-    if (has_two) slab.add_body(512, 1024, 1e5, Precision::kMixed);
+    slab.add_body(0, has_two ? 512 : 1024, 1e5, kMeasured, Precision::kMixed);
+    if (has_two) slab.add_body(512, 1024, 1e5, kMeasured, Precision::kMixed);
     tie_grips(slab, stiffness_of_node(1e5));
     const PointArray x = solve(slab).x;
     set_num_threads(1);

@@ -37,14 +37,6 @@ double relative_deflection(const HexMesh& mesh, std::span<const double> weights,
          (kForce * kLength * kLength * kLength / (3 * E * inertia) + kForce * kLength / (5.0 / 6 * G * area));
 }
 
-double relative_deflection(int thickness, double poisson_ratio, const Settings& settings) {
-  const HexMesh mesh = block({10 * thickness, thickness, thickness}, 0.1 / thickness);
-  std::vector<double> weights;
-  // a quarter cell's share for every cell that the node belongs to
-  for (const int n : nodes_at(mesh, 0, 1)) weights.push_back(mesh.incident(n).size() / (4.0 * thickness * thickness));
-  return relative_deflection(mesh, weights, poisson_ratio, settings);
-}
-
 BeamMesh beam_mesh(const std::string& name) {
   if (name == "cubes")
     return {regular_grid({20, 2, 2}, Vec3::Zero(), Vec3(1, 0.1, 0.1)),

@@ -16,9 +16,6 @@ namespace hexaplast::support {
 double relative_deflection(const HexMesh& mesh, std::span<const double> weights, double poisson_ratio,
                            const Settings& settings);
 
-/// The same of cubes, `thickness` of them across.
-double relative_deflection(int thickness, double poisson_ratio, const Settings& settings);
-
 /// The beam of cubes (20 x 2 x 2), or one of those of tests/data/calculix/locking_meshes.json.
 struct BeamMesh {
   HexMesh mesh;

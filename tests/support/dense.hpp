@@ -21,6 +21,14 @@ inline Eigen::MatrixXd dense(const BlockMatrix& A) {
   return full;
 }
 
+/// Of its blocks, without terms of rank one.
+inline PointArray times(const BlockMatrix& A, ConstPoints p) {
+  PointArray product = PointArray::Zero(p.rows(), 3);
+  for (int n = 0; n < A.num_nodes(); ++n)
+    for (const BlockMatrix::Entry& entry : A.row(n)) product.row(n) += p.row(entry.column) * entry.block.transpose();
+  return product;
+}
+
 /// Nodal field as one column, and back.
 inline Eigen::VectorXd stacked(ConstPoints field) {
   return Eigen::Map<const Eigen::VectorXd>(field.data(), field.size());

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "hexaplast/body.hpp"
+#include "hexaplast/geometry/grid.hpp"
+
+namespace hexaplast::support {
+
+inline constexpr double kSlabStep = 0.01;  ///< [s]
+inline const Vec3 kSlabSize(0.16, 0.16, 0.04);
+
+/// Blocks between nodes, which the kernels do not know.
+class Ties final : public NodalOperator {
+ public:
+  void add_product(ConstPoints p, Points Fp) const override {
+    for (const auto& [a, b, block] : blocks) Fp.row(a) += p.row(b) * block.transpose();
+  }
+  void add(int a, int b, const Mat3& block) { blocks.push_back({a, b, block}); }
+
+  struct Block {
+    int a, b;
+    Mat3 block;
+  };
+  std::vector<Block> blocks;
+};
+
+/// diagonal + dt^2 (stiffness of the bodies) + ties, on the nodes of a slab that is held at x = 0.
+class Slab final : public LinearSystem {
+ public:
+  explicit Slab(HexMesh of) : mesh(std::move(of)), diagonal(PointArray::Constant(mesh.num_nodes(), 3, kNodalMass)) {
+    for (int n = 0; n < mesh.num_nodes(); ++n)
+      if (mesh.positions()(n, 0) < 1e-9) held.push_back(n);
+  }
+
+  /// Hexahedra [first, last) of the mesh.
+  void add_body(int first, int last, double young_modulus, Settings settings,
+                Precision precision = Precision::kDouble) {
+    settings.precision = precision;
+    const std::vector<Hexahedron> some(mesh.hexahedra().begin() + first, mesh.hexahedra().begin() + last);
+    Body& body =
+        bodies.emplace_back(HexMesh(mesh.positions(), some),
+                            std::vector{Material{.young_modulus = young_modulus, .poisson_ratio = 0.45}}, settings);
+    body.linearize(mesh.positions());
+  }
+
+  int num_nodes() const override { return mesh.num_nodes(); }
+
+  void apply(ConstPoints p, Points Ap) const override {
+    Ap = diagonal.cwiseProduct(p);
+    for (const Body& body : bodies) body.add_stiffness_product(-kSlabStep * kSlabStep, p, Ap);
+    ties.add_product(p, Ap);
+    project(Ap);
+  }
+
+  void assemble(BlockMatrix& A) const override {
+    for (int n = 0; n < num_nodes(); ++n) A.add(n, n, Mat3(diagonal.row(n).asDiagonal()));
+    for (const Body& body : bodies) body.add_stiffness_blocks(-kSlabStep * kSlabStep, A);
+    for (const auto& [a, b, block] : ties.blocks) A.add(a, b, block);
+    for (const int n : held)
+      for (int axis = 0; axis < 3; ++axis) A.pin(n, axis);
+  }
+
+  bool describe(MatrixFreeSystem& system) const override {
+    system.diagonal = diagonal;
+    system.diagonal_version = 0;
+    system.couples_coordinates = slides;
+    system.free.setOnes(num_nodes(), 3);
+    for (const int n : held) system.free.row(n).setZero();
+    for (const Body& body : bodies) body.describe(-kSlabStep * kSlabStep, system);
+    if (!ties.blocks.empty()) system.others.push_back(&ties);
+    return true;
+  }
+
+  /// Held nodes stay; where they slide, those at the far end keep to planes.
+  void project(Points field) const override {
+    for (const int n : held) field.row(n).setZero();
+    if (!slides) return;
+    const Eigen::RowVector3d normal(0, 0.6, 0.8);
+    for (int n = 0; n < num_nodes(); ++n)
+      if (mesh.positions()(n, 0) > kSlabSize[0] - 1e-9) field.row(n) -= field.row(n).dot(normal) * normal;
+  }
+
+  static constexpr double kNodalMass = 1e-3;  // [kg] 1000 kg/m^3 in cells of a centimetre
+
+  HexMesh mesh;
+  PointArray diagonal;
+  std::deque<Body> bodies;
+  Ties ties;
+  std::vector<int> held;
+  bool slides = false;
+};
+
+inline HexMesh slab_mesh() { return regular_grid({16, 16, 4}, Vec3::Zero(), kSlabSize); }
+
+}  // namespace hexaplast::support
