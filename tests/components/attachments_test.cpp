@@ -150,18 +150,17 @@ TEST(AttachProjectiveConstraint, ByADirectSolverInOneWay) {
 
 TEST(AttachProjectiveConstraint, MistakesAreNamed) {
   const std::string at_start = "test.scn:1: error: AttachProjectiveConstraint";
-  EXPECT_EQ(errors_of(tied("indices1='0' indices2='2'")), at_start + ".indices2: 2 must lie in [0, 2)");
-  EXPECT_EQ(errors_of(tied("indices1='0 1' indices2='1'")),
-            at_start + ".indices2: 1 nodes given for 2 of indices1, must be as many");
-  EXPECT_EQ(errors_of(tied("indices1='0 1' indices2='1 1'")),
-            at_start + ".indices2: 1 is given twice, must be tied once");
+  for (const auto& [rest, message] : std::vector<std::pair<std::string, std::string>>{
+           {"indices1='0' indices2='2'", "indices2: 2 must lie in [0, 2)"},
+           {"indices1='0 1' indices2='1'", "indices2: 1 nodes given for 2 of indices1, must be as many"},
+           {"indices1='0 1' indices2='1 1'", "indices2: 1 is given twice, must be tied once"},
+           {"twoWay='true' indices1='0 0' indices2='0 1'", "indices1: 0 is given twice, must be tied once"},
+           {"twoWay='true' constraintFactor='.5' indices1='0' indices2='0'",
+            "constraintFactor: 0.5 must be 0 or 1 with twoWay"},
+           {"constraintFactor='1 1' indices1='0' indices2='0'",
+            "constraintFactor: 2 values given for 1 pairs, must be as many"}})
+    EXPECT_EQ(errors_of(tied(rest)), at_start + "." + message);
   EXPECT_EQ(errors_of(tied("indices1='0 0' indices2='0 1'")), "") << "two may follow one";
-  EXPECT_EQ(errors_of(tied("twoWay='true' indices1='0 0' indices2='0 1'")),
-            at_start + ".indices1: 0 is given twice, must be tied once");
-  EXPECT_EQ(errors_of(tied("twoWay='true' constraintFactor='.5' indices1='0' indices2='0'")),
-            at_start + ".constraintFactor: 0.5 must be 0 or 1 with twoWay");
-  EXPECT_EQ(errors_of(tied("constraintFactor='1 1' indices1='0' indices2='0'")),
-            at_start + ".constraintFactor: 2 values given for 1 pairs, must be as many");
   EXPECT_EQ(errors_of(tied("twoWay='true' indices1='0' indices2='0'", "<SparseLDLSolver name='direct'/>")),
             at_start +
                 ".twoWay: ties nodes in both ways: no matrix has that, but SparseLDLSolver 'direct' needs one: "

@@ -16,7 +16,7 @@ using support::in_root;
 using support::read_and_init;
 using support::rows;
 
-using Numbers = std::vector<std::int64_t>;
+std::string in_node(const std::string& components) { return "<Node>" + components + "</Node>"; }
 
 const std::string kTwoCells =
     "position='0 0 0  1 0 0  2 0 0  0 1 0  1 1 0  2 1 0  0 0 1  1 0 1  2 0 1  0 1 1  1 1 1  2 1 1' "
@@ -41,10 +41,10 @@ TEST(MeshTopology, HoldsWhatIsGivenAndTheFacesOfItsHexahedra) {
 }
 
 TEST(MeshTopology, RefusesNodesItDoesNotHaveAndBrokenGroups) {
-  EXPECT_EQ(errors_of("<Node><MeshTopology position='0 0 0  1 0 0' edges='0 2'/></Node>"),
-            "test.scn:1: error: MeshTopology.edges: 2 must lie in [0, 2)");
-  EXPECT_EQ(errors_of("<Node><MeshTopology position='0 0 0  1 0 0' quads='0 1 0'/></Node>"),
-            "test.scn:1: error: MeshTopology.quads: 3 numbers given, must be groups of 4");
+  support::expect_errors(
+      in_node, {{"<MeshTopology position='0 0 0  1 0 0' edges='0 2'/>", "MeshTopology.edges: 2 must lie in [0, 2)"},
+                {"<MeshTopology position='0 0 0  1 0 0' quads='0 1 0'/>",
+                 "MeshTopology.quads: 3 numbers given, must be groups of 4"}});
 }
 
 // A mesh may know its cells alone; the nodes are then those of the state.
@@ -76,10 +76,6 @@ TEST(Grid, NumbersItsNodesWithXFastest) {
   EXPECT_EQ(grid.hexahedra().size(), 6u);
   EXPECT_EQ(grid.hexahedra()[1], (Hexahedron{2, 3, 5, 4, 8, 9, 11, 10}));
   EXPECT_EQ(grid.integers("hexahedra").size(), 48u);
-  EXPECT_EQ(errors_of("<Node><RegularGridTopology n='2 2'/></Node>"),
-            "test.scn:1: error: RegularGridTopology.n: 2 numbers given, must be three");
-  EXPECT_EQ(errors_of("<Node><RegularGridTopology min='0 1 0'/></Node>"),
-            "test.scn:1: error: RegularGridTopology.max: must be greater than min in every direction");
 }
 
 TEST(Grid, TakesTheNumberOrTheWidthOfItsCells) {
@@ -90,10 +86,14 @@ TEST(Grid, TakesTheNumberOrTheWidthOfItsCells) {
   };
   EXPECT_EQ(grid("n='3 4 5' min='1 2 3' max='2 4 6'"), 24u);
   EXPECT_EQ(grid("cellWidth='0.7' min='1 2 3' max='2 4 6'"), 2u * 3u * 5u);
-  EXPECT_EQ(errors_of("<Node><RegularGridTopology n='2 2 1'/></Node>"),
-            "test.scn:1: error: RegularGridTopology.n: 1 must lie in [2, 2147483646]");
-  EXPECT_EQ(errors_of("<Node><RegularGridTopology cellWidth='1e-9'/></Node>"),
-            "test.scn:1: error: RegularGridTopology.n: 1e+27 cells, must be at most 16777216");
+  support::expect_errors(
+      in_node,
+      {{"<RegularGridTopology n='2 2 1'/>", "RegularGridTopology.n: 1 must lie in [2, 2147483646]"},
+       {"<RegularGridTopology n='2 2'/>", "RegularGridTopology.n: 2 numbers given, must be three"},
+       {"<RegularGridTopology n='2 2 2147483646'/>",
+        "RegularGridTopology.n: 2.147e+09 cells, must be at most 16777216"},
+       {"<RegularGridTopology cellWidth='1e-9'/>", "RegularGridTopology.n: 1e+27 cells, must be at most 16777216"},
+       {"<RegularGridTopology min='0 1 0'/>", "RegularGridTopology.max: must be greater than min in every direction"}});
 }
 
 // Hexahedra that would fill the machine are refused before they are made.
@@ -104,12 +104,6 @@ TEST(Grid, WhoseBodyIsTooLargeForTheMachineIsRefused) {
   const std::string refusal =
       errors_of("<Node><RegularGridTopology n='257 257 " + std::to_string(layers + 1) + "'/></Node>");
   EXPECT_EQ(refusal.find("test.scn:1: error: RegularGridTopology.n: a body of "), 0u) << refusal;
-}
-
-TEST(Grid, HasQuadsAndEdges) {
-  scene::Scene scene = read_and_init("<Node><RegularGridTopology name='grid' n='2 2 3'/></Node>");
-  EXPECT_EQ(at<scene::Topology>(scene, "grid").integers("quads").size(), 4u * 11u);
-  EXPECT_EQ(at<scene::Topology>(scene, "grid").integers("edges").size(), 2u * 20u);
 }
 
 TEST(State, IsScaledThenTurnedThenMoved) {
@@ -129,11 +123,6 @@ TEST(State, FieldsHaveOneRowPerNode) {
             "test.scn:1: error: MechanicalObject.velocity: 1 vectors given for 2 nodes");
   EXPECT_EQ(errors_of(in_root("", "<MechanicalObject/><UniformMass totalMass='1'/>")),
             "test.scn:1: error: MechanicalObject: has no nodes: needs position or a topology");
-}
-
-TEST(State, WithoutASolverNothingWouldMoveIt) {
-  EXPECT_EQ(errors_of("<Node><MechanicalObject position='0 0 0  1 0 0'/></Node>"),
-            "test.scn:1: error: MechanicalObject: nothing moves it: needs an OdeSolver in its node or above");
 }
 
 TEST(State, SecondTransformationLeavesTheRestShapeAlone) {

@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "hexaplast/body.hpp"
 #include "support/compare.hpp"
+#include "support/files.hpp"
 #include "support/scene.hpp"
 
 namespace {
 
-namespace fs = std::filesystem;
 using namespace hexaplast;
 using support::at;
 using support::errors_of;
@@ -78,24 +74,6 @@ TEST(MeshLoader, GivesThePhysicalGroupsOfAGmshFile) {
   }
 }
 
-// Gmsh 2.2 writes the upper cube for each of its two groups: the body has it once, and either group has it.
-TEST(MeshLoader, TakesAHexahedronOfSeveralGroupsOnce) {
-  const std::string loader = "<MeshGmshLoader name='l' filename='" + kFolder + "duplicate_hexahedron.msh'/>",
-                    body =
-                        "<MechanicalObject/><DiagonalMass massDensity='1000'/>"
-                        "<HexahedronElastoplasticFEMForceField name='body' youngModulus='5000'/>";
-  scene::Scene scene = read_and_init(in_root("", loader + "<MeshTopology src='@l'/>" + body +
-                                                     "<MaterialRegion indices='@l.1' youngModulus='40'/>"
-                                                     "<MaterialRegion indices='@l.2' yieldStress='60'/>"));
-  const Body& made = *at<scene::ForceField>(scene, "body").body();
-  EXPECT_EQ(made.mesh().num_elements(), 2);
-  EXPECT_EQ(made.material(0).young_modulus, 40);
-  EXPECT_EQ(made.material(1).young_modulus, 40);
-  EXPECT_NE(made.material(0).yield_stress, 60);
-  EXPECT_EQ(made.material(1).yield_stress, 60);
-  EXPECT_EQ(made.mesh().boundary_faces().size(), 10u);
-}
-
 TEST(MeshTopology, NamesHexahedraOnTheSameNodes) {
   const std::string cube = "position='0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1' hexahedra='0 1 2 3 4 5 6 7 ";
   EXPECT_EQ(errors_of("<Node>\n<MeshTopology " + cube + "1 2 3 0 5 6 7 4'/></Node>"),
@@ -103,36 +81,21 @@ TEST(MeshTopology, NamesHexahedraOnTheSameNodes) {
             "each must be given once");
 }
 
-TEST(MeshLoader, TellsOfTheFileAndNotOfTheLabelsThatAreNotThereThen) {
-  const auto errors = [](const std::string& loader) {
-    return errors_of(in_root("", loader + "<RegularGridTopology/><MechanicalObject/><UniformMass totalMass='1'/>"
-                                          "<HexahedronElastoplasticFEMForceField/>"
-                                          "<MaterialRegion indices='@loader.tumour'/>"));
-  };
-  EXPECT_EQ(errors("<MeshGmshLoader name='loader' filename='none.msh'/>"),
-            "test.scn:1: error: MeshGmshLoader.filename: none.msh: no such file");
-  EXPECT_EQ(errors("<MeshGmshLoader name='loader'/>"),
-            "test.scn:1: error: MeshGmshLoader.filename: is not given, must name a mesh file");
-  EXPECT_NE(
-      errors("<MeshVTKLoader name='loader' filename='" + kFolder + "block.vtk'/>").find("has no attribute 'tumour'"),
-      std::string::npos);
-}
-
 // Two hexahedra behind a triangle.
 TEST(MeshLoader, GivesTheCellDataOfHexahedra) {
-  const fs::path folder = fs::temp_directory_path() / ("loader_test_" + std::to_string(::getpid()));
-  fs::create_directories(folder);
-  std::ofstream(folder / "labels.vtu")
-      << "<VTKFile type='UnstructuredGrid' byte_order='LittleEndian'><UnstructuredGrid><Piece NumberOfPoints='12' "
-         "NumberOfCells='3'><Points><DataArray type='Float64' NumberOfComponents='3' format='ascii'>"
-         "0 0 0 1 0 0 2 0 0 0 1 0 1 1 0 2 1 0 0 0 1 1 0 1 2 0 1 0 1 1 1 1 1 2 1 1</DataArray></Points><Cells>"
-         "<DataArray type='Int32' Name='connectivity' format='ascii'>0 1 4 0 1 4 3 6 7 10 9 1 2 5 4 7 8 11 10"
-         "</DataArray><DataArray type='Int32' Name='offsets' format='ascii'>3 11 19</DataArray>"
-         "<DataArray type='UInt8' Name='types' format='ascii'>5 12 12</DataArray></Cells><CellData>"
-         "<DataArray type='Int32' Name='label' format='ascii'>7 4 7</DataArray>"
-         "<DataArray type='Float64' Name='modulus' format='ascii'>-1 300 500.5</DataArray>"
-         "<DataArray type='Float64' Name='pairs' NumberOfComponents='2' format='ascii'>1 2 3 4 5 6</DataArray>"
-         "</CellData></Piece></UnstructuredGrid></VTKFile>";
+  const support::Scratch folder;
+  support::put(
+      folder / "labels.vtu",
+      "<VTKFile type='UnstructuredGrid' byte_order='LittleEndian'><UnstructuredGrid><Piece NumberOfPoints='12' "
+      "NumberOfCells='3'><Points><DataArray type='Float64' NumberOfComponents='3' format='ascii'>"
+      "0 0 0 1 0 0 2 0 0 0 1 0 1 1 0 2 1 0 0 0 1 1 0 1 2 0 1 0 1 1 1 1 1 2 1 1</DataArray></Points><Cells>"
+      "<DataArray type='Int32' Name='connectivity' format='ascii'>0 1 4 0 1 4 3 6 7 10 9 1 2 5 4 7 8 11 10"
+      "</DataArray><DataArray type='Int32' Name='offsets' format='ascii'>3 11 19</DataArray>"
+      "<DataArray type='UInt8' Name='types' format='ascii'>5 12 12</DataArray></Cells><CellData>"
+      "<DataArray type='Int32' Name='label' format='ascii'>7 4 7</DataArray>"
+      "<DataArray type='Float64' Name='modulus' format='ascii'>-1 300 500.5</DataArray>"
+      "<DataArray type='Float64' Name='pairs' NumberOfComponents='2' format='ascii'>1 2 3 4 5 6</DataArray>"
+      "</CellData></Piece></UnstructuredGrid></VTKFile>");
   const auto scene_of = [&](const std::string& more) {
     return in_root("", "<MeshVTKLoader name='loader' filename='" + (folder / "labels.vtu").string() +
                            "'/><MeshTopology src='@loader'/><MechanicalObject/><UniformMass totalMass='1'/>"
@@ -151,7 +114,6 @@ TEST(MeshLoader, GivesTheCellDataOfHexahedra) {
     EXPECT_NE(errors_of(scene_of("<IndicesFromValues name='liver' global='@loader." + std::string(name) + "'/>"))
                   .find("stops at MeshVTKLoader 'loader', which has no attribute '" + std::string(name) + "'"),
               std::string::npos);
-  fs::remove_all(folder);
 }
 
 // Said once, however many components ask for the mesh.
@@ -163,10 +125,22 @@ TEST(MeshLoader, RefusesWhereTheSceneNamesTheFile) {
   EXPECT_EQ(errors_of("<Node><MeshVTKLoader filename='" + kFolder + "two_22_ascii.msh'/></Node>"),
             "test.scn:1: error: MeshVTKLoader.filename: " + kFolder +
                 "two_22_ascii.msh:1: the file does not begin with '# vtk DataFile Version' and is no XML");
-  EXPECT_EQ(errors_of("<Node><MeshVTKLoader/></Node>"),
-            "test.scn:1: error: MeshVTKLoader.filename: is not given, must name a mesh file");
+  for (const std::string loader : {"MeshVTKLoader", "MeshGmshLoader"})
+    EXPECT_EQ(errors_of("<Node><" + loader + "/></Node>"),
+              "test.scn:1: error: " + loader + ".filename: is not given, must name a mesh file");
   EXPECT_EQ(errors_of("<Node><MeshVTKLoader filename='" + kFolder + "two_ascii.vtu' transformation='1 0 0'/></Node>"),
             "test.scn:1: error: MeshVTKLoader.transformation: 3 numbers given, must be sixteen");
+  // of the file, and not of the labels that are not there then
+  const auto asks_for_a_label = [](const std::string& loader) {
+    return errors_of(in_root("", loader + "<RegularGridTopology/><MechanicalObject/><UniformMass totalMass='1'/>"
+                                          "<HexahedronElastoplasticFEMForceField/>"
+                                          "<MaterialRegion indices='@loader.tumour'/>"));
+  };
+  EXPECT_EQ(asks_for_a_label("<MeshGmshLoader name='loader' filename='none.msh'/>"),
+            "test.scn:1: error: MeshGmshLoader.filename: none.msh: no such file");
+  EXPECT_NE(asks_for_a_label("<MeshVTKLoader name='loader' filename='" + kFolder + "block.vtk'/>")
+                .find("has no attribute 'tumour'"),
+            std::string::npos);
 }
 
 // An elastic scene as SOFA users write it: loader, container, state by links, elastic field.

@@ -58,13 +58,4 @@ TEST(Mass, MovesWithItsEnergy) {
   EXPECT_DOUBLE_EQ(at<scene::OdeSolver>(scene, "euler").kinetic_energy(), 26);
 }
 
-TEST(Mass, IsNeeded) {
-  const std::string text =
-      support::in_root("gravity='0 0 -2'",
-                       "<RegularGridTopology/><MechanicalObject name='nodes'/><HexahedronElastoplasticFEMForceField/>"
-                       "<FixedProjectiveConstraint indices='0-3'/>");
-  EXPECT_EQ(support::errors_of(text),
-            "test.scn:1: error: EulerImplicitSolver: no mass on MechanicalObject 'nodes' of its node and below");
-}
-
 }  // namespace

@@ -116,14 +116,4 @@ TEST(RestShapeSpringsForceField, PullsBackToTheRestPositions) {
             std::string::npos);
 }
 
-// A kilogram on a spring of 100 N/m that is stretched by .1 m, with small steps: cos(10 t).
-TEST(SpringForceField, SwingsWithItsFrequency) {
-  scene::Scene scene = read_and_init(
-      "<Node dt='1e-4' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/>"
-      "<MechanicalObject name='nodes' position='0 0 0  1.1 0 0'/><UniformMass vertexMass='1'/>"
-      "<FixedProjectiveConstraint indices='0'/><SpringForceField spring='0 1 100 0 1'/></Node>");
-  support::run(scene, 1000);
-  EXPECT_NEAR(support::nodes(scene)(1, 0), 1 + .1 * std::cos(1.0), 1e-4);
-}
-
 }  // namespace

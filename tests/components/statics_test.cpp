@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "support/scene.hpp"
 
@@ -16,14 +15,10 @@ using support::read_and_init;
 // A bar of 1 x 1 x 1 m in two slices along x, held at x = 0; Young's modulus 1000 Pa, no lateral contraction.
 std::string static_bar(const std::string& solver, const std::string& more, const std::string& material = "") {
   return "<Node gravity='10 0 0' dt='0.02'><DefaultAnimationLoop/><StaticSolver name='statics'/>" + solver +
-         "<SparseLDLSolver/><RegularGridTopology n='3 2 2'/><MechanicalObject name='nodes' velocity='" +
-         [] {
-           std::string velocities;
-           for (int n = 0; n < 12; ++n) velocities += " 0 0 1";
-           return velocities;
-         }() +
-         "'/><HexahedronElastoplasticFEMForceField name='body' youngModulus='1000' poissonRatio='0' " + material +
-         "/><FixedProjectiveConstraint indices='0 3 6 9'/>" + more + "</Node>";
+         "<SparseLDLSolver/><RegularGridTopology n='3 2 2'/><MechanicalObject name='nodes' velocity='0 0 1 0 0 1 0 0 1 "
+         "0 0 1 0 0 1 0 0 1 0 0 1 0 0 1 0 0 1 0 0 1 0 0 1 0 0 1'/>"
+         "<HexahedronElastoplasticFEMForceField name='body' youngModulus='1000' poissonRatio='0' " +
+         material + "/><FixedProjectiveConstraint indices='0 3 6 9'/>" + more + "</Node>";
 }
 const std::string kNewton = "<NewtonRaphsonSolver maxNbIterationsNewton='50' maxNbIterationsLineSearch='8'/>";
 const std::string kPull = "<ConstantForceField indices='2 5 8 11' totalForce='100 0 0'/>";
@@ -39,6 +34,11 @@ TEST(Statics, APulledBarGrowsByForceOverStiffness) {
   for (const int n : {2, 5, 8, 11}) EXPECT_NEAR(state.positions()(n, 0), 1.1, 1e-12);
   for (const int n : {1, 4, 7, 10}) EXPECT_NEAR(state.positions()(n, 0), 0.55, 1e-12);
   EXPECT_EQ(state.velocities(), PointArray::Zero(12, 3));
+
+  const SolveReport again = scene.step();
+  EXPECT_TRUE(again.converged) << "equilibrium stays equilibrium";
+  EXPECT_EQ(again.iterations, 0);
+  EXPECT_EQ(again.residual, 0);
 }
 
 // Of 10 kg/m^3 and 10 m/s^2: the upper slice carries three quarters of 100 N, the lower one a quarter.
@@ -50,17 +50,6 @@ TEST(Statics, AHangingBarGrowsByItsWeight) {
   EXPECT_NEAR(x(2, 0), 1.05, 1e-12);
 }
 
-TEST(Statics, EquilibriumStaysEquilibrium) {
-  scene::Scene scene = read_and_init(static_bar(kNewton, kPull));
-  scene.step();
-  const SolveReport report = scene.step();
-  EXPECT_TRUE(report.converged);
-  EXPECT_EQ(report.iterations, 0);
-  EXPECT_EQ(report.residual, 0);
-}
-
-// Stretch 1.1 and stress 100 Pa in equilibrium, yield stress 50 Pa: gamma = 2 x 0.02 x (100 - 50) / 100 = 0.02, and of
-// the stretch's logarithm the part without change of volume flows.
 // Two halves that are tied are one body. Forces that cancel at the tie leave their rounding there, which is no reason
 // to end: the tolerance asks for less than that is.
 TEST(Statics, TiedHalvesStandAsOneBodyDoes) {
@@ -88,6 +77,8 @@ TEST(Statics, TiedHalvesStandAsOneBodyDoes) {
   EXPECT_LT(largest(at<scene::MechanicalState>(two, "b/nodes").positions() - whole.bottomRows(27)), 1e-7);
 }
 
+// Stretch 1.1 and stress 100 Pa in equilibrium, yield stress 50 Pa: gamma = 2 x 0.02 x (100 - 50) / 100 = 0.02, and of
+// the stretch's logarithm the part without change of volume flows.
 TEST(Statics, FlowFollowsEquilibrium) {
   scene::Scene scene =
       read_and_init(static_bar(kNewton, kPull, "yieldStress='50' plasticFlowRate='2' rotationPlasticity='none'"));
@@ -99,11 +90,9 @@ TEST(Statics, FlowFollowsEquilibrium) {
 TEST(Statics, WithoutNewtonRaphsonSolverOneIterationWithAWarning) {
   scene::Scene scene = read_and_init(
       static_bar("", "<ConstantForceField indices='2 5 8 11' totalForce='0 0 100'/>"));  // a bend: rotations change
-  const std::vector<scene::Message> warnings = scene.diagnostics().take_warnings();
-  ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_EQ(scene::format(warnings[0]),
+  EXPECT_EQ(support::warnings_of(scene),
             "test.scn:1: warning: StaticSolver.newtonSolver: no NewtonRaphsonSolver in its node or above: takes one "
-            "with default settings, a single iteration per step");
+            "with default settings, a single iteration per step\n");
   const SolveReport report = scene.step();
   EXPECT_FALSE(report.converged);
   EXPECT_GT(report.residual, 1e-5);
@@ -121,14 +110,6 @@ TEST(Statics, AFollowedLinkCountsBeforeTheNearest) {
   };
   EXPECT_FALSE(converges(""));
   EXPECT_TRUE(converges("newtonSolver='@many' "));
-}
-
-TEST(Statics, WhatFloatsHasNoEquilibrium) {
-  std::string text = static_bar(kNewton, kPull);
-  const std::string held = "<FixedProjectiveConstraint indices='0 3 6 9'/>";
-  text.erase(text.find(held), held.size());
-  scene::Scene scene = read_and_init(text);
-  EXPECT_THROW(scene.step(), NumericalError);
 }
 
 }  // namespace

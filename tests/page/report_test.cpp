@@ -23,7 +23,6 @@ using output::Manifest;
 using output::OutputError;
 using support::content;
 using support::put;
-using support::rows_of;
 using support::Scratch;
 
 const std::string kHostile = R"(pull & <hold> "50 %" 'x' </script><script>alert(1)</script>)";
@@ -97,14 +96,7 @@ Json chart_of(const std::string& page, const std::string& quantity) {
 TEST(Report, HasTheNumbersOfTheHistory) {
   const Scratch scratch;
   run_and_report(scratch / "run", some_run());
-  std::string header;
-  const auto rows = rows_of(scratch / "run/history.csv", header);
-  std::vector<std::string> names;
-  std::istringstream words(header);
-  for (std::string name; std::getline(words, name, ',');) names.push_back(name);
-  const auto column = [&](const std::string& name) {
-    return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
-  };
+  const support::Csv history(content(scratch / "run/history.csv"));
 
   struct Expected {
     const char *quantity, *curve, *column;
@@ -127,17 +119,20 @@ TEST(Report, HasTheNumbersOfTheHistory) {
     const auto curve =
         std::ranges::find_if(curves, [&](const Json& candidate) { return candidate.at("name") == expected.curve; });
     ASSERT_NE(curve, curves.end()) << expected.quantity << " " << expected.curve;
-    ASSERT_EQ(series.at("times").size(), rows.size());
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-      const double value = expected.scale * (rows[k].at(column(expected.column)) + expected.shift);
-      EXPECT_EQ(series.at("steps")[k], rows[k][0]);
-      EXPECT_NEAR(series.at("times")[k].get<double>(), rows[k][1], 1e-8);
+    ASSERT_EQ(series.at("times").size(), history.num_rows());
+    for (std::size_t k = 0; k < history.num_rows(); ++k) {
+      const double value = expected.scale * (history.number(k, expected.column) + expected.shift);
+      EXPECT_EQ(series.at("steps")[k], history.number(k, "step"));
+      EXPECT_NEAR(series.at("times")[k].get<double>(), history.number(k, "time"), 1e-8);
       EXPECT_NEAR(curve->at("values")[k].get<double>(), value, 1e-6 * std::abs(value) + 1e-12) << expected.column;
     }
   }
   const auto sum = chart_of(page, "energy").at("series").at(0).at("curves").at(3);
   EXPECT_EQ(sum.at("name"), "sum");
-  EXPECT_NEAR(sum.at("values").back().get<double>(), rows.back()[2] + rows.back()[3] + rows.back()[4], 1e-6);
+  double last = 0;
+  for (const char* part : {"kinetic_energy", "elastic_energy", "dissipated_energy"})
+    last += history.numbers(part).back();
+  EXPECT_NEAR(sum.at("values").back().get<double>(), last, 1e-6);
 }
 
 TEST(Report, ChartsAreWellFormedXmlWithOneLinePerCurve) {
@@ -329,14 +324,6 @@ TEST(Percentile, IsTheNearestRank) {
   EXPECT_EQ(output::percentile(sorted, 0.5), 35);
   EXPECT_EQ(output::percentile(sorted, 1), 50);
   EXPECT_EQ(output::percentile({}, 0.5), 0);
-}
-
-TEST(DataUri, IsBase64AsRfc4648HasIt) {
-  EXPECT_EQ(output::data_uri("text/plain", ""), "data:text/plain;base64,");
-  EXPECT_EQ(output::data_uri("text/plain", "f"), "data:text/plain;base64,Zg==");
-  EXPECT_EQ(output::data_uri("text/plain", "fo"), "data:text/plain;base64,Zm8=");
-  EXPECT_EQ(output::data_uri("text/plain", "foobar"), "data:text/plain;base64,Zm9vYmFy");
-  EXPECT_EQ(output::data_uri("image/png", "\xff\xfe\xfd"), "data:image/png;base64,//79");
 }
 
 TEST(HistoryTable, IsRefusedWhereItIsNone) {

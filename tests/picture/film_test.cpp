@@ -11,6 +11,7 @@
 #include "hexaplast/base/error.hpp"
 #include "support/compare.hpp"
 #include "support/output.hpp"
+#include "support/png.hpp"
 
 namespace hexaplast {
 namespace {
@@ -146,12 +147,7 @@ TEST(AnimatedPng, IsAPictureToWhoKnowsNoAnimation) {
   const auto film = output::open_film(file, 25);
   for (int k = 0; k < 3; ++k) film->add(picture(k));
   film->finish();
-  png_image read{};
-  read.version = PNG_IMAGE_VERSION;
-  ASSERT_TRUE(png_image_begin_read_from_file(&read, file.c_str()));
-  std::vector<std::uint8_t> pixels(PNG_IMAGE_SIZE(read));
-  ASSERT_TRUE(png_image_finish_read(&read, nullptr, pixels.data(), 0, nullptr));
-  EXPECT_EQ(pixels, picture(0).pixels);
+  EXPECT_EQ(support::read_png(file).pixels, picture(0).pixels);
 }
 
 TEST(Film, LeavesNothingWhereItIsNotFinished) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Whole pictures against those in tests/data/pictures, pixel by pixel. A picture that differs is written into the
 // working directory of the test.
-#include <unistd.h>
-
 #include <numbers>
 
 #include "picture/gallery.hpp"
@@ -227,13 +225,11 @@ std::unique_ptr<output::Renderer> egl_renderer() {
 
 TEST(Backends, EglTakesThePlaceOfOsmesaWhereThatIsMissing) {
   if (!egl_renderer()) GTEST_SKIP() << "no EGL here";
-  const fs::path directory = fs::path(testing::TempDir()) / ("hexaplast_egl_" + std::to_string(::getpid()));
-  fs::create_directory(directory);
+  const support::Scratch directory;
   fs::create_symlink(fs::path(HEXAPLAST_RENDER_MODULES) / "hexaplast_render_egl.so",
                      directory / "hexaplast_render_egl.so");
-  EXPECT_NO_THROW(output::load_renderer(directory));
-  EXPECT_THROW(output::load_renderer(directory, output::Backend::kOsmesa), output::RendererUnavailable);
-  fs::remove_all(directory);
+  EXPECT_NO_THROW(output::load_renderer(directory.path()));
+  EXPECT_THROW(output::load_renderer(directory.path(), output::Backend::kOsmesa), output::RendererUnavailable);
 }
 
 TEST(Backends, DrawTheSame) {

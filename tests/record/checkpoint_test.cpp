@@ -2,17 +2,15 @@
 #include "record/checkpoint.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "formats/line_file.hpp"
 #include "hexaplast/base/error.hpp"
 #include "record/files.hpp"
 #include "record/time_series.hpp"
+#include "support/files.hpp"
 
 namespace hexaplast::output {
 namespace {
@@ -21,33 +19,19 @@ namespace fs = std::filesystem;
 
 class CheckpointFile : public testing::Test {
  protected:
-  CheckpointFile() : directory_(fs::temp_directory_path() / ("hexaplast_checkpoints_" + std::to_string(::getpid()))) {
-    fs::remove_all(directory_);
-    fs::create_directory(directory_);
-  }
-  ~CheckpointFile() override { fs::remove_all(directory_); }
-
   fs::path file(const std::string& name) const { return directory_ / name; }
-
-  std::string content(const std::string& name) const {
-    std::ifstream stream(file(name), std::ios::binary);
-    std::ostringstream text;
-    text << stream.rdbuf();
-    return text.str();
-  }
-  void write(const std::string& name, const std::string& text) const {
-    std::ofstream(file(name), std::ios::binary) << text;
-  }
+  std::string content(const std::string& name) const { return support::content(file(name)); }
+  void write(const std::string& name, const std::string& text) const { support::put(file(name), text); }
 
   void write_checkpoint(long step, double value = 1.5) const {
     std::vector<int> numbers = {3, 1, 4};
     std::string word = "grip";
     const CheckpointSection sections[] = {{"scene", [&](Archive& archive) { archive(value, numbers); }},
                                           {"output", [&](Archive& archive) { archive(word); }}};
-    output::write_checkpoint(directory_, step, 0x1234567890abcdef, sections);
+    output::write_checkpoint(directory_.path(), step, 0x1234567890abcdef, sections);
   }
 
-  fs::path directory_;
+  const support::Scratch directory_;
 };
 
 TEST_F(CheckpointFile, IsReadAsItWasWritten) {
@@ -81,9 +65,9 @@ TEST_F(CheckpointFile, HasTheDocumentedLayout) {
 TEST_F(CheckpointFile, TheNewestTwoAreKept) {
   for (const long step : {5, 10, 15, 100, 20}) write_checkpoint(step);
   std::vector<std::string> names;
-  for (const fs::path& path : checkpoints_in(directory_)) names.push_back(path.filename());
+  for (const fs::path& path : checkpoints_in(directory_.path())) names.push_back(path.filename());
   EXPECT_EQ(names, (std::vector<std::string>{"checkpoint_000000100.hxc", "checkpoint_000000020.hxc"}));
-  EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), 2) << "nothing is left beside them";
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory_.path()), {}), 2) << "nothing is left beside them";
 }
 
 TEST_F(CheckpointFile, EveryDamagedByteIsFound) {

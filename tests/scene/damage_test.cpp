@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -39,6 +41,7 @@ void expect_clean(const std::string& text) {
   }
 }
 
+// A scene is one element: whatever is cut off, its end is missing, which is said once and of a line that is there.
 TEST(DamagedScene, EveryTruncationOfTheShippedScenesIsRefused) {
   for (const auto& [name, text] : shipped_scenes()) {
     const std::size_t end = text.rfind("</Node>") + 7;  // what may be missing behind it does not matter
@@ -47,7 +50,11 @@ TEST(DamagedScene, EveryTruncationOfTheShippedScenesIsRefused) {
         support::read(text.substr(0, length));
         ADD_FAILURE() << name << " is read though it is cut after " << length << " characters";
       } catch (const scene::SceneError& error) {
-        EXPECT_TRUE(std::string(error.what()).starts_with("test.scn:")) << error.what();
+        const std::string said = error.what();
+        int line = 0;
+        EXPECT_EQ(std::sscanf(said.c_str(), "test.scn:%d: error: ", &line), 1) << said;
+        EXPECT_TRUE(line >= 1 && line <= 1 + std::ranges::count(text.begin(), text.begin() + length, '\n')) << said;
+        EXPECT_EQ(said.find('\n'), said.npos) << said;
       }
     }
   }

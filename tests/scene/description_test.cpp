@@ -4,17 +4,15 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
+#include "support/files.hpp"
 
 namespace hexaplast::scene {
 namespace {
 
 std::optional<Description> description_in(const std::string& text) {
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / "hexaplast_description_test.scn";
-  std::ofstream(file) << text;
-  std::optional<Description> found = description_of(file);
-  std::filesystem::remove(file);
-  return found;
+  const support::Scratch scratch;
+  support::put(scratch / "some.scn", text);
+  return description_of(scratch / "some.scn");
 }
 
 TEST(Description, IsTheLineAndTheParagraphAtTheHeadOfTheFile) {

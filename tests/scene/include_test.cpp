@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <string>
 
+#include "support/files.hpp"
 #include "support/scene.hpp"
 
 namespace {
@@ -16,15 +16,9 @@ using support::at;
 /// A directory of its own for each test. Messages name files in it without the directory.
 class SceneInclude : public testing::Test {
  protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    directory_ = fs::path(testing::TempDir()) / (std::string("hexaplast_include_") + info->name());
-    fs::remove_all(directory_);
-    fs::create_directories(directory_ / "parts");
-  }
-  void TearDown() override { fs::remove_all(directory_); }
+  SceneInclude() { fs::create_directories(directory_ / "parts"); }
 
-  void write(const std::string& name, const std::string& text) { std::ofstream(directory_ / name) << text; }
+  void write(const std::string& name, const std::string& text) { support::put(directory_ / name, text); }
 
   scene::Scene read(const std::string& name) {
     scene::PluginLoader& loader = support::plugins();
@@ -37,14 +31,14 @@ class SceneInclude : public testing::Test {
       return "";
     } catch (const scene::SceneError& error) {
       std::string text = error.what();
-      const std::string folder = directory_.string() + "/";
+      const std::string folder = directory_.path().string() + "/";
       for (std::size_t found = text.find(folder); found != text.npos; found = text.find(folder, found))
         text.erase(found, folder.size());
       return text;
     }
   }
 
-  fs::path directory_;
+  const support::Scratch directory_;
 };
 
 TEST_F(SceneInclude, AFileStandsForItsRootAndIsFoundFromTheIncludingFile) {

@@ -5,9 +5,9 @@
 
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
+
+#include "support/files.hpp"
 
 namespace {
 
@@ -17,25 +17,16 @@ namespace fs = std::filesystem;
 /// A directory of its own for each test, with plugins made from the bytes of the real one.
 class PluginFiles : public testing::Test {
  protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    directory_ = fs::path(testing::TempDir()) / (std::string("hexaplast_plugins_") + info->name());
-    fs::remove_all(directory_);
-    fs::create_directories(directory_);
-    std::ifstream file(fs::path(HEXAPLAST_TEST_PLUGINS) / "Hexaplast.so", std::ios::binary);
-    real_.assign(std::istreambuf_iterator<char>(file), {});
-    ASSERT_FALSE(real_.empty());
-  }
-  void TearDown() override { fs::remove_all(directory_); }
+  void SetUp() override { ASSERT_FALSE(real_.empty()); }
 
   std::string refusal(const std::string& bytes) {
-    std::ofstream(directory_ / "libOther.so", std::ios::binary) << bytes;
+    support::put(directory_ / "libOther.so", bytes);
     return refusal_of_name("Other");
   }
   std::string refusal_of_name(const std::string& name) {
     scene::Factory factory;
     try {
-      scene::PluginLoader(factory, {directory_}).load(name);
+      scene::PluginLoader(factory, {directory_.path()}).load(name);
       return "loaded";
     } catch (const scene::PluginError& error) {
       return error.what();
@@ -43,7 +34,7 @@ class PluginFiles : public testing::Test {
   }
 
   std::string prefix() const { return "plugin 'Other': " + (directory_ / "libOther.so").string() + ": "; }
-  std::string search_path() const { return "; search path: " + directory_.string(); }
+  std::string search_path() const { return "; search path: " + directory_.path().string(); }
 
   /// The real plugin with one of its symbols called otherwise.
   std::string without_symbol(const std::string& symbol) const {
@@ -52,13 +43,13 @@ class PluginFiles : public testing::Test {
     return other;
   }
 
-  fs::path directory_;
-  std::string real_;
+  const support::Scratch directory_;
+  const std::string real_ = support::content(fs::path(HEXAPLAST_TEST_PLUGINS) / "Hexaplast.so");
 };
 
 TEST_F(PluginFiles, ComponentsComeFromAPluginFoundByName) {
   scene::Factory factory;
-  scene::PluginLoader loader(factory, {directory_, HEXAPLAST_TEST_PLUGINS});
+  scene::PluginLoader loader(factory, {directory_.path(), HEXAPLAST_TEST_PLUGINS});
   EXPECT_FALSE(factory.make("MechanicalObject"));
   loader.load("Hexaplast");
   loader.load("Hexaplast");  // a second time does nothing
@@ -71,7 +62,7 @@ TEST_F(PluginFiles, OfTheInstallationAreTrustedWhereverItLies) {
   const fs::path installed = HEXAPLAST_TEST_PLUGINS;
   for (const fs::path& untrusted : {installed, installed.parent_path()}) {
     scene::Factory factory;
-    scene::PluginLoader(factory, {directory_}, installed, untrusted).load("Hexaplast");
+    scene::PluginLoader(factory, {directory_.path()}, installed, untrusted).load("Hexaplast");
     EXPECT_TRUE(factory.make("MechanicalObject"));
     try {
       scene::PluginLoader(factory, {installed}, {}, untrusted).load("Hexaplast");

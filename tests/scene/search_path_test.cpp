@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <string>
 
+#include "support/files.hpp"
 #include "support/scene.hpp"
 
 namespace {
@@ -16,18 +16,14 @@ using support::at;
 /// A folder of its own for each test, with a scene in scenes/.
 class SceneSearchPath : public testing::Test {
  protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    directory_ = fs::path(testing::TempDir()) / (std::string("hexaplast_search_") + info->name());
-    fs::remove_all(directory_);
+  SceneSearchPath() {
     write("scenes/a.scn", "<Node><include href='parts/part.xml'/></Node>");
     write("one/parts/part.xml", part("mesh/m.obj"));
   }
-  void TearDown() override { fs::remove_all(directory_); }
 
-  void write(const fs::path& name, const std::string& text) {
+  void write(const std::string& name, const std::string& text) {
     fs::create_directories((directory_ / name).parent_path());
-    std::ofstream(directory_ / name) << text;
+    support::put(directory_ / name, text);
   }
 
   static std::string part(const std::string& mesh) {
@@ -35,7 +31,7 @@ class SceneSearchPath : public testing::Test {
   }
 
   /// A triangle whose first corner lies at x.
-  void write_mesh(const fs::path& name, double x) {
+  void write_mesh(const std::string& name, double x) {
     write(name, "v " + std::to_string(x) + " 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   }
 
@@ -56,7 +52,7 @@ class SceneSearchPath : public testing::Test {
     }
   }
 
-  fs::path directory_;
+  const support::Scratch directory_;
 };
 
 double first_x(scene::Scene& scene) { return at<scene::Component>(scene, "mesh").reals("position")[0]; }

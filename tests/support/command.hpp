@@ -3,12 +3,13 @@
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <initializer_list>
 #include <string>
+#include <tuple>
 
 #include "support/files.hpp"
 
@@ -23,15 +24,6 @@ struct Outcome {
 /// Runs the command as its users do, in a directory of its own.
 class Command : public testing::Test {
  protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    directory_ = std::filesystem::path(testing::TempDir()) / (std::string("hexaplast_") + info->test_suite_name() +
-                                                              "_" + info->name() + "_" + std::to_string(getpid()));
-    std::filesystem::remove_all(directory_);
-    std::filesystem::create_directories(directory_);
-  }
-  void TearDown() override { std::filesystem::remove_all(directory_); }
-
   /// A line of shell, in that directory.
   Outcome shell(const std::string& words) {
     const std::string line = "cd '" + directory_.string() + "' && " + words + " > out 2> err < /dev/null";
@@ -44,9 +36,20 @@ class Command : public testing::Test {
     return shell(before + " '" + HEXAPLAST_COMMAND + "' " + arguments);
   }
 
+  /// Each of these command lines ends with its code, has its message among its errors, and prints nothing else.
+  void expect_refused(std::initializer_list<std::tuple<std::string, int, std::string>> lines) {
+    for (const auto& [arguments, code, message] : lines) {
+      const Outcome outcome = hexaplast(arguments);
+      EXPECT_EQ(outcome.code, code) << arguments << "\n" << outcome.err;
+      EXPECT_NE(outcome.err.find(message), std::string::npos) << arguments << "\n" << outcome.err;
+      EXPECT_EQ(outcome.out, "") << arguments;
+    }
+  }
+
   void write(const std::string& name, const std::string& text) { std::ofstream(directory_ / name) << text; }
 
-  std::filesystem::path directory_;
+  const Scratch scratch_;
+  const std::filesystem::path directory_ = scratch_.path();
 };
 
 }  // namespace hexaplast::support

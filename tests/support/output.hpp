@@ -1,60 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <charconv>
-#include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "record/recorder.hpp"
+#include "support/csv.hpp"
 #include "support/files.hpp"
 #include "support/shapes.hpp"
 
 namespace hexaplast::support {
-
-/// A directory of the running test, gone when it ends.
-class Scratch {
- public:
-  Scratch() {
-    const testing::TestInfo& test = *testing::UnitTest::GetInstance()->current_test_info();
-    path_ = std::filesystem::temp_directory_path() /
-            (std::string("hexaplast_") + test.test_suite_name() + "_" + test.name() + "_" + std::to_string(::getpid()));
-    std::filesystem::create_directories(path_);
-  }
-  ~Scratch() { std::filesystem::remove_all(path_); }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
-
-inline void put(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream(file, std::ios::binary) << text;
-}
-
-/// The rows of a table of numbers, and its first line.
-inline std::vector<std::vector<double>> rows_of(const std::filesystem::path& file, std::string& header) {
-  std::ifstream in(file);
-  std::getline(in, header);
-  std::vector<std::vector<double>> rows;
-  for (std::string line; std::getline(in, line);) {
-    rows.emplace_back();
-    const char* at = line.data();
-    const char* const end = line.data() + line.size();
-    while (at < end) {
-      double value = 0;
-      at = std::from_chars(at, end, value).ptr + 1;
-      rows.back().push_back(value);
-    }
-  }
-  return rows;
-}
 
 /// Everything below a directory, by name.
 inline std::vector<std::string> names_in(const std::filesystem::path& directory) {

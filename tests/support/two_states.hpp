@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <span>
 #include <string>
-#include <vector>
 
-#include "hexaplast/base/archive.hpp"
 #include "support/scene.hpp"
 
 /// Scenes of two mechanical states `first/state` and `second/state`.
@@ -23,13 +20,6 @@ inline PointArray both(scene::Scene& scene) {
   PointArray all(positions(scene, "first").rows() + positions(scene, "second").rows(), 3);
   all << positions(scene, "first"), positions(scene, "second");
   return all;
-}
-
-/// Puts a scene where another one is, by way of a checkpoint.
-inline void go_on_in(scene::Scene& from, scene::Scene& into) {
-  const std::vector<std::byte> bytes = saved(from);
-  Archive in{std::span<const std::byte>(bytes)};
-  into.serialize(in);
 }
 
 }  // namespace hexaplast::support

@@ -75,34 +75,6 @@ TEST(Session, WhatIsDraggedFarStaysStretched) {
   EXPECT_GT(at.sample.greatest_plastic_strain, 0.02);
 }
 
-TEST(Session, WithoutYieldNothingStays) {
-  Played played(std::string(kBar).replace(std::string(kBar).find("yieldStress='150'"), 17, ""));
-  Session session(played.subject(), hand);
-  session.grab(touch(kTop), session.suggested_hand());
-  session.drag(kTop + Vec3(0, 0, 0.15));
-  session.advance(20);
-  EXPECT_GT(wait_for_step(session, 20).sample.measures.world_elongation, 0.02);
-  session.release();
-  session.advance(1);
-  EXPECT_EQ(wait_for_step(session, 21).sample.measures.plastic_elongation, 0);
-}
-
-TEST(Session, ResetLeadsBackToTheFirstBits) {
-  Played fresh, played;
-  Session session(played.subject(), hand);
-  session.grab(touch(kTop), session.suggested_hand());
-  session.drag(kTop + Vec3(0.1, 0, 0.1));
-  session.advance(40);
-  EXPECT_GT(wait_for_step(session, 40).sample.greatest_plastic_strain, 0);
-  session.reset();
-  const Snapshot back = wait_for_step(session, 0);
-  EXPECT_EQ(back.positions, played.body().mesh().positions());
-  EXPECT_TRUE(back.held.empty());
-  session.advance(5);
-  session.stop();
-  EXPECT_EQ(played.hash(), fresh.hash_after(5));
-}
-
 TEST(Session, MaterialsChangeWhileItMoves) {
   Played played;
   Session session(played.subject(), hand);
@@ -233,14 +205,11 @@ TEST(Session, SlidersOfARegionReachTheBody) {
   EXPECT_EQ(material(3).yield_stress, 200);
 }
 
-TEST(Session, KeepsRealTimeAndCanBePaused) {
+TEST(Session, CanBePaused) {
   Played played;
   Session session(played.subject(), hand);
-  const auto begin = std::chrono::steady_clock::now();
   session.run();
   const Snapshot at = wait_for(session, [](const Snapshot& now) { return now.step >= 10; });
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  EXPECT_GE(seconds, 0.09) << "ten steps of 10 ms";
   session.pause();
   const long stopped = wait_for(session, [](const Snapshot& now) { return !now.is_running; }).step;
   EXPECT_GE(stopped, at.step);
@@ -307,27 +276,6 @@ TEST(Session, AFailureIsToldAndResetLeadsOut) {
   EXPECT_EQ(wait_for_step(session, 2).step, 2);
   session.stop();
   EXPECT_EQ(session.failure(), "");
-}
-
-// A contact is switched off and on again, as by the box in the window.
-TEST(Session, ContactsCanBeSwitchedOff) {
-  std::string text = kBar;
-  text.insert(text.rfind("</Node>"),
-              "<InstrumentContactForceField name='plate' shape='box' size='1 1 1' keyTimes='0' positions='0 0 .798'/>");
-  Played played(text);
-  Session session(played.subject(), hand);
-  const auto found = std::ranges::find(session.parameters(), "plate.active", &Parameter::name);
-  ASSERT_NE(found, session.parameters().end());
-  EXPECT_EQ(found->value, 1);
-  session.set("plate.active", 0);
-  session.advance(1);
-  const Snapshot off = wait_for_step(session, 1);
-  EXPECT_EQ(off.parameter_values[static_cast<std::size_t>(found - session.parameters().begin())], 0);
-  EXPECT_LT((off.positions - session.mesh().positions()).cwiseAbs().maxCoeff(), 1e-12) << "2 mm inside the plate";
-  session.set("plate.active", 1);
-  session.advance(1);
-  EXPECT_LT(wait_for_step(session, 2).positions.bottomRows(9).col(2).maxCoeff(), 0.299);
-  session.stop();
 }
 
 // The window adds a grip and a tool to the scene, which is as it was read, or as it is in the middle of a motion.
