@@ -11,17 +11,14 @@
 namespace hexaplast::support {
 
 #if defined(__SANITIZE_ADDRESS__)
-inline constexpr double kSlower = 20;  // sanitizers cost time, and memory for their shadow
-inline constexpr double kMegabytesMore = 300;
+inline constexpr double kMegabytesMore = 300;  // sanitizers have a shadow of the memory
 #else
-inline constexpr double kSlower = 1;
 inline constexpr double kMegabytesMore = 0;
 #endif
 
 /// What a run of the command cost.
 struct Cost {
   int code;          ///< exit code; -1: it did not exit
-  double seconds;    ///< of processor time
   double megabytes;  ///< most memory held
 };
 
@@ -33,7 +30,7 @@ inline Cost cost_of(std::vector<std::string> words, const std::filesystem::path&
   arguments.push_back(nullptr);
   // not by posix_spawn: the child would be charged with the most memory that the test has ever held
   const pid_t child = fork();
-  if (child < 0) return {-1, 0, 0};
+  if (child < 0) return {-1, 0};
   if (child == 0) {
     ::dup2(::open("/dev/null", O_WRONLY), 1);
     ::dup2(::open(messages.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), 2);
@@ -43,10 +40,7 @@ inline Cost cost_of(std::vector<std::string> words, const std::filesystem::path&
   int status = 0;
   rusage usage{};
   wait4(child, &status, 0, &usage);
-  const auto seconds = [](const timeval& time) {
-    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-  };
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, seconds(usage.ru_utime) + seconds(usage.ru_stime),
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1,
           1024e-6 * static_cast<double>(usage.ru_maxrss)};  // that is in KiB
 }
 

@@ -151,20 +151,12 @@ TEST_F(Compare, RefusesWhatIsNoRunAndOtherBodies) {
   run("finer", "--set bar/grid.n='4 2 2' --set bar/pull.indices='2 5'");
   write("bad.csv", "");
   fs::create_directories(directory_ / "empty");
-  const std::pair<const char*, std::pair<int, const char*>> cases[] = {
-      {"compare a absent", {5, "absent: is no directory of a run"}},
-      {"compare bad.csv a", {5, "bad.csv: is no directory of a run"}},
-      {"compare a empty", {5, "empty: is no directory of a run: holds no history.csv"}},
-      {"compare a finer", {3, "a has 12 nodes and 2 hexahedra, finer has 16 nodes and 3"}},
-      {"compare a a --out absent/page.html", {5, "absent/page.html"}},
-      {"compare a", {2, "run_b is required"}},
-  };
-  for (const auto& [arguments, expected] : cases) {
-    const Outcome outcome = hexaplast(arguments);
-    EXPECT_EQ(outcome.code, expected.first) << arguments << outcome.err;
-    EXPECT_NE(outcome.err.find(expected.second), std::string::npos) << outcome.err;
-    EXPECT_EQ(outcome.out, "") << arguments;
-  }
+  expect_refused({{"compare a absent", 5, "absent: is no directory of a run"},
+                  {"compare bad.csv a", 5, "bad.csv: is no directory of a run"},
+                  {"compare a empty", 5, "empty: is no directory of a run: holds no history.csv"},
+                  {"compare a finer", 3, "a has 12 nodes and 2 hexahedra, finer has 16 nodes and 3"},
+                  {"compare a a --out absent/page.html", 5, "absent/page.html"},
+                  {"compare a", 2, "run_b is required"}});
   write("a/manifest.json", "{}");
   EXPECT_EQ(hexaplast("compare a a").code, 5);
   fs::remove(directory_ / "a/manifest.json");  // a run of an earlier version has none

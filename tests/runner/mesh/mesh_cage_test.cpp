@@ -68,24 +68,19 @@ TEST_F(MeshCage, RefusesWhatItCannotDo) {
   write("points.obj", "v 0 0 0\nv 1 0 0\n");
   write("plate.stl", "");
   write("good.vtu", "good");
-  const auto refusal = [&](const std::string& arguments) {
-    const Outcome outcome = hexaplast("mesh cage " + arguments);
-    return std::pair(outcome.code, outcome.err.substr(0, outcome.err.find('\n')));
-  };
-  EXPECT_EQ(refusal("absent.obj --cells 3 -o good.vtu"), std::pair(5, std::string("absent.obj: error: no such file")));
-  EXPECT_EQ(refusal("broken.obj --cells 3 -o good.vtu"),
-            std::pair(3, std::string("hexaplast: error: broken.obj:2: '' is not a coordinate: must be a finite "
-                                     "number")));
-  EXPECT_EQ(refusal("points.obj --cells 3 -o good.vtu"),
-            std::pair(3, std::string("points.obj: error: the surface has neither triangles nor quads")));
-  EXPECT_EQ(refusal("plate.stl --cells 3 -o good.vtu").first, 3);
-  EXPECT_EQ(refusal("plate.obj --cells 100000 -o good.vtu").first, 3);
+  const std::string into_good = " -o good.vtu";
+  expect_refused({{"mesh cage absent.obj --cells 3" + into_good, 5, "absent.obj: error: no such file\n"},
+                  {"mesh cage broken.obj --cells 3" + into_good, 3,
+                   "hexaplast: error: broken.obj:2: '' is not a coordinate: must be a finite number\n"},
+                  {"mesh cage points.obj --cells 3" + into_good, 3,
+                   "points.obj: error: the surface has neither triangles nor quads\n"},
+                  {"mesh cage plate.stl --cells 3" + into_good, 3, "plate.stl"},
+                  {"mesh cage plate.obj --cells 100000" + into_good, 3, "at most 134217728 are possible"},
+                  {"mesh cage plate.obj --cells 0" + into_good, 2, "--cells"},
+                  {"mesh cage plate.obj" + into_good, 2, "--cells"},
+                  {"mesh cage plate.obj --cells 3 -o cage.obj", 2, "--out cage.obj: the name must end in .vtu\n"},
+                  {"mesh cage plate.obj --cells 3 -o nowhere/cage.vtu", 5, "nowhere/cage.vtu"}});
   EXPECT_EQ(support::content(directory_ / "good.vtu"), "good");
-  EXPECT_EQ(refusal("plate.obj --cells 0 -o good.vtu").first, 2);
-  EXPECT_EQ(refusal("plate.obj -o good.vtu").first, 2);
-  EXPECT_EQ(refusal("plate.obj --cells 3 -o cage.obj"),
-            std::pair(2, std::string("hexaplast: error: --out cage.obj: the name must end in .vtu")));
-  EXPECT_EQ(refusal("plate.obj --cells 3 -o nowhere/cage.vtu").first, 5);
 }
 
 }  // namespace

@@ -31,12 +31,6 @@ TEST_F(MeshPath, IsAnOptionOfEveryVerbThatReadsScenes) {
   }
 }
 
-TEST_F(MeshPath, ThatHasNoSuchFileIsNamed) {
-  const Outcome outcome = hexaplast("check a.scn --mesh-path none --mesh-path other");
-  EXPECT_EQ(outcome.code, 3);
-  EXPECT_NE(outcome.err.find("hint: looked for in none, other too"), std::string::npos) << outcome.err;
-}
-
 TEST_F(MeshPath, BelongsToARunThatIsResumed) {
   ASSERT_EQ(hexaplast("run a.scn --mesh-path far --out whole --frames 0 --quiet --final whole.json").code, 0);
   ASSERT_EQ(hexaplast("run a.scn --mesh-path far --out half --frames 0 --quiet --steps 10 --checkpoint every=10").code,
@@ -49,13 +43,6 @@ TEST_F(MeshPath, BelongsToARunThatIsResumed) {
   fs::copy(HEXAPLAST_TEST_DATA "/meshes/organ.obj", directory_ / "far/mesh/cube.msh",
            fs::copy_options::overwrite_existing);
   EXPECT_NE(hexaplast("resume half --steps 30 --quiet").code, 0);
-}
-
-TEST_F(MeshPath, WhatIsFoundThereIsNeverWrittenOver) {
-  const Outcome outcome = hexaplast("run a.scn --mesh-path far --quiet --final far/mesh/cube.msh");
-  EXPECT_NE(outcome.code, 0);
-  EXPECT_EQ(hexaplast::support::content(directory_ / "far/mesh/cube.msh"),
-            hexaplast::support::content(HEXAPLAST_TEST_DATA "/meshes/block.msh"));
 }
 
 }  // namespace

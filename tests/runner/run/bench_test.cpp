@@ -49,24 +49,6 @@ TEST_F(Command, BenchMeasuresAScene) {
   EXPECT_NE(ran.out.find(records[0]["state_hash"].get<std::string>()), std::string::npos) << "a run ends in its state";
 }
 
-TEST_F(Command, BenchReplacesNothingThatItReads) {
-  write("part.xml",
-        "<Node><EulerImplicitSolver/><SparseLDLSolver/><MeshOBJLoader name='mesh' filename='skin.obj'/>"
-        "<RegularGridTopology n='2 2 2' max='1 1 1'/><MechanicalObject/><DiagonalMass totalMass='2'/>"
-        "<HexahedronElastoplasticFEMForceField/><Node><MeshOBJLoader name='mesh' filename='skin.obj'/><OglModel "
-        "src='@mesh'/><BarycentricMapping/></Node></Node>");
-  write("skin.obj", "v 0.2 0.2 0.2\nv 0.8 0.2 0.2\nv 0.5 0.8 0.5\nf 1 2 3\n");
-  write("bar.scn", "<Node><DefaultAnimationLoop/><RunSettings steps='1'/><include href='part.xml'/></Node>");
-  ASSERT_EQ(hexaplast("bench --scene bar.scn --json b.json").code, 0);
-  for (const char* name : {"bar.scn", "part.xml", "skin.obj", "b.json"}) {
-    const std::string before = hexaplast::support::content(directory_ / name);
-    const Outcome refused = hexaplast(std::string("bench --scene bar.scn --baseline b.json --ratio 0 --json ") + name);
-    EXPECT_EQ(refused.code, 5) << name;
-    EXPECT_NE(refused.err.find(std::string(name) + ": is an input"), std::string::npos) << refused.err;
-    EXPECT_EQ(hexaplast::support::content(directory_ / name), before) << name;
-  }
-}
-
 TEST_F(Command, BenchStepsABatchAtOnce) {
   const Outcome outcome = hexaplast("bench --batch --quick --sizes 90 --bodies 4 --threads 1,2 --json batch.json");
   ASSERT_EQ(outcome.code, 0) << outcome.err;

@@ -218,14 +218,4 @@ TEST_F(Command, CheckAndRunWarnOfFractureThatNeverComesAndRefuseOneFromTheStart)
   }
 }
 
-TEST_F(Command, CheckEndsAsRunDoes) {
-  write("bad.scn", "<Node>\n<Nonsense/></Node>");
-  EXPECT_EQ(hexaplast("check bad.scn").code, 3);
-  EXPECT_EQ(hexaplast("check absent.scn").code, 5);
-  EXPECT_EQ(hexaplast("check").code, 2);
-  write("bar.scn", bar(kHeld + "<Nonsense/>"));
-  EXPECT_EQ(hexaplast("check bar.scn").code, 3);
-  EXPECT_EQ(hexaplast("run bar.scn").code, 3);
-}
-
 }  // namespace

@@ -2,6 +2,8 @@
 // Pipes, folders, full devices and impossible names in the place of files: refused at once, with the reason.
 #include <sys/stat.h>
 
+#include <regex>
+
 #include "support/bar_scene.hpp"
 #include "support/command.hpp"
 
@@ -31,8 +33,7 @@ TEST_F(OddFiles, APipeKeepsNobodyWaiting) {
         "bench --scene bar.scn --baseline pipe"}) {
     const Outcome refused = in_time(arguments);
     EXPECT_TRUE(refused.code == 5 || refused.code == 3) << arguments << ": " << refused.code;
-    EXPECT_NE(refused.err.find("pipe: "), std::string::npos) << refused.err;
-    EXPECT_NE(refused.err.find("is not a file"), std::string::npos) << refused.err;
+    EXPECT_TRUE(std::regex_search(refused.err, std::regex("pipe: .*is not a file"))) << refused.err;
   }
 }
 
@@ -74,38 +75,6 @@ TEST_F(OddFiles, AFullDeviceIsNoticedByWhateverPrints) {
     EXPECT_EQ(outcome.code, 5) << arguments;
     EXPECT_NE(outcome.err.find("hexaplast: error: "), std::string::npos) << arguments << ": " << outcome.err;
   }
-}
-
-TEST_F(OddFiles, TheReasonIsSaid) {
-  const std::string endless(5000, 'n');
-  for (const auto& [arguments, code, message] : std::vector<std::tuple<std::string, int, std::string>>{
-           {"run .", 5, ".: error: is not a file\n"},
-           {"mesh info .", 5, ".: error: is not a file\n"},
-           {"mesh info absent.vtu", 5, "absent.vtu: error: no such file\n"},
-           {"resume absent", 5, "hexaplast: error: absent: no such file\n"},
-           {"run " + endless, 5, endless + ": error: cannot be read: File name too long\n"},
-           {"resume " + endless, 5, "hexaplast: error: " + endless + ": cannot be read: File name too long\n"},
-           {"run bar.scn --set bar/material.name=x", 2,
-            "--set bar/material.name=x: error: the name of HexahedronElastoplasticFEMForceField 'material' cannot be "
-            "replaced: paths and links find it by that\n"}}) {
-    const Outcome outcome = hexaplast(arguments);
-    EXPECT_EQ(outcome.code, code) << arguments;
-    EXPECT_EQ(outcome.err, message) << arguments;
-  }
-}
-
-TEST_F(OddFiles, NoArgumentIsEmpty) {
-  for (const char* arguments : {"run ''", "resume ''", "check ''", "mesh info ''", "run bar.scn --out ''",
-                                "run bar.scn --final ''", "compare bar.scn ''"}) {
-    const Outcome outcome = hexaplast(arguments);
-    EXPECT_EQ(outcome.code, 2) << arguments;
-    EXPECT_NE(outcome.err.find(": must not be empty\nRun with --help"), std::string::npos) << outcome.err;
-  }
-}
-
-TEST_F(OddFiles, UsageErrorsNameTheWholeSubcommand) {
-  for (const char* command : {"mesh grid", "mesh offset", "mesh cage", "run", "resume"})
-    EXPECT_EQ(hexaplast(command).err.find(std::string("hexaplast ") + command + ": error: "), 0u) << command;
 }
 
 }  // namespace

@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // hexaplast resume: a run that stops, however it stops, and goes on, against one that does not.
-#include <fcntl.h>
-#include <signal.h>
 #include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstring>
-#include <thread>
 #include <utility>
 
 #include "hexaplast/base/hash.hpp"
@@ -79,34 +75,6 @@ class Resume : public Command {
       EXPECT_EQ(content(directory_ / resumed / name), content(directory_ / straight / name)) << name;
     }
   }
-
-  /// Ends a run by a signal as soon as it has written a checkpoint.
-  int end_when_under_way(const std::string& arguments, const std::string& folder, int signal) {
-    const pid_t child = fork();
-    if (child == 0) {
-      if (::chdir(directory_.c_str()) != 0) std::_Exit(99);
-      const int null = ::open("/dev/null", O_WRONLY);
-      ::dup2(null, 1);
-      ::dup2(null, 2);
-      const std::string line = "exec '" HEXAPLAST_COMMAND "' " + arguments;
-      ::execl("/bin/sh", "sh", "-c", line.c_str(), nullptr);
-      std::_Exit(99);
-    }
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-    while (std::chrono::steady_clock::now() < deadline) {
-      std::error_code error;
-      bool is_under_way = false;
-      for (fs::directory_iterator entry(directory_ / folder, error), end; !error && entry != end;
-           entry.increment(error))
-        is_under_way = is_under_way || entry->path().extension() == ".hxc";
-      if (is_under_way) break;
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
-    ::kill(child, signal);
-    int status = 0;
-    ::waitpid(child, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-  }
 };
 
 TEST_F(Resume, GoesOnBitForBitAndWritesTheSameFiles) {
@@ -122,25 +90,6 @@ TEST_F(Resume, GoesOnBitForBitAndWritesTheSameFiles) {
   EXPECT_EQ(hash_in(resumed.out), hash_in(straight.out));
   EXPECT_TRUE(fs::exists(directory_ / "last.json"));
   expect_same_run("resumed", "straight");
-}
-
-// Whatever a solver starts from, and in either precision.
-TEST_F(Resume, GoesOnBitForBitWithEverySolver) {
-  const std::string cg = "<CGLinearSolver iterations='60'/>", body = "name='body'";
-  for (const char* solver :
-       {"<CGLinearSolver iterations='7' warmStart='1'/>", "<SparseLDLSolver/>", "<MultigridCGLinearSolver/>"})
-    for (const char* precision : {"double", "mixed"}) {
-      std::string text = kTearingBar;
-      text.replace(text.find(cg), cg.size(), solver);
-      text.replace(text.find(body), body.size(), body + " precision='" + precision + "'");
-      write("bar.scn", text);
-      const Outcome straight = hexaplast("run bar.scn --out straight --force --frames 0");
-      ASSERT_EQ(straight.code, 0) << straight.err;
-      ASSERT_EQ(hexaplast("run bar.scn --out resumed --force --frames 0 --steps 20 --checkpoint every=10").code, 0);
-      const Outcome resumed = hexaplast("resume resumed --steps 40");
-      EXPECT_EQ(resumed.code, 0) << resumed.err;
-      EXPECT_EQ(hash_in(resumed.out), hash_in(straight.out)) << solver << ", " << precision;
-    }
 }
 
 TEST_F(Resume, CutsWhatTheRunHadWrittenAfterItsCheckpoint) {
@@ -161,35 +110,6 @@ TEST_F(Resume, FromAnotherPlaceFindsItsScene) {
   const Outcome resumed = shell("cd elsewhere && '" HEXAPLAST_COMMAND "' resume ../run --steps 12 --final last.json");
   EXPECT_EQ(resumed.code, 0) << resumed.err;
   EXPECT_TRUE(fs::exists(directory_ / "elsewhere/last.json"));
-}
-
-TEST_F(Resume, ASignalLeavesACheckpointToGoOnFrom) {
-  const Outcome straight = hexaplast("run bar.scn --steps 3000 --out straight --frames 0 --checkpoint every=1000");
-  ASSERT_EQ(straight.code, 0) << straight.err;
-  for (const auto& [signal, code] : {std::pair{SIGINT, 130}, {SIGTERM, 143}, {SIGKILL, -SIGKILL}}) {
-    const std::string folder = "ended" + std::to_string(signal);
-    const std::string run = "run bar.scn --steps 3000 --frames 0 --checkpoint every=25 --out " + folder;
-    EXPECT_EQ(end_when_under_way(run, folder, signal), code);
-    const Outcome resumed = hexaplast("resume " + folder);
-    EXPECT_EQ(resumed.code, 0) << resumed.err;
-    EXPECT_EQ(hash_in(resumed.out), hash_in(straight.out));
-    EXPECT_EQ(rows(folder + "/history.csv"), rows("straight/history.csv"));
-    EXPECT_EQ(content(directory_ / folder / "mesh.pvd"), content(directory_ / "straight/mesh.pvd"));
-    for (const std::string& name : files(folder)) EXPECT_FALSE(name.ends_with(".part")) << name;
-  }
-}
-
-TEST_F(Resume, AFailureKeepsTheLastGoodCheckpoint) {
-  // a step of a second is more than the bar can bear: the run fails by itself
-  std::string text = kTearingBar;
-  text.insert(text.find("<GraspForceField"),
-              "<LinearForceField points='0' times='0 0.2 0.22' forces='0 0 0  0 0 0  0 0 1e300'/>");
-  write("fails.scn", text);
-  const Outcome failed = hexaplast("run fails.scn --out run --frames 0 --checkpoint every=4");
-  ASSERT_EQ(failed.code, 4) << failed.err;
-  const Outcome again = hexaplast("resume run --threads 2");
-  EXPECT_EQ(again.code, 4) << again.err;
-  EXPECT_EQ(again.err.substr(again.err.find("step ")), failed.err.substr(failed.err.find("step ")));
 }
 
 TEST_F(Resume, WhatIsForeignOrDamagedIsRefusedAndUntouched) {
@@ -441,14 +361,6 @@ TEST_F(Resume, WritesIntoNoFileThatHasOtherNames) {
   EXPECT_NE(other.err.find("history.csv does not begin with"), std::string::npos) << other.err;
   write("run/history.csv", history);
   EXPECT_EQ(hexaplast("resume run --steps 40").code, 0);
-}
-
-TEST_F(Resume, TheCommandLineIsChecked) {
-  for (const char* arguments : {"run bar.scn --checkpoint every=5", "run bar.scn --out run --checkpoint 5",
-                                "run bar.scn --out run --checkpoint every=0",
-                                "run bar.scn --out run --checkpoint every=2x", "resume", "resume run --steps -1"})
-    EXPECT_EQ(hexaplast(arguments).code, 2) << arguments;
-  EXPECT_FALSE(fs::exists(directory_ / "run"));
 }
 
 }  // namespace

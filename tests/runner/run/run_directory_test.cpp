@@ -7,6 +7,7 @@
 #include <chrono>
 #include <functional>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "support/bar_scene.hpp"
@@ -64,6 +65,8 @@ class RunDirectory : public Command {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   }
 
+  nlohmann::json manifest() const { return nlohmann::json::parse(content(directory_ / "run/manifest.json")); }
+
   static std::string hash_in(const Outcome& outcome) {
     const std::size_t at = outcome.out.find("state hash");
     return at == outcome.out.npos ? outcome.err : outcome.out.substr(at, outcome.out.find('\n', at) - at);
@@ -88,6 +91,9 @@ TEST_F(RunDirectory, IsOneProgramsAtATime) {
     }
   });
   EXPECT_EQ(code, -SIGKILL);
+  EXPECT_EQ(manifest().at("state"), "running");
+  EXPECT_EQ(manifest().at("steps").at("done"), 0);
+  EXPECT_FALSE(fs::exists(directory_ / "run/report.html"));
 
   // nothing keeps the next one out, neither this program's lock nor a file that it left
   const long steps = newest_checkpoint() + 3;
@@ -110,6 +116,10 @@ TEST_F(RunDirectory, ASignalAlwaysLeavesACheckpoint) {
     EXPECT_NE(content(directory_ / "messages").find("; hexaplast resume run continues it\n"), std::string::npos)
         << content(directory_ / "messages");
     ASSERT_GE(newest_checkpoint(), 4);
+    EXPECT_EQ(manifest().at("state"), "interrupted");
+    EXPECT_EQ(manifest().at("exit_reason"), "Ended by signal " + std::to_string(signal));
+    EXPECT_EQ(manifest().at("steps").at("done"), newest_checkpoint());
+    EXPECT_NE(content(directory_ / "messages").find("state hash"), std::string::npos);
     const std::string steps = std::to_string(newest_checkpoint() + 5);
     const Outcome resumed = hexaplast("resume run --steps " + steps);
     EXPECT_EQ(resumed.code, 0) << resumed.err;

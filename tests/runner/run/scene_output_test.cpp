@@ -63,66 +63,58 @@ TEST_F(SceneOutput, WhatIsReadIsNoUnfinishedFileEither) {
   expect_error("run bar.scn --final a.json.part --summary a.json", 5, "a.json.part: ends in .part");
 }
 
-TEST_F(SceneOutput, ReplacesNothingThatIsOpen) {
-  write("log", "mine\n");
-  const std::string into_log = "sh -c \"'" HEXAPLAST_COMMAND "' run bar.scn --quiet --force ";
-  for (const char* arguments : {"--final /dev/stdout", "--summary /dev/stdout"}) {
-    const Outcome outcome = shell(into_log + arguments + " >> log\"");
-    EXPECT_EQ(outcome.code, 5) << arguments;
-    EXPECT_NE(outcome.err.find("/dev/stdout: is a link of the system's to what is open"), std::string::npos)
-        << outcome.err;
-  }
-  EXPECT_EQ(content(directory_ / "log"), "mine\n");
-}
-
+// Whatever option names it, and whatever the verb. InputFiles.* has links and other names.
 TEST_F(SceneOutput, NeverReplacesWhatIsRead) {
   fs::create_hard_link(directory_ / "bar.scn", directory_ / "same.scn");
   fs::create_symlink("skin.obj", directory_ / "link.obj");
-  for (const std::string name : {"bar.scn", "same.scn", "rest.xml", "skin.obj"})
-    for (const char* option : {"--final ", "--summary "})
-      for (const char* where : {"", "--out run "})
-        expect_error(std::string("run bar.scn --force ") + where + option + name, 5, name + ": is an input");
-  for (const char* option : {"--final", "--summary"}) {
-    expect_error(std::string("run bar.scn --out run --force ") + option + " link.obj", 5, "link.obj: is an input");
-    expect_error(std::string("run bar.scn --out run --force ") + option + " run/history.csv", 5,
-                 "is written by the run itself");
-  }
   ASSERT_EQ(hexaplast("run bar.scn --out earlier --steps 1 --frames 0").code, 0);
-  const std::string manifest = content(directory_ / "earlier/manifest.json");
-  for (const char* option : {"--final", "--summary"})
-    expect_error(std::string("run bar.scn ") + option + " earlier/manifest.json", 5,
-                 "earlier/manifest.json: is a file of an earlier run; --force replaces it");
-  EXPECT_EQ(content(directory_ / "earlier/manifest.json"), manifest);
-  expect_error("run bar.scn --out run --force --video link.obj.png --final x --summary x", 5,
-               "is being written by another program, or by another option");
-  expect_error("run bar.scn --out bar.scn", 5, "bar.scn: is a file; an output directory is needed");
-  EXPECT_EQ(content(directory_ / "rest.xml"), kRest);
-  EXPECT_EQ(content(directory_ / "skin.obj"), kSkin);
-
-  // a mesh among the files of an earlier run
-  ASSERT_EQ(hexaplast("mesh convert skin.obj -o sub/mesh_000000.vtu").code, 0);
-  const std::string mesh = content(directory_ / "sub/mesh_000000.vtu");
+  ASSERT_EQ(hexaplast("mesh convert skin.obj -o sub/mesh_000000.vtu").code, 0);  // among the files of a run
+  ASSERT_EQ(hexaplast("bench --scene bar.scn --json b.json").code, 0);
+  write("log", "mine\n");
   std::string text = bar_with("");
   text.replace(text.find("MeshOBJLoader"), 13, "MeshVTKLoader");
   text.replace(text.find("skin.obj"), 8, "sub/mesh_000000.vtu");
   write("reads.scn", text);
-  expect_error("run reads.scn --out sub --force", 5, "sub/mesh_000000.vtu: is an input of this run");
-  EXPECT_EQ(content(directory_ / "sub/mesh_000000.vtu"), mesh);
-
-  // other commands
-  for (const char* arguments :
-       {"mesh convert sub/mesh_000000.vtu -o sub/mesh_000000.vtu",
-        "mesh cage sub/mesh_000000.vtu --cells 2 -o sub/mesh_000000.vtu",
-        "mesh offset sub/mesh_000000.vtu --thickness 1 -o sub/mesh_000000.vtu", "mesh export bar.scn -o skin.obj"}) {
-    const std::string shown = hexaplast(arguments).err;
-    EXPECT_EQ(content(directory_ / "sub/mesh_000000.vtu"), mesh) << arguments << "\n" << shown;
-    EXPECT_EQ(content(directory_ / "skin.obj"), kSkin) << arguments << "\n" << shown;
+  const auto bytes = [&] {
+    std::string all;
+    for (const char* name : {"bar.scn", "rest.xml", "skin.obj", "log", "b.json", "sub/mesh_000000.vtu",
+                             "earlier/manifest.json", "earlier/history.csv"})
+      all += content(directory_ / name);
+    return all;
+  };
+  const std::string before = bytes(), run = "run bar.scn --force ", in_run = run + "--out run ",
+                    bench = "bench --scene bar.scn --baseline b.json --ratio 0 --json ", mesh = "sub/mesh_000000.vtu",
+                    input = ": is an input", by_run = "is written by the run itself",
+                    earlier = "earlier/manifest.json: is a file of an earlier run; --force replaces it",
+                    open = "/dev/stdout: is a link of the system's to what is open";
+  expect_refused({{run + "--final bar.scn", 5, "bar.scn" + input},
+                  {run + "--summary same.scn", 5, "same.scn" + input},
+                  {in_run + "--final rest.xml", 5, "rest.xml" + input},
+                  {in_run + "--summary skin.obj", 5, "skin.obj" + input},
+                  {in_run + "--final link.obj", 5, "link.obj" + input},
+                  {in_run + "--final run/history.csv", 5, by_run},
+                  {in_run + "--summary run/history.csv", 5, by_run},
+                  {"run bar.scn --final earlier/manifest.json", 5, earlier},
+                  {"run bar.scn --summary earlier/manifest.json", 5, earlier},
+                  {in_run + "--video link.obj.png --final x --summary x", 5,
+                   "is being written by another program, or by another option"},
+                  {"run bar.scn --out bar.scn", 5, "bar.scn: is a file; an output directory is needed"},
+                  {"run reads.scn --out sub --force", 5, mesh + ": is an input of this run"},
+                  {"mesh convert " + mesh + " -o " + mesh, 5, input},
+                  {"mesh offset " + mesh + " --thickness 1 -o " + mesh, 3, ""},
+                  {"compare earlier earlier --out earlier/history.csv", 5, input},
+                  {bench + "bar.scn", 5, "bar.scn" + input},
+                  {bench + "rest.xml", 5, "rest.xml" + input},
+                  {bench + "b.json", 5, "b.json" + input}});
+  for (const char* option : {"--final", "--summary"}) {  // as in `--final /dev/stdout >> log`
+    const Outcome outcome =
+        shell("sh -c \"'" HEXAPLAST_COMMAND "' " + run + "--quiet " + option + " /dev/stdout >> log\"");
+    EXPECT_EQ(outcome.code, 5) << option;
+    EXPECT_NE(outcome.err.find(open), std::string::npos) << outcome.err;
   }
-  expect_error("mesh convert sub/mesh_000000.vtu -o sub/mesh_000000.vtu", 5, "is an input");
-  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0").code, 0);
-  const std::string history = content(directory_ / "run/history.csv");
-  expect_error("compare run run --out run/history.csv", 5, "is an input");
-  EXPECT_EQ(content(directory_ / "run/history.csv"), history);
+  EXPECT_NE(hexaplast("mesh export bar.scn -o skin.obj").code, 0);
+  EXPECT_NE(hexaplast("mesh cage " + mesh + " --cells 2 -o " + mesh).code, 0);
+  EXPECT_TRUE(bytes() == before);
 }
 
 // Names of files and components, and values, come from strangers: a terminal must not obey them.

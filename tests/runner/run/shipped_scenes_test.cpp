@@ -1,30 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Scenes that ship with the program, run as a user runs them: permanent shape, volume and tears in their bands, twice
-// the same.
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
+// Scenes that ship with the program, run as a user runs them: permanent shape, volume and tears in their bands.
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <map>
 #include <numeric>
-#include <sstream>
 
 #include "hexaplast/geometry/sections.hpp"
 #include "hexaplast/geometry/shapes.hpp"
-#include "support/compare.hpp"
+#include "support/command.hpp"
+#include "support/csv.hpp"
 #include "support/golden.hpp"
 #include "support/shapes.hpp"
-
-extern char** environ;
 
 namespace hexaplast {
 namespace {
 
-namespace fs = std::filesystem;
 using support::Json;
 
 struct SceneCase {
@@ -35,70 +24,36 @@ struct SceneCase {
 
 void PrintTo(const SceneCase& scene, std::ostream* out) { *out << scene.name; }
 
-/// Runs the command with these arguments and waits; returns its exit code, -1 if it did not exit.
-int run_command(std::vector<std::string> words) {
-  words.insert(words.begin(), HEXAPLAST_COMMAND);
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  pid_t child = 0;
-  if (posix_spawn(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) return -1;
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-/// The columns of a CSV file by name.
-std::map<std::string, std::vector<double>> read_csv(const fs::path& path) {
-  std::ifstream file(path);
-  std::vector<std::string> names;
-  std::map<std::string, std::vector<double>> columns;
-  std::string line, cell;
-  std::getline(file, line);
-  for (std::istringstream cells(line); std::getline(cells, cell, ',');) names.push_back(cell);
-  while (std::getline(file, line)) {
-    std::istringstream cells(line);
-    for (const std::string& name : names) {
-      std::getline(cells, cell, ',');
-      columns[name].push_back(std::stod(cell));
-    }
-  }
-  return columns;
-}
-
-Json read_json(const fs::path& path) {
-  std::ifstream file(path);
-  return Json::parse(file);
-}
-
 /// What a scene leaves behind.
 struct SceneOutcome {
-  Json final;                                          ///< the final state
-  std::map<std::string, std::vector<double>> history;  ///< columns of history.csv
+  Json final;            ///< the final state
+  support::Csv history;  ///< history.csv
 };
 
-/// Runs a scene with one thread and with two, which must end alike.
-void run_twice(const std::string& name, SceneOutcome& outcome) {
-  const std::string scene = std::string(HEXAPLAST_SOURCE_DIR) + "/scenes/" + name + ".scn";
-  const fs::path folder = fs::temp_directory_path() / ("hexaplast_" + name + std::to_string(getpid()));
-  const fs::path out = folder / "out", first = folder / "first.json", second = folder / "second.json";
-  fs::create_directories(folder);
-  ASSERT_EQ(run_command({"run", scene, "--quiet", "--strict", "--threads", "1", "--frames", "0", "--out", out,
-                         "--final", first}),
-            0);
-  ASSERT_EQ(run_command({"run", scene, "--quiet", "--strict", "--threads", "2", "--final", second}), 0);
+/// Runs a scene. That its bits are those of any number of threads is tested by StateHashOf.
+class Shipped : public support::Command {
+ protected:
+  SceneOutcome run(const std::string& name) {
+    const support::Outcome ran = hexaplast("run '" HEXAPLAST_SOURCE_DIR "/scenes/" + name +
+                                           ".scn' --quiet --strict --frames 0 --out run --final final.json");
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    return {Json::parse(support::content(directory_ / "final.json")),
+            support::Csv(support::content(directory_ / "run/history.csv"))};
+  }
+};
 
-  outcome = {read_json(first), read_csv(out / "history.csv")};
-  EXPECT_EQ(outcome.final["state_hash"], read_json(second)["state_hash"]);
-  fs::remove_all(folder);
+/// The volume of the material throughout a run, and at its end to `tolerance`; nothing turned inside out.
+void expect_kept_volume(const support::Csv& history, double tolerance) {
+  const std::vector<double> ratios = history.numbers("material_volume_ratio");
+  for (const double ratio : ratios) EXPECT_NEAR(ratio, 1, 0.01);
+  EXPECT_NEAR(ratios.back(), 1, tolerance);
+  EXPECT_EQ(history.numbers("inverted").back(), 0);
 }
 
-class ShippedScene : public testing::TestWithParam<SceneCase> {};
+class ShippedScene : public Shipped, public testing::WithParamInterface<SceneCase> {};
 
-TEST_P(ShippedScene, EndsInItsBandsAndTwiceInTheSameState) {
-  SceneOutcome outcome;
-  ASSERT_NO_FATAL_FAILURE(run_twice(GetParam().name, outcome));
-  auto& [final, history] = outcome;
+TEST_P(ShippedScene, EndsInItsBands) {
+  const auto [final, history] = run(GetParam().name);
   EXPECT_NEAR(final["time"], 5, 1e-9);
 
   const HexMesh mesh = regular_grid({3, 3, 10}, Vec3(-0.15, -0.15, -0.5), Vec3(0.15, 0.15, 0.5));
@@ -121,11 +76,8 @@ TEST_P(ShippedScene, EndsInItsBandsAndTwiceInTheSameState) {
                 1e-6 * std::numbers::pi / 180);
   }
 
-  ASSERT_EQ(history["time"].size(), 501u);  // the beginning, then every step
-  const std::vector<double>& volume_ratio = history["material_volume_ratio"];
-  for (const double ratio : volume_ratio) EXPECT_NEAR(ratio, 1, 0.01);
-  EXPECT_NEAR(volume_ratio.back(), 1, 1e-4) << "three seconds after release";
-  EXPECT_EQ(history["inverted"].back(), 0);
+  ASSERT_EQ(history.num_rows(), 501u);  // the beginning, then every step
+  expect_kept_volume(history, 1e-4);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -135,28 +87,16 @@ INSTANTIATE_TEST_SUITE_P(
                     SceneCase{"bar_twist_medium", false, 29.2}, SceneCase{"bar_twist_low", false, 4.5}),
     [](const auto& test) { return std::string(test.param.name); });
 
-/// What a torn scene leaves, after it ran twice, on one thread and on two, to the same state.
-struct TornScene {
-  explicit TornScene(const std::string& name) {
-    const fs::path folder = fs::temp_directory_path() / ("hexaplast_" + name + std::to_string(getpid()));
-    fs::create_directories(folder);
-    const std::string scene = std::string(HEXAPLAST_SOURCE_DIR) + "/scenes/" + name + ".scn";
-    const fs::path out = folder / "out", first = folder / "first.json", second = folder / "second.json";
-    EXPECT_EQ(run_command({"run", scene, "--quiet", "--strict", "--threads", "1", "--frames", "0", "--out", out,
-                           "--final", first}),
-              0);
-    EXPECT_EQ(run_command({"run", scene, "--quiet", "--strict", "--threads", "2", "--final", second}), 0);
-    const Json final = read_json(first);
-    EXPECT_EQ(final["state_hash"], read_json(second)["state_hash"]);
-
+class TornScene : public Shipped {
+ protected:
+  void tear(const std::string& name) {
+    const auto [final, history] = run(name);
     plastic_rest = support::matrix(final["material_positions"]);
     for (const Json& ratio : final["volume_ratio"]) alive.push_back(ratio.get<double>() > 0);  // 0: removed
-    auto history = read_csv(out / "history.csv");
-    removed = history["removed"].back();
+    removed = history.numbers("removed").back();
     EXPECT_EQ(removed, std::count(alive.begin(), alive.end(), 0));
-    EXPECT_NEAR(history["material_volume_ratio"].back(), 1, 0.01);
-    EXPECT_EQ(history["inverted"].back(), 0);
-    fs::remove_all(folder);
+    EXPECT_NEAR(history.numbers("material_volume_ratio").back(), 1, 0.01);
+    EXPECT_EQ(history.numbers("inverted").back(), 0);
   }
 
   PointArray plastic_rest;           ///< [m]
@@ -164,14 +104,14 @@ struct TornScene {
   double removed = 0;                ///< hexahedra
 };
 
-TEST(TornScene, PeritoneumIsLeftWithAHoleAndAPieceInTheForceps) {
-  const TornScene torn("peritoneum_tear");
+TEST_F(TornScene, PeritoneumIsLeftWithAHoleAndAPieceInTheForceps) {
+  tear("peritoneum_tear");
   const HexMesh mesh = regular_grid({36, 1, 28}, Vec3(-0.06, -0.0005, -0.048), Vec3(0.06, 0.0005, 0.048));
-  ASSERT_EQ(torn.plastic_rest.rows(), mesh.num_nodes());
-  EXPECT_GE(torn.removed, 20);
-  EXPECT_LE(torn.removed, 50);
+  ASSERT_EQ(plastic_rest.rows(), mesh.num_nodes());
+  EXPECT_GE(removed, 20);
+  EXPECT_LE(removed, 50);
 
-  const ConnectedParts parts = connected_parts(mesh, torn.alive);
+  const ConnectedParts parts = connected_parts(mesh, alive);
   const auto node = [](int i, int k) { return i + 37 * 2 * k; };  // on the lower side
   EXPECT_GE(parts.count, 2);
   const int held = parts.part_of_node[node(13, 14)];  // where the forceps closed
@@ -179,16 +119,15 @@ TEST(TornScene, PeritoneumIsLeftWithAHoleAndAPieceInTheForceps) {
   EXPECT_NE(held, parts.part_of_node[node(0, 0)]);
 
   // the strip behind the hole, from the border on, in the row through the forceps
-  const double stretch =
-      (torn.plastic_rest.row(node(7, 14)) - torn.plastic_rest.row(node(0, 14))).norm() / (7 * 0.12 / 36);
+  const double stretch = (plastic_rest.row(node(7, 14)) - plastic_rest.row(node(0, 14))).norm() / (7 * 0.12 / 36);
   EXPECT_GT(stretch, 1.05);
   EXPECT_LT(stretch, 1.25);
 }
 
-TEST(TornScene, VesselIsFreeAndLeavesStretchedStumps) {
-  const TornScene torn("vessel_mobilise");
+TEST_F(TornScene, VesselIsFreeAndLeavesStretchedStumps) {
+  tear("vessel_mobilise");
   const HexMesh lattice = tube({4, 16, 42}, 0.0025, 0.0105, arc(0.126, 0, 43));
-  ASSERT_EQ(torn.plastic_rest.rows(), lattice.num_nodes());
+  ASSERT_EQ(plastic_rest.rows(), lattice.num_nodes());
   std::vector<Hexahedron> hexahedra;
   std::vector<int> layer_of;  // 0: the wall; 1 to 3: the strands, outward
   for (int e = 0; e < lattice.num_elements(); ++e) {
@@ -199,19 +138,19 @@ TEST(TornScene, VesselIsFreeAndLeavesStretchedStumps) {
     layer_of.push_back(layer);
   }
   const HexMesh mesh(lattice.positions(), hexahedra);
-  ASSERT_EQ(torn.alive.size(), hexahedra.size());
-  EXPECT_GE(torn.removed, 28);  // at least one layer of four in each of seven strands
-  EXPECT_LE(torn.removed, 56);  // at most two
+  ASSERT_EQ(alive.size(), hexahedra.size());
+  EXPECT_GE(removed, 28);  // at least one layer of four in each of seven strands
+  EXPECT_LE(removed, 56);  // at most two
   for (std::size_t e = 0; e < hexahedra.size(); ++e)
-    EXPECT_TRUE(torn.alive[e] || layer_of[e] > 0) << "hexahedron " << e << " of the wall";
+    EXPECT_TRUE(alive[e] || layer_of[e] > 0) << "hexahedron " << e << " of the wall";
 
   // nothing that lies on the bed hangs together with the vessel
-  const ConnectedParts parts = connected_parts(mesh, torn.alive);
+  const ConnectedParts parts = connected_parts(mesh, alive);
   const int vessel = parts.part_of_node[mesh.hexahedra().front().front()];
   EXPECT_GE(vessel, 0);
   std::vector<double> stretches;  // of the stumps on the bed, outward
   for (std::size_t e = 0; e < hexahedra.size(); ++e) {
-    if (layer_of[e] != 3 || !torn.alive[e]) continue;
+    if (layer_of[e] != 3 || !alive[e]) continue;
     for (const int node : hexahedra[e]) EXPECT_NE(parts.part_of_node[node], vessel) << "node " << node;
     const auto thickness = [&](const PointArray& x) {
       Vec3 sum = Vec3::Zero();
@@ -219,26 +158,17 @@ TEST(TornScene, VesselIsFreeAndLeavesStretchedStumps) {
       for (int a = 0; a < kCorners; ++a) sum += 0.25 * kCornerSign[a][0] * at.row(a).transpose();
       return sum.norm();
     };
-    stretches.push_back(thickness(torn.plastic_rest) / thickness(mesh.positions()));
+    stretches.push_back(thickness(plastic_rest) / thickness(mesh.positions()));
   }
   ASSERT_FALSE(stretches.empty());
   for (const double stretch : stretches) EXPECT_LT(stretch, 1.4);
   EXPECT_GT(std::accumulate(stretches.begin(), stretches.end(), 0.0) / stretches.size(), 1.03);
 }
 
-/// The volume of an organ's material throughout a run and at its end; nothing turned inside out.
-void expect_kept_volume(std::map<std::string, std::vector<double>>& history) {
-  for (const double ratio : history["material_volume_ratio"]) EXPECT_NEAR(ratio, 1, 0.01);
-  EXPECT_NEAR(history["material_volume_ratio"].back(), 1, 2e-3);
-  EXPECT_EQ(history["inverted"].back(), 0);
-}
-
 // The grasper goes 26 mm up. The fat keeps nearly half of it; the wall is drawn 5 mm along and comes back to about
 // 2: it does not flow itself, but the fat around it has.
-TEST(FattyTissue, KeepsABumpOnAWallThatDoesNotFlow) {
-  SceneOutcome outcome;
-  ASSERT_NO_FATAL_FAILURE(run_twice("fatty_tissue", outcome));
-  auto& [final, history] = outcome;
+TEST_F(Shipped, FattyTissueKeepsABumpOnAWallThatDoesNotFlow) {
+  const auto [final, history] = run("fatty_tissue");
 
   PointArray arch(9, 3);
   for (int k = 0; k < 9; ++k) {
@@ -262,15 +192,13 @@ TEST(FattyTissue, KeepsABumpOnAWallThatDoesNotFlow) {
   for (int e = 0; e < mesh.num_elements(); e += 3)
     ASSERT_EQ(final["yield_stress"][e], 1e9) << "hexahedron " << e << " of the wall has flowed";
 
-  EXPECT_EQ(history["yielded"].back(), 0);
-  expect_kept_volume(history);
+  EXPECT_EQ(history.numbers("yielded").back(), 0);
+  expect_kept_volume(history, 2e-3);
 }
 
 // The forceps go 40 mm out. The lobe keeps about half of it.
-TEST(LiverCage, KeepsItsLobeDrawnOut) {
-  SceneOutcome outcome;
-  ASSERT_NO_FATAL_FAILURE(run_twice("liver_cage", outcome));
-  auto& [final, history] = outcome;
+TEST_F(Shipped, LiverCageKeepsItsLobeDrawnOut) {
+  const auto [final, history] = run("liver_cage");
 
   const PointArray current = support::matrix(final["positions"]),
                    plastic_rest = support::matrix(final["material_positions"]);
@@ -278,8 +206,8 @@ TEST(LiverCage, KeepsItsLobeDrawnOut) {
   EXPECT_NEAR(current.col(0).maxCoeff() - rest, 0.019, 0.002);
   EXPECT_NEAR(plastic_rest.col(0).maxCoeff() - rest, 0.019, 0.002);
 
-  EXPECT_EQ(history["yielded"].back(), 0);
-  expect_kept_volume(history);
+  EXPECT_EQ(history.numbers("yielded").back(), 0);
+  expect_kept_volume(history, 2e-3);
 }
 
 }  // namespace

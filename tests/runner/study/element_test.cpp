@@ -7,7 +7,7 @@
 
 #include "hexaplast/material/rows.hpp"
 #include "support/command.hpp"
-#include "support/compare.hpp"
+#include "support/csv.hpp"
 #include "support/golden.hpp"
 #include "support/rows.hpp"
 
@@ -165,72 +165,48 @@ TEST_F(ElementCommand, AFileThatCannotBeReadEndsWith5) {
   EXPECT_EQ(element("- --path absent.csv", "{" + kCube + "}").code, 5);
 }
 
-struct Table {
-  std::vector<std::string> header;
-  std::vector<std::vector<double>> rows;
-
-  double at(std::size_t row, const std::string& name) const {
-    return rows.at(row).at(std::find(header.begin(), header.end(), name) - header.begin());
-  }
-};
-
-Table table(const std::string& csv) {
-  Table t;
-  std::istringstream lines(csv);
-  for (std::string line, cell; std::getline(lines, line);) {
-    std::istringstream cells(line);
-    if (!t.header.empty()) t.rows.emplace_back();
-    while (std::getline(cells, cell, ',')) {
-      if (t.rows.empty())
-        t.header.push_back(cell);
-      else
-        t.rows.back().push_back(std::stod(cell));
-    }
-  }
-  return t;
-}
-
 TEST_F(ElementCommand, DrivesTheHexahedronThroughAPath) {
   write("path.csv", "time,F11,F12,F13,F21,F22,F23,F31,F32,F33\n0,1,0,0,0,1,0,0,0,1\n# hold\n1,1.2,0,0,0,1,0,0,0,1\r\n");
   const std::string elastic = R"(, "parameters": {"youngModulus": 1000, "poissonRatio": 0.25, "dt": 0.1,
       "bending": "blended", "volumetric": "sample")";
   Outcome outcome = element("- --path path.csv", "{" + kCube + elastic + "}}");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  Table t = table(outcome.out);
-  ASSERT_EQ(t.rows.size(), 11u);
+  support::Csv t(outcome.out);
+  ASSERT_EQ(t.num_rows(), 11u);
   for (std::size_t k = 0; k < 11; ++k) {
     // uniaxial strain e: P11 = (lambda + 2 mu) e, P22 = lambda e, energy (lambda + 2 mu) e^2 / 2 in one cubic metre
     const double strain = 0.02 * k;
-    EXPECT_NEAR(t.at(k, "time"), 0.1 * k, 1e-12);
-    EXPECT_NEAR(t.at(k, "F11"), 1 + strain, 1e-12);
-    EXPECT_NEAR(t.at(k, "P11"), 1200 * strain, 1e-9);
-    EXPECT_NEAR(t.at(k, "P22"), 400 * strain, 1e-9);
-    EXPECT_NEAR(t.at(k, "P12"), 0, 1e-9);
-    EXPECT_NEAR(t.at(k, "energy"), 600 * strain * strain, 1e-9);
-    EXPECT_NEAR(t.at(k, "stress_norm"), 800 * strain, 1e-9);
-    EXPECT_EQ(t.at(k, "plastic_strain"), 0);
+    EXPECT_NEAR(t.number(k, "time"), 0.1 * k, 1e-12);
+    EXPECT_NEAR(t.number(k, "F11"), 1 + strain, 1e-12);
+    EXPECT_NEAR(t.number(k, "P11"), 1200 * strain, 1e-9);
+    EXPECT_NEAR(t.number(k, "P22"), 400 * strain, 1e-9);
+    EXPECT_NEAR(t.number(k, "P12"), 0, 1e-9);
+    EXPECT_NEAR(t.number(k, "energy"), 600 * strain * strain, 1e-9);
+    EXPECT_NEAR(t.number(k, "stress_norm"), 800 * strain, 1e-9);
+    EXPECT_EQ(t.number(k, "plastic_strain"), 0);
   }
 
   // with a yield stress it flows once the stress has passed it, and never before
   outcome = element("- --path path.csv",
                     "{" + kCube + elastic + R"(, "yieldStress": 40, "plasticFlowRate": 2, "hardening": 0.1}})");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  t = table(outcome.out);
+  t = support::Csv(outcome.out);
   for (std::size_t k = 0; k < 11; ++k) {
-    EXPECT_EQ(t.at(k, "plastic_strain") > 0, 800 * 0.02 * k > 40) << k;
-    EXPECT_EQ(t.at(k, "yield_stress") > 40, t.at(k, "plastic_strain") > 0);
+    EXPECT_EQ(t.number(k, "plastic_strain") > 0, 800 * 0.02 * k > 40) << k;
+    EXPECT_EQ(t.number(k, "yield_stress") > 40, t.number(k, "plastic_strain") > 0);
   }
-  EXPECT_GT(t.at(10, "dissipated_energy"), 0);
+  EXPECT_GT(t.number(10, "dissipated_energy"), 0);
 }
 
 TEST_F(ElementCommand, TheExampleOfTheDocumentationYieldsAndKeepsAStretch) {
   const std::string examples = std::string("'") + HEXAPLAST_SOURCE_DIR + "/docs/examples/uniaxial";
   const Outcome outcome = element(examples + ".json' --path " + examples + "_path.csv'");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  const Table t = table(outcome.out);
+  const support::Csv t(outcome.out);
   double stress_free = 0;
-  for (std::size_t k = 1; k < t.rows.size(); ++k)
-    if (t.at(k, "time") > 2 && t.at(k - 1, "P11") > 0 && t.at(k, "P11") <= 0) stress_free = t.at(k, "F11");
+  for (std::size_t k = 1; k < t.num_rows(); ++k)
+    if (t.number(k, "time") > 2 && t.number(k - 1, "P11") > 0 && t.number(k, "P11") <= 0)
+      stress_free = t.number(k, "F11");
   EXPECT_NEAR(stress_free, 1.19, 0.01);
 }
 
