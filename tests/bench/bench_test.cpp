@@ -112,13 +112,6 @@ TEST(BenchTimes, AreLeastMedianAndHundredth) {
   EXPECT_EQ(times.p99, 198);
 }
 
-TEST(BenchMachine, HasPeaks) {
-  const MachineLimits limits({1});
-  for (const Precision precision : {Precision::kDouble, Precision::kMixed})
-    EXPECT_GT(limits.peak_gflops(precision, 1), 0.1);
-  EXPECT_GT(limits.read_gbs(1u << 20, 1), 0.1);
-}
-
 Record record_of(double ratio, double residual) {
   Record record;
   record.size = 72;

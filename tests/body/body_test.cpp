@@ -6,7 +6,6 @@
 
 #include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/hash.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "mesh/trilinear.hpp"
 #include "support/bar.hpp"
@@ -54,6 +53,10 @@ TEST_F(YieldingBody, IsNotChangedByEvaluation) {
   body.linearize(current);
   const PointArray f = force(), df = product(elsewhere);
   const double energy = body.energy(current);
+  body.energy(elsewhere);
+  body.fields(elsewhere);
+  EXPECT_EQ(force(), f) << "the linearization stays";
+  EXPECT_EQ(product(elsewhere), df);
 
   body.linearize(elsewhere);
   force();
@@ -65,15 +68,6 @@ TEST_F(YieldingBody, IsNotChangedByEvaluation) {
   EXPECT_EQ(force(), f);
   EXPECT_EQ(product(elsewhere), df);
   EXPECT_EQ(body.energy(current), energy);
-}
-
-TEST_F(YieldingBody, KeepsItsLinearizationWhileEnergyAndFieldsAreAsked) {
-  body.linearize(current);
-  const PointArray f = force(), df = product(elsewhere);
-  body.energy(elsewhere);
-  body.fields(elsewhere);
-  EXPECT_EQ(force(), f);
-  EXPECT_EQ(product(elsewhere), df);
 }
 
 TEST_F(YieldingBody, AddsToWhatIsThere) {
@@ -89,52 +83,17 @@ TEST_F(YieldingBody, FlowsAtTheGivenPositionsWhateverWasLinearizedBefore) {
   body.flow(current, kStep);
   other.linearize(current);
   other.flow(current, kStep);
-  StateHash a, b;
-  body.add_to(a);
-  other.add_to(b);
-  EXPECT_EQ(a.text(), b.text());
+  EXPECT_EQ(history_hash(), support::hash_of(other));
 }
 
-TEST_F(YieldingBody, IsInItsInitialStateAfterReset) {
-  Body initial(body.mesh(), {kYielding});
-  EXPECT_GT(
-      support::max_abs(body.state().history.plastic_rest_positions - initial.state().history.plastic_rest_positions),
-      1e-6);
-  body.reset();
-  StateHash a, b;
-  body.add_to(a);
-  initial.add_to(b);
-  EXPECT_EQ(a.text(), b.text());
-
-  PointArray expected = PointArray::Zero(36, 3);
-  initial.linearize(current);
-  initial.add_force(expected);
-  body.linearize(current);
-  EXPECT_EQ(force(), expected);
-}
-
-TEST_F(YieldingBody, RefusesPositionsThatAreNotNumbersAndKeepsItsHistory) {
-  const std::string before = history_hash();
-  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-    PointArray spoiled = current;
-    spoiled(7, 2) = bad;
-    EXPECT_TRUE(support::refuses<NumericalError>([&] { body.flow(spoiled, kStep); }, {"node 7"}));
-    EXPECT_EQ(history_hash(), before);
-  }
-  EXPECT_NO_THROW(body.flow(current, kStep));
-}
-
-TEST_F(YieldingBody, RefusesATimeStepBeyondTheLimits) {
-  const std::string before = history_hash();
-  EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(current, 0.5); }, {"flow_rate", "dt"}));
-  EXPECT_EQ(history_hash(), before);
-}
-
-TEST_F(YieldingBody, RefusesATimeStepThatIsNoneAndKeepsItsHistory) {
+TEST_F(YieldingBody, RefusesTimeStepsAndKeepsItsHistory) {
   const std::string before = history_hash();
   for (const double dt : {0.0, -0.01, -1e300, double(NAN), double(INFINITY)})
     EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(current, dt); }, {"dt = ", "(0, inf)"})) << dt;
+  EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(current, 0.5); }, {"flow_rate", "dt"}));
   EXPECT_EQ(history_hash(), before);
+  Body restoring(body.mesh(), body.materials(), {.volume_restitution = 100});
+  EXPECT_TRUE(support::refuses<InputError>([&] { restoring.flow(current, kStep); }, {"volume_restitution"}));
 
   Body fresh(body.mesh(), body.materials(), body.settings());
   EXPECT_THROW(fresh.flow(current, 0), InputError) << "also as the first";
@@ -163,21 +122,18 @@ TEST_F(YieldingBody, RefusesHexahedraThatAreNotThere) {
   }
 }
 
-// Squares of such positions are beyond all numbers, they themselves are not.
-TEST_F(YieldingBody, RefusesAnOverflowAndKeepsItsHistory) {
+// Squares of large positions are beyond all numbers, they themselves are not.
+TEST_F(YieldingBody, RefusesWhatIsNotFiniteAndKeepsItsHistory) {
   const std::string before = history_hash();
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    PointArray spoiled = current;
+    spoiled(7, 2) = bad;
+    EXPECT_TRUE(support::refuses<NumericalError>([&] { body.flow(spoiled, kStep); }, {"node 7"}));
+  }
   for (const double scale : {1e155, 1e200, 1e300})
     EXPECT_TRUE(support::refuses<NumericalError>([&] { body.flow(scale * current, kStep); }, {"not finite"})) << scale;
   EXPECT_EQ(history_hash(), before);
   EXPECT_GT(body.flow(current, kStep).yielded, 0) << "it goes on as if nothing had been";
-}
-
-TEST_F(YieldingBody, LosesNoEnergyIntoNothing) {
-  // what the elastic energy loses in a plastic step at held positions is dissipated, to first order in the flow
-  const double energy = body.energy(current), dissipated = body.state().history.dissipated_energy;
-  body.flow(current, kStep / 100);
-  EXPECT_GT(body.state().history.dissipated_energy, dissipated);
-  EXPECT_LT(body.energy(current), energy);
 }
 
 TEST_F(YieldingBody, ShowsWhatItIs) {
@@ -216,7 +172,7 @@ TEST_F(YieldingBody, IsCopiedWithAllThatItIs) {
 TEST(Body, HasTheSameBitsForAnyThreadCount) {
   const int before = num_threads();
   std::string expected;
-  for (const int threads : {1, 2, 3, 4, 7}) {
+  for (const int threads : {1, 1, 2, 3, 4, 7}) {
     set_num_threads(threads);
     support::Simulation bar = support::bar(BarLoad::kTwist, "high");
     bar.run(60);
@@ -225,15 +181,6 @@ TEST(Body, HasTheSameBitsForAnyThreadCount) {
     EXPECT_GT(bar.body.state().history.dissipated_energy, 0);
   }
   set_num_threads(before);
-}
-
-TEST(Body, RunsTwiceToTheSameBits) {
-  const auto run = [] {
-    support::Simulation bar = support::bar(BarLoad::kStretch, "high");
-    bar.run(60);
-    return bar.state_hash();
-  };
-  EXPECT_EQ(run(), run());
 }
 
 TEST(Body, WithoutElementsOrWithUnsupportedNodesIsHarmless) {

@@ -21,6 +21,7 @@
 #include "mesh/selection.hpp"
 #include "solve/contact_loads.hpp"
 #include "solve/loads.hpp"
+#include "support/archive.hpp"
 #include "support/compare.hpp"
 #include "support/materials.hpp"
 #include "support/motion.hpp"
@@ -83,16 +84,7 @@ std::vector<BodyVerb> ending_verbs() {
              body.save(stream);
              body.load(stream);
            }},
-          {"serialize", [](Body& body) {
-             std::vector<std::byte> bytes;
-             Archive out([&](const void* data, std::size_t size) {
-               const auto* from = static_cast<const std::byte*>(data);
-               bytes.insert(bytes.end(), from, from + size);
-             });
-             body.serialize(out);
-             Archive in{std::span<const std::byte>(bytes)};
-             body.serialize(in);
-           }}};
+          {"serialize", [](Body& body) { support::read_from(support::written(body), body); }}};
 }
 
 TEST(OrderOfCalls, WhatRefersToTheLinearizationNamesWhatIsMissing) {

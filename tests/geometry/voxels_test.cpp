@@ -7,6 +7,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/quality.hpp"
 #include "support/compare.hpp"
+#include "support/shapes.hpp"
 
 namespace hexaplast {
 namespace {
@@ -151,17 +152,7 @@ TEST(Voxels, NamesWhatIsWrong) {
       {"more than 255 different labels"}));
 }
 
-/// Volume inside a closed surface of quads, each as two triangles.
-double volume_of(const VoxelSurface& surface) {
-  double volume = 0;
-  for (const Quad& quad : surface.quads)
-    for (const int c : {1, 2}) {
-      const Vec3 a = surface.positions.row(quad[0]), b = surface.positions.row(quad[c]),
-                 d = surface.positions.row(quad[c + 1]);
-      volume += a.dot(b.cross(d)) / 6;
-    }
-  return volume;
-}
+double volume_of(const VoxelSurface& surface) { return support::enclosed_volume(surface.positions, surface.quads); }
 
 /// Every edge is run through once in each direction: the surface is closed, oriented and a manifold.
 void expect_closed(const VoxelSurface& surface) {

@@ -66,21 +66,6 @@ TEST(Averaging, JoinsStretchedElementsIntoAStretchedBarOfAnyLength) {
   }
 }
 
-// Why a linear system is solved: replacing nodes by the mean of their elements' wishes reaches ten slices only slowly.
-TEST(Averaging, ByOneSweepOfNodeMeansWouldFallShort) {
-  const Model model = elastic_model(support::block({2, 2, 10}, kEdge));
-  const History history = stretched_rest_shapes(model);
-  PointArray joined = PointArray::Zero(model.mesh.num_nodes(), 3);
-  for (int e = 0; e < model.mesh.num_elements(); ++e) {
-    const Hexahedron& corners = model.mesh.hexahedra()[e];
-    const Eigen::RowVector3d centre = gather(history.plastic_rest_positions, corners).colwise().mean();
-    for (int a = 0; a < kCorners; ++a) {
-      joined.row(corners[a]) += (history.rest_shape[e].row(a) + centre) / model.mesh.incident(corners[a]).size();
-    }
-  }
-  EXPECT_LT(elongation(end_sections(model.mesh), joined), 0.1);
-}
-
 TEST(Averaging, KeepsTheMeanOfEveryConnectedPart) {
   const HexMesh one = support::distorted_block({2, 2, 3}, kEdge, 0.15, 141);
   const HexMesh mesh = support::two_copies(one, 5);

@@ -24,28 +24,15 @@ Mat3 random_stretch(Random& random, double size) {
   return V * d.asDiagonal() * V.transpose();
 }
 
-TEST(StressNorm, OfUniaxialTensionIsTheTension) {
-  Random random(51);
-  for (const double tension : {700.0, -700.0}) {
-    const Mat3 R = random.rotation();
-    const Mat3 sigma = R * Vec3(tension, 0, 0).asDiagonal() * R.transpose();
-    for (const YieldNorm norm : kYieldNorms) EXPECT_NEAR(stress_norm(sigma, norm), 700, 1e-10);
-  }
-}
-
+// Whatever the axes are.
 TEST(StressNorm, HasTheHandValues) {
-  const Mat3 sigma = Vec3(300, -100, -500).asDiagonal();
+  const Mat3 R = Random(51).rotation();
+  const Mat3 sigma = R * Vec3(300, -100, -500).asDiagonal() * R.transpose();
+  const Mat3 tension = R * Vec3(-700, 0, 0).asDiagonal() * R.transpose();
+  for (const YieldNorm norm : kYieldNorms) EXPECT_NEAR(stress_norm(tension, norm), 700, 1e-10);
   EXPECT_NEAR(stress_norm(sigma, YieldNorm::kVonMises), std::sqrt(0.5 * (400. * 400 + 400. * 400 + 800. * 800)), 1e-10);
   EXPECT_NEAR(stress_norm(sigma, YieldNorm::kFrobenius), std::sqrt(350000.0), 1e-10);
   EXPECT_NEAR(stress_norm(sigma, YieldNorm::kSpectral), 500, 1e-10);
-}
-
-TEST(StressNorm, OnlyVonMisesIgnoresPressure) {
-  Random random(52);
-  const Mat3 A = random.matrix(300), sigma = 0.5 * (A + A.transpose()), pressed = sigma - 1000 * Mat3::Identity();
-  EXPECT_NEAR(stress_norm(pressed, YieldNorm::kVonMises), stress_norm(sigma, YieldNorm::kVonMises), 1e-9);
-  EXPECT_GT(stress_norm(pressed, YieldNorm::kFrobenius), stress_norm(sigma, YieldNorm::kFrobenius) + 100);
-  EXPECT_GT(stress_norm(pressed, YieldNorm::kSpectral), stress_norm(sigma, YieldNorm::kSpectral) + 100);
 }
 
 TEST(FlowShare, IsTheRateTimesTheExcessAndStaysWithinZeroAndOne) {
@@ -103,34 +90,11 @@ TEST(StretchFlow, IsAShareOfTheDeviatoricLogarithmicStretch) {
       ASSERT_NEAR(flow.strain, std::sqrt(2.0 / 3) * flow.fraction * logs.norm(), 1e-12);
       const Mat3 flowed = eigen.eigenvectors() * (flow.fraction * logs).asDiagonal() * eigen.eigenvectors().transpose();
       ASSERT_NEAR(flow.dissipated, stress(S, kSoftLame).cwiseProduct(flowed).sum(), 1e-9);
+      if (norm == YieldNorm::kVonMises) {
+        ASSERT_GE(flow.dissipated, 0);
+      }
     }
   }
-}
-
-TEST(StretchFlow, NeverGainsEnergy) {
-  Random random(54);
-  for (int k = 0; k < 500; ++k) {
-    const Mat3 S = random_stretch(random, 0.5);
-    const StretchFlow flow = stretch_flow(S, stress(S, kSoftLame), YieldNorm::kVonMises, 50, 3, 0.01);
-    ASSERT_GE(flow.dissipated, 0);
-  }
-}
-
-TEST(StretchFlow, IsExactlyNothingBelowYield) {
-  Random random(55);
-  const Mat3 S = random_stretch(random, 0.3);
-  const StretchFlow flow = stretch_flow(S, stress(S, kSoftLame), YieldNorm::kFrobenius, 1e6, 3, 0.01);
-  EXPECT_EQ(flow.fraction, 0);
-  EXPECT_EQ(flow.strain, 0);
-  EXPECT_EQ(flow.dissipated, 0);
-  EXPECT_EQ(flow.increment, Mat3::Identity());
-}
-
-TEST(StretchFlow, OfAPureVolumeChangeHasNoShape) {
-  const Mat3 S = 1.05 * Mat3::Identity();
-  const StretchFlow flow = stretch_flow(S, stress(S, kSoftLame), YieldNorm::kFrobenius, 300, 3, 0.01);
-  EXPECT_GT(flow.fraction, 0);
-  EXPECT_LE((flow.increment - Mat3::Identity()).cwiseAbs().maxCoeff(), 1e-15);
 }
 
 TEST(RotationFlow, IsAShareOfTheRotation) {
@@ -147,14 +111,6 @@ TEST(RotationFlow, IsAShareOfTheRotation) {
     // the pose of the element slows the paper's modes down
     ASSERT_NEAR(rotation_flow(Q, angle, 0.4, 0.05, 2, 0.01).fraction, 0.02 * (angle - 0.05) / (angle + 0.4), 1e-15);
   }
-}
-
-TEST(RotationFlow, IsExactlyNothingBelowYield) {
-  Random random(57);
-  const RotationFlow flow = rotation_flow(random.rotation_by(0.04), 0.04, 0, 0.05, 2, 0.01);
-  EXPECT_EQ(flow.fraction, 0);
-  EXPECT_EQ(flow.increment, Mat3::Identity());
-  EXPECT_EQ(rotation_flow(Mat3::Identity(), 0, 0, 0, 2, 0.01).increment, Mat3::Identity());
 }
 
 }  // namespace

@@ -10,77 +10,25 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/body.hpp"
-#include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "solve/column_products.hpp"
 #include "support/compare.hpp"
 #include "support/random.hpp"
+#include "support/slab.hpp"
 
 namespace hexaplast {
 namespace {
 
-constexpr double kStepOfSlab = 0.01;
+using support::Slab;
 
-/// M + dt^2 stiffness of a slab of 1,024 hexahedra that is held at x = 0, with a spring beside it where it has one.
-class HeldSlab final : public LinearSystem {
- public:
-  HeldSlab(double young_modulus, Precision precision)
-      : mesh(regular_grid({16, 16, 4}, Vec3::Zero(), {0.16, 0.16, 0.04})),
-        body(mesh, {Material{.young_modulus = young_modulus, .poisson_ratio = 0.45}}, settings(precision)),
-        diagonal(PointArray::Constant(mesh.num_nodes(), 3, 1e-3)) {
-    body.linearize(mesh.positions());
-    for (int n = 0; n < mesh.num_nodes(); ++n)
-      if (mesh.positions()(n, 0) < 1e-9) held.push_back(n);
-  }
-
-  static Settings settings(Precision precision) {
-    Settings settings;
-    settings.precision = precision;
-    return settings;
-  }
-  int num_nodes() const override { return mesh.num_nodes(); }
-  void apply(ConstPoints p, Points Ap) const override {
-    Ap = diagonal.cwiseProduct(p);
-    body.add_stiffness_product(-kStepOfSlab * kStepOfSlab, p, Ap);
-    if (spring.stiffness > 0) spring.add_product(p, Ap);
-    project(Ap);
-  }
-  void assemble(BlockMatrix& A) const override {
-    for (int n = 0; n < num_nodes(); ++n) A.add(n, n, Mat3(diagonal.row(n).asDiagonal()));
-    body.add_stiffness_blocks(-kStepOfSlab * kStepOfSlab, A);
-    A.add(spring.node, spring.node, spring.stiffness * Mat3::Identity());
-    for (const int n : held)
-      for (int axis = 0; axis < 3; ++axis) A.pin(n, axis);
-  }
-  bool describe(MatrixFreeSystem& system) const override {
-    system.diagonal = diagonal;
-    system.diagonal_version = 0;
-    system.free.setOnes(num_nodes(), 3);
-    for (const int n : held) system.free.row(n).setZero();
-    body.describe(-kStepOfSlab * kStepOfSlab, system);
-    if (spring.stiffness > 0) system.others.push_back(&spring);
-    return true;
-  }
-  void project(Points field) const override {
-    for (const int n : held) field.row(n).setZero();
-  }
-
-  struct Spring final : NodalOperator {
-    void add_product(ConstPoints p, Points Fp) const override { Fp.row(node) += stiffness * p.row(node); }
-    int node = 200;
-    double stiffness = 0;
-  };
-
-  HexMesh mesh;
-  Body body;
-  PointArray diagonal;
-  std::vector<int> held;
-  Spring spring;
-};
+Slab held_slab(double young_modulus, Precision precision) {
+  Slab slab(support::slab_mesh());
+  slab.add_body(0, slab.mesh.num_elements(), young_modulus, {}, precision);
+  return slab;
+}
 
 /// Contacts in faces of the top, moved by a fraction of an edge: a normal and two tangents each, over four nodes.
-std::vector<ConstraintRow> contacts(const HeldSlab& slab, int count, double fraction, unsigned seed = 3) {
+std::vector<ConstraintRow> contacts(const Slab& slab, int count, double fraction, unsigned seed = 3) {
   support::Random random(seed);
   std::vector<ConstraintRow> rows;
   for (int k = 0; k < count; ++k) {
@@ -99,7 +47,7 @@ std::vector<ConstraintRow> contacts(const HeldSlab& slab, int count, double frac
   return rows;
 }
 
-PointArray transposed(const HeldSlab& slab, const std::vector<ConstraintRow>& rows, const Eigen::VectorXd& lambda) {
+PointArray transposed(const Slab& slab, const std::vector<ConstraintRow>& rows, const Eigen::VectorXd& lambda) {
   PointArray f = PointArray::Zero(slab.num_nodes(), 3);
   for (std::size_t j = 0; j < rows.size(); ++j)
     for (const auto& [node, direction] : rows[j])
@@ -107,7 +55,7 @@ PointArray transposed(const HeldSlab& slab, const std::vector<ConstraintRow>& ro
   return f;
 }
 
-Eigen::MatrixXd factorised(const HeldSlab& slab, const std::vector<ConstraintRow>& rows) {
+Eigen::MatrixXd factorised(const Slab& slab, const std::vector<ConstraintRow>& rows) {
   CholeskySolver cholesky;
   cholesky.setup(slab);
   const auto count = static_cast<Eigen::Index>(rows.size());
@@ -134,8 +82,8 @@ struct SystemCase {
 class ComplianceOf : public testing::TestWithParam<SystemCase> {};
 
 TEST_P(ComplianceOf, ContactsIsThatOfAFactorisation) {
-  HeldSlab slab(GetParam().young_modulus, GetParam().precision);
-  slab.spring.stiffness = GetParam().spring;
+  Slab slab = held_slab(GetParam().young_modulus, GetParam().precision);
+  if (GetParam().spring > 0) slab.ties.add(200, 200, GetParam().spring * Mat3::Identity());
   const std::vector<ConstraintRow> rows = contacts(slab, 20, 0.2);
   Compliance compliance(GetParam().preconditioner);
   const Eigen::MatrixXd expected = factorised(slab, rows), found = compliance.find(slab, rows);
@@ -173,7 +121,7 @@ TEST(Compliance, ForcesOfMultipliersAreThoseOfTheTransposedJacobian) {
 }
 
 TEST(Compliance, BeginsTheMotionOfMultipliersNearIt) {
-  const HeldSlab slab(2e5, Precision::kDouble);
+  const Slab slab = held_slab(2e5, Precision::kDouble);
   const std::vector<ConstraintRow> rows = contacts(slab, 20, 0.2);
   Compliance compliance;
   const Eigen::MatrixXd W = compliance.find(slab, rows);
@@ -201,7 +149,7 @@ TEST(Compliance, HasTheSameBitsForAnyNumberOfThreads) {
   Eigen::MatrixXd found[2];
   for (int k = 0; k < 2; ++k) {
     set_num_threads(k == 0 ? 1 : 3);
-    const HeldSlab slab(2e5, Precision::kMixed);
+    const Slab slab = held_slab(2e5, Precision::kMixed);
     Compliance compliance;
     compliance.find(slab, contacts(slab, 7, 0.2));
     found[k] = compliance.find(slab, contacts(slab, 7, 0.25));
@@ -212,7 +160,7 @@ TEST(Compliance, HasTheSameBitsForAnyNumberOfThreads) {
 
 // As points of a mesh against several triangles each: more rows at a node than it has directions, nearly alike.
 TEST(Compliance, OfRowsThatDependOnOneAnotherIsPositive) {
-  HeldSlab slab(2e5, Precision::kMixed);
+  const Slab slab = held_slab(2e5, Precision::kMixed);
   support::Random random(9);
   Compliance compliance;
   std::vector<ConstraintRow> rows;
@@ -230,7 +178,7 @@ TEST(Compliance, OfRowsThatDependOnOneAnotherIsPositive) {
 }
 
 TEST(Compliance, RowsMayBeManyNoneDependentOrHeld) {
-  const HeldSlab slab(2e5, Precision::kDouble);
+  const Slab slab = held_slab(2e5, Precision::kDouble);
   Compliance compliance;
   EXPECT_EQ(compliance.find(slab, {}).size(), 0);
   std::vector<ConstraintRow> rows = contacts(slab, 4, 0.2);

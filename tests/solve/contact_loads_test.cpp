@@ -34,14 +34,6 @@ TEST(Pressure, OnAClosedSurfaceIsTheGradientOfTheVolume) {
   const HexMesh mesh = support::distorted_block({1, 1, 1}, 0.4, 0.2, 7);
   const std::vector<Quad> faces = faces_of(mesh.hexahedra());
   const PointArray x = mesh.positions();
-  const auto enclosed = [&](ConstPoints at) {
-    double volume = 0;
-    const auto corner = [&](int n) -> Vec3 { return at.row(n).transpose(); };
-    for (const Quad& q : faces)
-      volume +=
-          (corner(q[0]).dot(corner(q[1]).cross(corner(q[2]))) + corner(q[0]).dot(corner(q[2]).cross(corner(q[3])))) / 6;
-    return volume;
-  };
   PointArray f = PointArray::Zero(8, 3);
   for (const Quad& face : faces) add_pressure(face, 300, x, f);
 
@@ -51,15 +43,13 @@ TEST(Pressure, OnAClosedSurfaceIsTheGradientOfTheVolume) {
           [&](double h) {
             PointArray nudged = x;
             nudged(n, i) += h;
-            return 300 * enclosed(nudged);
+            return 300 * support::enclosed_volume(nudged, faces);
           },
           1e-6);
       EXPECT_NEAR(f(n, i), slope, 1e-7);
     }
-  Vec3 moment = Vec3::Zero();
-  for (int n = 0; n < 8; ++n) moment += Vec3(x.row(n).transpose()).cross(Vec3(f.row(n).transpose()));
   EXPECT_LE(max_abs(f.colwise().sum()), 1e-13);
-  EXPECT_LE(max_abs(moment), 1e-13);
+  EXPECT_LE(max_abs(support::moment(x, f)), 1e-13);
 }
 
 TEST(Obstacle, PushesBackWhatIsBehindItAndNothingElse) {

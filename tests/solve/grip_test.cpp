@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "support/compare.hpp"
+#include "support/dense.hpp"
 #include "support/random.hpp"
 
 namespace hexaplast {
@@ -91,15 +92,13 @@ TEST(Grip, StiffnessIsTheDerivativeOfTheForce) {
   const PointArray dx = random.field(6, 1);
   const double h = 1e-6;
   const PointArray slope = (force_at(grip, tool, x + h * dx) - force_at(grip, tool, x - h * dx)) / (2 * h);
-  PointArray product = PointArray::Zero(6, 3), by_blocks = product, diagonal = product;
+  PointArray product = PointArray::Zero(6, 3), diagonal = product;
   grip.add_stiffness_product(elongations, 2, dx, product);
   EXPECT_TRUE(agrees(product, 2 * slope, 1e-8));
 
   BlockMatrix A(6);
   grip.add_stiffness_blocks(elongations, 2, A);
-  for (int n = 0; n < 6; ++n)
-    for (const auto& [m, block] : A.row(n)) by_blocks.row(n) += dx.row(m) * block.transpose();
-  EXPECT_TRUE(agrees(by_blocks, product, 1e-14));
+  EXPECT_TRUE(agrees(support::times(A, dx), product, 1e-14));
   EXPECT_FALSE(grip.add_stiffness_diagonal(elongations, 2, diagonal));
 
   const Grip strong = closed(1000);
@@ -151,7 +150,7 @@ TEST(Grip, DashpotsBrakeWhatMovesAgainstTheTool) {
   support::Random random(83);
   const PointArray v = random.field(6, 1);
   const Vec3 tool_velocity(0.3, -0.1, 0.2);
-  PointArray f = PointArray::Zero(6, 3), moved = f, product = f, by_blocks = f, diagonal = f;
+  PointArray f = PointArray::Zero(6, 3), moved = f, product = f, diagonal = f;
   const Vec3 sum = grip.add_damping_force(tool_velocity, v, f);
   for (const int node : {5, 0, 2, 3})
     EXPECT_LE(support::max_abs(Vec3(f.row(node).transpose()) - 15 * (tool_velocity - Vec3(v.row(node).transpose()))),
@@ -165,9 +164,7 @@ TEST(Grip, DashpotsBrakeWhatMovesAgainstTheTool) {
   EXPECT_TRUE(agrees(product, PointArray(0.7 * (moved - f)), 1e-12));
   BlockMatrix A(6);
   grip.add_damping_blocks(0.7, A);
-  for (int n = 0; n < 6; ++n)
-    for (const auto& [m, block] : A.row(n)) by_blocks.row(n) += dv.row(m) * block.transpose();
-  EXPECT_TRUE(agrees(by_blocks, product, 1e-12));
+  EXPECT_TRUE(agrees(support::times(A, dv), product, 1e-12));
   grip.add_damping_diagonal(0.7, diagonal);
   EXPECT_TRUE(agrees(PointArray(diagonal.cwiseProduct(dv)), product, 1e-12));
 }

@@ -210,10 +210,7 @@ TEST_P(KernelSolvers, TakeABodyThatIsNotHeldForSemiDefinite) {
 TEST_P(KernelSolvers, TakeTheBendingOfALongBarForStiffness) {
   Body bar(regular_grid({100, 2, 2}, Vec3::Zero(), Vec3(1, 0.02, 0.02)), {Material{}}, {.precision = GetParam().first});
   const PointArray rest = bar.mesh().positions();
-  std::vector<int> end;
-  for (int n = 0; n < rest.rows(); ++n)
-    if (rest(n, 0) < 1e-9) end.push_back(n);
-  LoadedBody system(bar, std::vector<double>(rest.rows(), 0), end, {});
+  LoadedBody system(bar, std::vector<double>(rest.rows(), 0), support::nodes_at(bar.mesh(), 0, 0), {});
   bar.linearize(rest);
   PointArray b = PointArray::Zero(rest.rows(), 3), x(rest.rows(), 3);
   b.col(2).setConstant(-1e-6);
@@ -271,10 +268,7 @@ TEST(ImplicitEuler, KeepsNodesOnObliquePlanesOfASystemOfOnesOwn) {
         Body body(support::block({8, 8, 8}, 0.01), {Material{.young_modulus = 1e5, .poisson_ratio = 0.3}},
                   {.precision = precision});
         const PointArray rest = body.mesh().positions();
-        std::vector<int> side;
-        for (int n = 0; n < rest.rows(); ++n)
-          if (rest(n, 0) < 1e-9) side.push_back(n);
-        OnObliquePlane system(body, lumped_masses(body, 1000), normal, side);
+        OnObliquePlane system(body, lumped_masses(body, 1000), normal, support::nodes_at(body.mesh(), 0, 0));
         PreconditionedConjugateGradients solver(1e-8, 2000, preconditioner);
         ConjugateGradients plain({.iterations = 5000, .tolerance = 1e-12, .threshold = 0});
         PointArray x = rest, by_plain = rest, v = PointArray::Zero(rest.rows(), 3), v_plain = v;
@@ -288,18 +282,19 @@ TEST(ImplicitEuler, KeepsNodesOnObliquePlanesOfASystemOfOnesOwn) {
       }
 }
 
+NodalLoad weight(const std::vector<double>& mass) {
+  return [&mass](double, ConstPoints, Points f) {
+    for (Eigen::Index n = 0; n < f.rows(); ++n) f(n, 2) -= 9.81 * mass[n];
+  };
+}
+
 // Coarse meshes feel a plane of held nodes between their own.
 TEST(NewtonRaphson, TakesFewIterationsOfMultigridWhereverNodesAreHeld) {
   for (const int plane : {0, 1, 2, 3, 4, 7}) {
     Body body(support::block({16, 16, 16}, 0.01), {Material{.young_modulus = 1e5, .poisson_ratio = 0.3}}, {});
     PointArray x = body.mesh().positions();
-    std::vector<int> held;
-    for (int n = 0; n < x.rows(); ++n)
-      if (std::abs(x(n, 0) - 0.01 * plane) < 1e-9) held.push_back(n);
     const std::vector<double> mass = lumped_masses(body, 1000);
-    LoadedBody system(body, mass, held, [&](double, ConstPoints, Points f) {
-      for (Eigen::Index n = 0; n < f.rows(); ++n) f(n, 2) -= 9.81 * mass[n];
-    });
+    LoadedBody system(body, mass, support::nodes_at(body.mesh(), 0, 0.01 * plane), weight(mass));
     PreconditionedConjugateGradients solver(1e-6, 1000, Preconditioner::kMultigrid);
     EXPECT_LE(NewtonRaphson({.iterations = 1}).solve(system, solver, 0, x).linear_iterations, 14) << plane;
   }
@@ -324,9 +319,7 @@ TEST(NewtonRaphson, FindsNoEquilibriumOfWhatNothingHolds) {
         body.remove(removed);
         for (int n = 0; is_half_held && n < 49; ++n) held.push_back(n);
         const std::vector<double> mass = lumped_masses(body, 1000);
-        LoadedBody system(body, mass, held, [&](double, ConstPoints, Points f) {
-          for (Eigen::Index n = 0; n < f.rows(); ++n) f(n, 2) -= 9.81 * mass[n];
-        });
+        LoadedBody system(body, mass, held, weight(mass));
         NewtonRaphson newton({.iterations = 5, .relative_estimate = 1e-6, .absolute_estimate = 1e-6});
         PointArray x = rest;
         try {

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <initializer_list>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
-#include "hexaplast/base/archive.hpp"
 #include "scene/reader.hpp"
+#include "support/archive.hpp"
 
 namespace hexaplast::support {
 
@@ -52,20 +48,6 @@ inline std::string errors_of(std::string_view text) {
   }
 }
 
-/// Expects each piece of a scene, within what `frame` puts around it, to be refused with its message, that of line 1.
-template <class Frame>
-void expect_errors(const Frame& frame, std::initializer_list<std::pair<std::string, std::string>> rows) {
-  for (const auto& [piece, message] : rows)
-    EXPECT_EQ(errors_of(frame(piece)), "test.scn:1: error: " + message) << piece;
-}
-
-/// What a scene has to say that is no error, one message behind the other.
-inline std::string warnings_of(scene::Scene& scene) {
-  std::string said;
-  for (const scene::Message& warning : scene.diagnostics().take_warnings()) said += scene::format(warning) + "\n";
-  return said;
-}
-
 /// A component or node by its path from the root.
 template <class T>
 T& at(scene::Scene& scene, std::string_view path) {
@@ -90,22 +72,7 @@ inline void run(scene::Scene& scene, int steps) {
 }
 
 /// All that a scene would write into a checkpoint.
-inline std::vector<std::byte> saved(scene::Scene& scene) {
-  std::vector<std::byte> bytes;
-  Archive archive([&](const void* data, std::size_t size) {
-    const auto* first = static_cast<const std::byte*>(data);
-    bytes.insert(bytes.end(), first, first + size);
-  });
-  scene.serialize(archive);
-  return bytes;
-}
-
-/// Puts a scene where another one is, by way of a checkpoint.
-inline void go_on_in(scene::Scene& from, scene::Scene& into) {
-  const std::vector<std::byte> bytes = saved(from);
-  Archive in{std::span<const std::byte>(bytes)};
-  into.serialize(in);
-}
+inline std::vector<std::byte> saved(scene::Scene& scene) { return written(scene); }
 
 /// A scene with solvers and the given components.
 inline std::string in_root(const std::string& attributes, const std::string& lines) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "support/scene.hpp"
 
@@ -21,5 +22,8 @@ inline PointArray both(scene::Scene& scene) {
   all << positions(scene, "first"), positions(scene, "second");
   return all;
 }
+
+/// Puts a scene where another one is, by way of a checkpoint.
+inline void go_on_in(scene::Scene& from, scene::Scene& into) { read_from(saved(from), into); }
 
 }  // namespace hexaplast::support
