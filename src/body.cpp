@@ -92,7 +92,7 @@ Body::State::State(HexMesh mesh, std::vector<Material> materials, Settings setti
       history(model),
       at(model),
       averaging_solver(hexaplast::averaging_solver(model)) {
-  if (model.can_flow()) flow.emplace(model, history);
+  if (model.can_flow() && !is_plain()) flow.emplace(model, history);
 }
 
 Body::Body(HexMesh mesh, std::vector<Material> materials, Settings settings)
@@ -148,13 +148,18 @@ void Body::State::require_linearized(const char* call) const {
 void Body::linearize(ConstPoints x) {
   state_->require_field("linearize", "x", x);
   state_->springs.clear();  // which described the system before
-  hexaplast::linearize(state_->model, state_->history, x, state_->at);
+  state_->terms.clear();
+  if (state_->is_plain())
+    state_->plain.emplace(state_->model, state_->history, x);
+  else
+    hexaplast::linearize(state_->model, state_->history, x, state_->at);
   state_->not_linearized_since = nullptr;
 }
 
 void Body::add_force(Points f) const {
   state_->require_linearized("add_force");
   state_->require_field("add_force", "f", f);
+  if (state_->is_plain()) return state_->plain->add_force(f);
   hexaplast::add_force(state_->model, state_->at, f);
 }
 
@@ -162,17 +167,27 @@ void Body::add_stiffness_product(double factor, ConstPoints dx, Points df) const
   state_->require_linearized("add_stiffness_product");
   state_->require_field("add_stiffness_product", "dx", dx);
   state_->require_field("add_stiffness_product", "df", df);
+  if (state_->is_plain()) return state_->plain->add_stiffness_product(factor, dx, df);
   hexaplast::add_stiffness_product(state_->model, state_->at, factor, dx, state_->slots(), state_->product, df);
 }
 
 void Body::add_stiffness_blocks(double factor, BlockMatrix& K) const {
   state_->require_linearized("add_stiffness_blocks");
   require_count("add_stiffness_blocks", "K", K.num_nodes(), state_->model.mesh.num_nodes());
+  if (state_->is_plain()) return state_->plain->add_stiffness_blocks(factor, K);
   hexaplast::add_stiffness_blocks(state_->model, state_->at, factor, K);
 }
 
 void Body::describe(double factor, MatrixFreeSystem& system) const {
   state_->require_linearized("describe");
+  if (state_->is_plain()) {
+    auto term = std::ranges::find(state_->terms, factor, &plain::StiffnessTerm::factor);
+    if (term == state_->terms.end()) term = state_->terms.emplace(term);
+    term->of = &*state_->plain;
+    term->factor = factor;
+    system.others.push_back(&*term);
+    return;
+  }
   KernelBody& body = system.bodies.emplace_back();
   body.factor = -factor;  // L = - df/dx
   body.revision = state_->at.revision;
@@ -200,12 +215,16 @@ void Body::describe(double factor, MatrixFreeSystem& system) const {
 double Body::recovery_work(ConstPoints x) const {
   if (state_->model.settings.recovery == RecoveryMode::kNone) return 0;
   state_->require_linearized("recovery_work");
+  if (state_->is_plain())
+    return plain::Elasticity(state_->model, state_->history, x).recovery().energy() -
+           state_->plain->recovery().energy_at(state_->history.plastic_rest_positions, x);
   energy(x);  // finds the springs
   return state_->product.recovery.energy() - state_->at.recovery.energy_at(state_->history.plastic_rest_positions, x);
 }
 
 double Body::energy(ConstPoints x) const {
   state_->require_field("energy", "x", x);
+  if (state_->is_plain()) return plain::Elasticity(state_->model, state_->history, x).energy();
   return hexaplast::energy(state_->model, state_->history, x, state_->slots(), state_->product);
 }
 
@@ -218,6 +237,7 @@ FlowReport Body::flow(ConstPoints x, double dt) {
   }
   require_finite(x, "position");
   state_->not_linearized_since = "flow";
+  if (state_->is_plain()) return plain::flow(state_->model, x, dt, state_->averaging_solver, state_->history);
   if (state_->skip_screening && state_->at.plastic_rest_version == state_->history.version)
     set_positions(state_->model, x, state_->at);
   else
@@ -267,9 +287,10 @@ void Body::State::take(Model changed, History changed_history, const char* call)
   history = std::move(changed_history);
   history.version = version + 1;  // what was derived from the old history is old
   at = Linearization(model);
+  plain.reset();
   not_linearized_since = call;
   flow.reset();
-  if (model.can_flow()) flow.emplace(model, history);
+  if (model.can_flow() && !is_plain()) flow.emplace(model, history);
   skip_screening = false;
   checked_dt = kNone;
   hierarchy.reset();
@@ -335,8 +356,11 @@ ElementFields Body::fields(ConstPoints x) const {
 
     const Hexahedron& corners = state_->model.mesh.hexahedra()[e];
     const Settings& settings = state_->model.settings;
-    const ElementSamples samples = element_samples(gather(state_->history.plastic_rest_positions, corners),
-                                                   gather(x, corners), state_->model.lame[e], settings);
+    const ElementPoints plastic_rest = gather(state_->history.plastic_rest_positions, corners),
+                        current = gather(x, corners);
+    const Lame& k = state_->model.lame[e];
+    const ElementSamples samples = state_->is_plain() ? plain::Element(plastic_rest, current, k, settings).samples()
+                                                      : element_samples(plastic_rest, current, k, settings);
     out.volume_ratio[e] = samples.volume / state_->model.volume[e];
     for (int i = 0; i < kCorners; ++i) {
       out.stress_norm[e] = std::max(out.stress_norm[e], stress_norm(samples.stress[i], settings.yield_norm));

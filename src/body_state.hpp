@@ -11,6 +11,7 @@
 #include "elastic/operators.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
+#include "plain/plain.hpp"
 #include "plastic/flow.hpp"
 
 namespace hexaplast {
@@ -31,13 +32,15 @@ struct Body::State {
   void require_linearized(const char* call) const;
   void require_hexahedron(int hexahedron) const;
 
+  bool is_plain() const { return model.settings.implementation == Implementation::kPlain; }
   SlotScratch& slots() { return flow ? flow->averaging.slots() : own_slots; }
 
   Model model;
   History history;
   Linearization at;
   const char* not_linearized_since = "the body was made";  // null while `at` is what the caller linearized
-  std::optional<FlowWorkspace> flow;                       // of bodies that can flow
+  std::optional<plain::Elasticity> plain;                  // of a plain body, in place of `at`
+  std::optional<FlowWorkspace> flow;                       // of bodies that can flow, but for plain ones
   PreconditionedConjugateGradients averaging_solver;
   bool skip_screening = false;  // in the latest plastic step: screening first would be in vain
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -46,6 +49,7 @@ struct Body::State {
   ProductWorkspace product;                   // of add_stiffness_product and energy
   DoublePrecisionOperator exact;              // of mixed precision
   std::deque<RecoveryTerm> springs;           // of the systems described since `linearize`, one for each factor
+  std::deque<plain::StiffnessTerm> terms;     // the same of a plain body
   std::optional<ElementHierarchy> hierarchy;  // made when a solver first asks for coarse operators
 };
 

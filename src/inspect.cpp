@@ -10,6 +10,7 @@
 #include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
 #include "kinematics/gradients.hpp"
+#include "plain/plain.hpp"
 #include "plastic/element_flow.hpp"
 #include "plastic/rest_shape.hpp"
 
@@ -29,6 +30,13 @@ History history_of(const Model& model, const HexahedronState& state) {
   return history;
 }
 
+/// The plain implementation has every option.
+Settings plainly(Settings settings) {
+  settings.precision = Precision::kDouble;
+  settings.implementation = Implementation::kPlain;
+  return settings;
+}
+
 /// B: what the paper's rotation modes are measured against.                                          theory.md eq. 33
 Mat3 frame_of(const HexahedronState& state, RotationFrame frame) {
   return frame == RotationFrame::kBestFit ? fit_rotation(about_mean(state.plastic_rest), about_mean(state.current))
@@ -44,10 +52,8 @@ HexahedronState initial_hexahedron(const ElementPoints& initial, const Material&
 
 HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Material& material,
                                         const Settings& settings) {
-  const Model model(mesh_of(state.initial), {material}, settings);
-  const History history = history_of(model, state);
-  Linearization at(model);
-  linearize(model, history, state.current, at);
+  const Model model(mesh_of(state.initial), {material}, plainly(settings));
+  const plain::Elasticity elasticity(model, history_of(model, state), state.current);
   const Sampling sampling = sampling_of(settings);
   const RestOperator rest = rest_operator(state.plastic_rest, sampling);
 
@@ -64,12 +70,12 @@ HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Mate
   found.sample_volume = rest.volume / kCorners;
   found.mean_gradient = mean_gradient(state.plastic_rest);
 
-  found.energy = energy(model, history, state.current);
+  found.energy = elasticity.energy();
   PointArray force = PointArray::Zero(kCorners, 3);
-  add_force(model, at, force);
+  elasticity.add_force(force);
   found.force = force;
   BlockMatrix blocks(kCorners);
-  add_stiffness_blocks(model, at, -1, blocks);
+  elasticity.add_stiffness_blocks(-1, blocks);
   found.stiffness.setZero();
   for (int a = 0; a < kCorners; ++a)
     for (const auto& [b, block] : blocks.row(a)) found.stiffness.block<3, 3>(3 * a, 3 * b) = block;
@@ -83,15 +89,12 @@ HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Mate
 HexahedronStep inspect_step(const HexahedronState& state, const Material& material, const Settings& settings, double dt,
                             Names names) {
   require_time_step(dt);
-  Settings exact = settings;
+  Settings exact = plainly(settings);
   exact.averaging_tolerance = kExactAveraging;
-  exact.precision = Precision::kDouble;
   const Model model(mesh_of(state.initial), {material}, exact);
   check_time_step(model.materials, settings, dt, names);
   const History before = history_of(model, state);
-  Linearization at(model);
-  linearize(model, before, state.current, at);
-  const ElementSamples samples = element_samples(state.plastic_rest, state.current, model.lame[0], settings);
+  const ElementSamples samples = plain::Element(state.plastic_rest, state.current, model.lame[0], settings).samples();
 
   HexahedronStep found;
   found.F_centre = centre_jacobian(state.current) * centre_jacobian(state.plastic_rest).inverse();
@@ -134,9 +137,8 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
 
   // and the step as a body takes it
   History after = before;
-  FlowWorkspace work(model, after);
   PreconditionedConjugateGradients solver = averaging_solver(model);
-  flow(model, at, dt, solver, after, work);
+  plain::flow(model, state.current, dt, solver, after);
   found.history = after.element(0);
   found.rest_volume = volume(found.history.rest_shape);
   found.plastic_rest = after.plastic_rest_positions;
@@ -152,7 +154,7 @@ void follow_path(const ElementPoints& initial, const Material& material, const S
   for (std::size_t k = 1; k < path.size(); ++k)
     if (!(path[k].time > path[k - 1].time))
       throw InputError(fmt::format("path: time {} does not come after {}", path[k].time, path[k - 1].time));
-  Body body(mesh_of(initial), {material}, settings);
+  Body body(mesh_of(initial), {material}, plainly(settings));
   const auto respond = [&](double time, const Mat3& F) {
     const PointArray x = initial * F.transpose();
     body.linearize(x);

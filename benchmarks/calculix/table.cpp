@@ -44,6 +44,7 @@ struct Element {
     others.bending = bending;
     others.volumetric = volumetric;
     others.law = law;
+    if (bending == Bending::kVertex) others.implementation = Implementation::kPlain;
     return others;
   }
 };

@@ -38,8 +38,6 @@ CycleOperator::CycleOperator(const Model& model)
   simple_.resize(std::vector<unsigned char>(model.partition->num_blocks, 0));
 }
 
-bool CycleOperator::is_for(const Settings& settings) { return !sampling_of(settings).of_the_centre; }
-
 template <class Visit>
 void CycleOperator::visit_others(const Visit& visit) const {
   std::visit(

@@ -15,9 +15,6 @@ class CycleOperator final : public ChunkedOperator<float> {
  public:
   explicit CycleOperator(const Model& model);
 
-  /// Whether elements of this kind gain by it.
-  static bool is_for(const Settings& settings);
-
   /// Of the positions that `at` holds, to which it refers from then on.
   void update(const Model& model, const Linearization& at);
   /// A copy of the Linearization of the latest update.

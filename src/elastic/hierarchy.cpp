@@ -52,7 +52,7 @@ ElementHierarchy::Level::Level(const CoarseMesh& mesh)
 
 ElementHierarchy::ElementHierarchy(const Model& model) {
   for (const CoarseMesh& mesh : model.coarse_meshes()) levels_.emplace_back(mesh);
-  if (!levels_.empty() && CycleOperator::is_for(model.settings)) cycle_.emplace(model);
+  if (!levels_.empty()) cycle_.emplace(model);
 }
 
 std::span<const CoarseOperator> ElementHierarchy::update(const Model& model, const Linearization& at) {

@@ -224,9 +224,8 @@ HWY_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
     }
     CornerLanes<N> Gm;
     volume_gradient(e, Gm, rest.volume);
-
-    const Mat<N> centre_edges = mean_edges(e), centre = reciprocal(centre_edges, det);
     if constexpr (Rest::kHasMean) {
+      const Mat<N> centre_edges = mean_edges(e), centre = reciprocal(centre_edges, det);
       rest.dual = centre;
       for (int a = 0; a < kCorners; ++a)
         for (int n = 0; n < 3; ++n)
@@ -238,27 +237,14 @@ HWY_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
         for (int n = 0; n < 3; ++n)
           rest.skew[l][n] = Q[l][0] * centre(n, 0) + Q[l][1] * centre(n, 1) + Q[l][2] * centre(n, 2);
     }
-    if (!sampling.of_the_centre) {  // h = Gm - corner_weight mean g                                            eq. 8
-      if (sampling.corner_weight == 1) {  // corners alone
-        set_zero(rest.h);
-      } else {
-        rest.h = Gm;
-        EdgeLanes<N> mean;
-        for (int d = 0; d < 3; ++d)
-          for (int m = 0; m < 4; ++m)
-            for (int j = 0; j < 3; ++j)
-              mean.at[d][m][j] = N(T(-sampling.corner_weight / kCorners)) *
-                                 (rest.inverse[kEdgeFrom[d][m]](d, j) + rest.inverse[kEdgeTo[d][m]](d, j));
-        add_edges_transpose(mean, rest.h);
-      }
-    } else {
-      set_zero(rest.h);
-      EdgeLanes<N> mean;
-      for (int d = 0; d < 3; ++d)
-        for (int m = 0; m < 4; ++m)
-          for (int j = 0; j < 3; ++j) mean.at[d][m][j] = N(T(0.25)) * centre(d, j);
-      add_edges_transpose(mean, rest.h);
-    }
+    rest.h = Gm;  // h = Gm - corner_weight mean g                                                              eq. 8
+    EdgeLanes<N> mean;
+    for (int d = 0; d < 3; ++d)
+      for (int m = 0; m < 4; ++m)
+        for (int j = 0; j < 3; ++j)
+          mean.at[d][m][j] = N(T(-sampling.corner_weight / kCorners)) *
+                             (rest.inverse[kEdgeFrom[d][m]](d, j) + rest.inverse[kEdgeTo[d][m]](d, j));
+    add_edges_transpose(mean, rest.h);
   }
 }
 

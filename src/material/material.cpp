@@ -75,6 +75,20 @@ void validate(const Settings& settings, Names names) {
   for (const Row<Settings>& row : settings_rows())
     if (const double value = row.at.get(settings); !row.admits(value))
       refuse(row.called(names), value, "", row.condition());
+  const auto require = [&](Implementation implementation, std::string_view member, auto value) {
+    const Row<Settings>& row = *find_row(settings_rows(), member, Names::kMembers);
+    const Row<Settings>& other = *find_row(settings_rows(), "implementation", Names::kMembers);
+    if (row.at.get(settings) == static_cast<double>(value) && settings.implementation != implementation)
+      throw InputError(fmt::format("{} = {} needs {} = {}", row.called(names),
+                                   row.words[static_cast<std::size_t>(value)], other.called(names),
+                                   other.words[static_cast<std::size_t>(implementation)]));
+  };
+  for (const Bending bending : {Bending::kVertex, Bending::kCentre})
+    require(Implementation::kPlain, "bending", bending);
+  for (const RotationPlasticity mode : {RotationPlasticity::kVertex, RotationPlasticity::kCentre})
+    require(Implementation::kPlain, "rotation_plasticity", mode);
+  require(Implementation::kPlain, "averaging", AveragingMethod::kJacobi);
+  require(Implementation::kFast, "precision", Precision::kMixed);
 }
 
 bool can_stretch(const Material& material) { return material.flow_rate > 0 && std::isfinite(material.yield_stress); }
@@ -96,15 +110,16 @@ double bytes_per_hexahedron(const std::vector<Material>& materials, const Settin
                                 settings.rotation_plasticity == RotationPlasticity::kCentre;
   // what not every history has stands in the trial history of a step once more
   const double tensors = (tracks_stretch ? kCorners : 0) + (turns_at_corners ? kCorners - 1 : 0);
+  if (settings.implementation == Implementation::kPlain)
+    return 14000 + (flows ? 2 : 1) * tensors * sizeof(Mat3) + (flows ? 2500 : 0);
   const double coefficients = (settings.bending == Bending::kAssumedCorner ? 51 : 0) +
                               (settings.volumetric != Volumetric::kSample ? 42 : 0) +
                               (settings.law != ElasticLaw::kCorotated ? 56 : 0);
-  const bool has_simple_cycles = settings.bending != Bending::kCentre;
   const double of_cycles = 60 + (settings.volumetric == Volumetric::kVolumeRatio ? 21 : 0);
   const double of_latest = 51;  // masses and fixed axes of the latest eigenvalues, positions of the latest energy
   const double more = (flows ? 2 : 1) * tensors * sizeof(Mat3) +
-                      coefficients * (settings.precision == Precision::kMixed ? 2 : sizeof(double)) +
-                      (has_simple_cycles ? 2 * of_cycles + 2 * sizeof(float) + of_latest : 0) +
+                      coefficients * (settings.precision == Precision::kMixed ? 2 : sizeof(double)) + 2 * of_cycles +
+                      2 * sizeof(float) + of_latest +
                       (settings.recovery != RecoveryMode::kNone ? 3 * sizeof(double) : 0);
   if (settings.precision == Precision::kMixed) return more + (flows ? 4700 : kMinBytesPerHexahedron);
   return more + (flows ? 6200 : 3700);

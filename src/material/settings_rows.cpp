@@ -16,6 +16,7 @@ constexpr std::string_view kRotations[] = {"objective", "vertex", "centre", "non
 constexpr std::string_view kFrames[] = {"bestFit", "world"};
 constexpr std::string_view kAveragings[] = {"gaussNewton", "jacobi"};
 constexpr std::string_view kPrecisions[] = {"double", "mixed"};
+constexpr std::string_view kImplementations[] = {"fast", "plain"};
 
 constexpr Row<Settings> kSettingsRows[] = {
     {.member = "bending",
@@ -134,6 +135,14 @@ constexpr Row<Settings> kSettingsRows[] = {
      .help = "Precision of the stiffness product and of the vectors of CGLinearSolver and MultigridCGLinearSolver. "
              "mixed: single precision, twice as fast; positions, forces and the plastic state are double.",
      .at = kMember<&Settings::precision>},
+    {.member = "implementation",
+     .name = "implementation",
+     .group = kNumerics,
+     .words = kImplementations,
+     .help = "What computes. plain: one hexahedron after the other, in double precision, for reading and comparing; it "
+             "alone has bending=\"vertex\" and \"centre\", averaging=\"jacobi\", and rotationPlasticity=\"vertex\" and "
+             "\"centre\".",
+     .at = kMember<&Settings::implementation>},
     {.member = "volume_restitution",
      .name = "volumeRestitution",
      .group = kVolume,

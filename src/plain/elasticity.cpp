@@ -23,12 +23,12 @@ double corner_ratio(const ElementPoints& plastic_rest, const ElementPoints& curr
 }  // namespace
 
 Elasticity::Elasticity(const Model& model, const History& history, ConstPoints x)
-    : model_(&model), elements_(model.mesh.num_elements()) {
+    : hexahedra_(model.mesh.hexahedra()), elements_(hexahedra_.size()) {
   const bool recovers = model.settings.recovery == RecoveryMode::kCluster;
   if (recovers) recovery_.corner_ratios.resize(static_cast<std::size_t>(model.partition->num_blocks) * kBlock);
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
     if (!history.alive[e]) continue;
-    const Hexahedron& corners = model.mesh.hexahedra()[e];
+    const Hexahedron& corners = hexahedra_[e];
     const ElementPoints plastic_rest = gather(history.plastic_rest_positions, corners), current = gather(x, corners);
     elements_[e].emplace(plastic_rest, current, model.lame[e], model.settings);
     if (recovers) recovery_.corner_ratios[model.partition->place_of_element[e]] = corner_ratio(plastic_rest, current);
@@ -47,7 +47,7 @@ void Elasticity::add_force(Points f) const {
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     if (!elements_[e]) continue;
     const ElementPoints force = elements_[e]->force();
-    for (int a = 0; a < kCorners; ++a) f.row(model_->mesh.hexahedra()[e][a]) += force.row(a);
+    for (int a = 0; a < kCorners; ++a) f.row(hexahedra_[e][a]) += force.row(a);
   }
   recovery_.add_force(f);
 }
@@ -55,7 +55,7 @@ void Elasticity::add_force(Points f) const {
 void Elasticity::add_stiffness_product(double factor, ConstPoints dx, Points df) const {
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     if (!elements_[e]) continue;
-    const Hexahedron& corners = model_->mesh.hexahedra()[e];
+    const Hexahedron& corners = hexahedra_[e];
     const ElementPoints increment = elements_[e]->force_increment(gather(dx, corners));
     for (int a = 0; a < kCorners; ++a) df.row(corners[a]) += factor * increment.row(a);
   }
@@ -65,7 +65,7 @@ void Elasticity::add_stiffness_product(double factor, ConstPoints dx, Points df)
 // Column by column. Removed elements add zeros: the pattern is that of the mesh.
 void Elasticity::add_stiffness_blocks(double factor, BlockMatrix& K) const {
   for (std::size_t e = 0; e < elements_.size(); ++e) {
-    const Hexahedron& corners = model_->mesh.hexahedra()[e];
+    const Hexahedron& corners = hexahedra_[e];
     for (int b = 0; b < kCorners; ++b) {
       std::array<Mat3, kCorners> column;
       column.fill(Mat3::Zero());
@@ -79,6 +79,17 @@ void Elasticity::add_stiffness_blocks(double factor, BlockMatrix& K) const {
     }
   }
   recovery_.add_blocks(-factor, K);
+}
+
+void Elasticity::add_stiffness_diagonal(double factor, Points diagonal) const {
+  for (std::size_t e = 0; e < elements_.size(); ++e)
+    for (int a = 0; a < kCorners && elements_[e]; ++a)
+      for (int axis = 0; axis < 3; ++axis) {
+        ElementPoints unit = ElementPoints::Zero();
+        unit(a, axis) = factor;
+        diagonal(hexahedra_[e][a], axis) += elements_[e]->force_increment(unit)(a, axis);
+      }
+  recovery_.add_diagonal(-factor, diagonal);
 }
 
 }  // namespace hexaplast::plain

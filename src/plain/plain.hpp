@@ -13,7 +13,8 @@
 
 /// The method for a whole body, to be read beside the paper (R. Gao, J. Peters, "Improving hexahedral-FEM-based
 /// plasticity in surgery simulation") and docs/theory.md: one element after the other, in double precision, on one
-/// thread. It serves every option, and the kernels are tested against it.
+/// thread. It has every option, those of the paper that the kernels do not have among them (Settings::implementation),
+/// and the kernels are tested against it. It allocates as it likes.
 ///
 ///   paper                                   | theory.md         | where
 ///   (1)      gradients, blended             | 1, 7 to 9, E11c   | Element, kinematics/gradients.hpp
@@ -96,18 +97,30 @@ class Element {
 /// Elasticity of a body at one set of current positions.
 class Elasticity {
  public:
-  /// x: num_nodes x 3 [m]. The model must outlive this.
+  /// x: num_nodes x 3 [m].
   Elasticity(const Model& model, const History& history, ConstPoints x);
 
   double energy() const;                                                       ///< [J]              eq. 18, E25
   void add_force(Points f) const;                                              ///< f += [N]        eq. 15, E25
   void add_stiffness_product(double factor, ConstPoints dx, Points df) const;  ///< df += factor df/dx dx eq. 16
   void add_stiffness_blocks(double factor, BlockMatrix& K) const;              ///< K += factor df/dx     eq. 17
+  void add_stiffness_diagonal(double factor, Points diagonal) const;           ///< of the same
+  const Recovery& recovery() const { return recovery_; }
 
  private:
-  const Model* model_;
+  std::vector<Hexahedron> hexahedra_;
   std::vector<std::optional<Element>> elements_;  // none where removed
   Recovery recovery_;
+};
+
+/// factor df/dx, for solvers.
+struct StiffnessTerm final : NodalOperator {
+  const Elasticity* of = nullptr;
+  double factor = 0;
+
+  void add_product(ConstPoints p, Points Fp) const override { of->add_stiffness_product(factor, p, Fp); }
+  bool has_diagonal() const override { return true; }
+  void add_diagonal(Points diagonal) const override { of->add_stiffness_diagonal(factor, diagonal); }
 };
 
 /// Moves history.plastic_rest_positions towards the positions that fit the isolated rest shapes best, by

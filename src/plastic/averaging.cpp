@@ -59,23 +59,20 @@ struct Averaging::Kernels {
     slots.resize(*model.partition);
   }
 
-  /// Best rotations of history.rest_shape at history.plastic_rest_positions into history.rotation_map, unless the maps
-  /// are the mode's own; returns E. With `prepares`: operator, gradient and size as well.
+  /// Best rotations of history.rest_shape at history.plastic_rest_positions into history.rotation_map; returns E. With
+  /// `prepares`: operator, gradient and size as well.
   double fit(const Model& model, History& history, bool prepares) {
     const Partition& partition = *model.partition;
     slots.resize(partition);
     to_slots(partition, history.plastic_rest_positions, plastic_rest());
     if (prepares) std::fill(gradient().begin(), gradient().end(), 0.0);
-    const bool has_own_maps = model.maps_per_element() > 1;
     std::visit(
         [&]<class T>(AveragingOperator<T>& of) {
           const FitPass<T> pass{.partition = partition,
                                 .plastic_rest = plastic_rest().data(),
                                 .present = present.data(),
                                 .rest_shape = history.rest_shape.data(),
-                                .rotation_map = has_own_maps ? nullptr : history.rotation_map.data(),
-                                .fixed_map = has_own_maps ? history.rotation_map.data() : nullptr,
-                                .turns_targets = model.turns_isolated_shapes,
+                                .rotation_map = history.rotation_map.data(),
                                 .coef = prepares ? of.coef.data() : nullptr,
                                 .gradient = prepares ? gradient().data() : nullptr,
                                 .misfit = misfit.data(),
@@ -177,7 +174,7 @@ class Averaging::System final : public LinearSystem {
   }
 
   int num_nodes() const override { return model_.mesh.num_nodes(); }
-  bool leaves_rotation() const { return projects_ && !model_.turns_isolated_shapes; }
+  bool leaves_rotation() const { return projects_; }
 
   void apply(ConstPoints p, Points Ap) const override {
     const Partition& partition = *model_.partition;
@@ -393,20 +390,13 @@ void Averaging::step(const Model& model, LinearSolver& solver, History& history,
     if (warm) history.averaging_increment = increment_;
   };
 
-  if (model.settings.averaging == AveragingMethod::kJacobi) {
-    System(model, *this, false).precondition(gradient_, increment_);
-    move(false);
-  } else if (model.maps_per_element() > 1) {
+  solve(System(model, *this, true));
+  if (kernels_->fit(model, history, false) > E) {
+    // far from the fit the projected step may overshoot; the local/global step never raises E
+    report.fell_back = true;
+    history.plastic_rest_positions = before_;
+    kernels_->fit(model, history, false);  // the maps that it starts from, and keeps
     solve(System(model, *this, false));
-  } else {
-    solve(System(model, *this, true));
-    if (kernels_->fit(model, history, false) > E) {
-      // far from the fit the projected step may overshoot; the local/global step never raises E
-      report.fell_back = true;
-      history.plastic_rest_positions = before_;
-      kernels_->fit(model, history, false);  // the maps that it starts from, and keeps
-      solve(System(model, *this, false));
-    }
   }
 }
 

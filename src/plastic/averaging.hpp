@@ -26,9 +26,8 @@ inline constexpr double kRegularisation = 1e-7;     ///< of P in eq. 31: keeps t
 ///   (H + 1e-7 P) dx = -g,   H_k = P - B (B^T B)^-1 B^T,   g = assembled x_i - c_k - t_i                    (eq. 31)
 ///
 /// P removes an element's mean, B the infinitesimal rotations of x - c: a turn of a whole connected part is in neither
-/// H nor g, and is taken out of dx. The local/global step solves P dx = -g, the Jacobi sweep divides -g by the number
-/// of elements around a node. The paper's rotation modes have rotation maps of their own instead of best rotations: for
-/// them P dx = -g is exact. Every connected part keeps the mean of its nodes.
+/// H nor g, and is taken out of dx. The local/global step solves P dx = -g. Every connected part keeps the mean of its
+/// nodes.
 class Averaging {
  public:
   explicit Averaging(const Model& model);

@@ -152,31 +152,13 @@ HWY_INLINE void fit_lanes(const FitPass<T>& pass, int block, int lane, double& m
   CornerLanes<V> y;
   for (int n = 0; n < 3 * kCorners; ++n) y.at[n % kCorners][n / kCorners] = numbers[n];
 
-  if (pass.fixed_map) {
-    alignas(64) double map[9][kBlock];
-    for (int a = 0; a < kCorners; ++a) {
-      for (int k = 0; k < V::kCount; ++k) {
-        const bool there = present >> k & 1;
-        for (int n = 0; n < 9; ++n)
-          map[n][k] = there ? pass.fixed_map[elements[k] * kCorners + a](n / 3, n % 3) : n % 4 == 0;
-      }
-      for (int i = 0; i < 3; ++i)
-        t.at[a][i] =
-            load(map[3 * i]) * y.at[a][0] + load(map[3 * i + 1]) * y.at[a][1] + load(map[3 * i + 2]) * y.at[a][2];
-    }
-    take_mean_out(t);
-  } else {
-    const Mat<V> R = safe_polar(outer_sum(x, y)).R;
-    for (int a = 0; a < kCorners; ++a)
-      for (int i = 0; i < 3; ++i) t.at[a][i] = R(i, 0) * y.at[a][0] + R(i, 1) * y.at[a][1] + R(i, 2) * y.at[a][2];
-    if (pass.rotation_map) {
-      V map[9];
-      for (int n = 0; n < 9; ++n) map[n] = R(n % 3, n / 3);
-      store_elements<9>(map, present, addresses<double>(elements, [&](int e) {
-                          return e < 0 ? nullptr : pass.rotation_map[e].data();
-                        }));
-    }
-  }
+  const Mat<V> R = safe_polar(outer_sum(x, y)).R;
+  for (int a = 0; a < kCorners; ++a)
+    for (int i = 0; i < 3; ++i) t.at[a][i] = R(i, 0) * y.at[a][0] + R(i, 1) * y.at[a][1] + R(i, 2) * y.at[a][2];
+  V map[9];
+  for (int n = 0; n < 9; ++n) map[n] = R(n % 3, n / 3);
+  store_elements<9>(map, present,
+                    addresses<double>(elements, [&](int e) { return e < 0 ? nullptr : pass.rotation_map[e].data(); }));
 
   V misfits(0.0), t_t(0.0);
   CornerLanes<V> difference;
@@ -192,8 +174,7 @@ HWY_INLINE void fit_lanes(const FitPass<T>& pass, int block, int lane, double& m
   if (pass.gradient) scatter_add(difference, pass.partition, block, lane, pass.gradient);
 
   if (pass.coef) {
-    store_arms(pass.turns_targets ? t : x,
-               pass.coef + static_cast<std::size_t>(block) * AveragingOperator<T>::kComponents * kBlock + lane);
+    store_arms(x, pass.coef + static_cast<std::size_t>(block) * AveragingOperator<T>::kComponents * kBlock + lane);
   }
 }
 

@@ -18,7 +18,7 @@ class AveragingOperator final : public ChunkedOperator<T> {
   void add_product(int chunk, T factor, const T* p, T* Ap) const override;
   void add_diagonal(int chunk, T factor, T* diagonal) const override;
 
-  static constexpr int kArm = 0;                 ///< x - c, or t: [corner][axis]
+  static constexpr int kArm = 0;                 ///< x - c: [corner][axis]
   static constexpr int kInertia = 3 * kCorners;  ///< xx yy zz yz zx xy of (B^T B)^-1
   static constexpr int kWeight = kInertia + 6;   ///< of the element: 1, or that of the elements that a cell stands for
   static constexpr int kComponents = kWeight + 1;
@@ -36,9 +36,7 @@ struct FitPass {
   const double* plastic_rest;       ///< [m] slots
   const std::uint16_t* present;     ///< per block
   const ElementPoints* rest_shape;  ///< y, per element
-  Mat3* rotation_map;               ///< Pi, per element: written, unless null
-  const Mat3* fixed_map;            ///< per element and corner: taken instead of fitted ones, unless null
-  bool turns_targets;               ///< the arms of H are t; otherwise x - c
+  Mat3* rotation_map;               ///< Pi, per element: written
   T* coef;                          ///< AveragingOperator::coef: written but for the weights, unless null
   double* gradient;                 ///< [m] slots: t - (x - c) added, unless null
   double* misfit;                   ///< [m^2] per block: sum |t - (x - c)|^2

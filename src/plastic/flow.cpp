@@ -17,27 +17,6 @@ namespace hexaplast {
 
 namespace {
 
-/// Rotation that best fits the plastic rest positions of each connected part to the current ones.
-void fit_frames(const ConnectedParts& parts, ConstPoints plastic_rest, ConstPoints current,
-                std::vector<PartFrame>& frames) {
-  frames.assign(parts.count, PartFrame{});
-  for (int n = 0; n < plastic_rest.rows(); ++n) {
-    if (parts.part_of_node[n] < 0) continue;
-    PartFrame& frame = frames[parts.part_of_node[n]];
-    frame.rest_sum += plastic_rest.row(n).transpose();
-    frame.current_sum += current.row(n).transpose();
-    ++frame.num_nodes;
-  }
-  for (int n = 0; n < plastic_rest.rows(); ++n) {
-    if (parts.part_of_node[n] < 0) continue;
-    PartFrame& frame = frames[parts.part_of_node[n]];
-    const Vec3 from = plastic_rest.row(n).transpose() - frame.rest_sum / frame.num_nodes;
-    const Vec3 to = current.row(n).transpose() - frame.current_sum / frame.num_nodes;
-    frame.rotation += to * from.transpose();
-  }
-  for (PartFrame& frame : frames) frame.rotation = polar(frame.rotation).R;
-}
-
 // Errors of single precision: of the screen as a fraction, and of a stress in mixed precision, by the screen or by the
 // flow, as a fraction of the stiffness.
 constexpr double kSinglePrecision = 1e-5, kSingleStress = 2e-6;
@@ -64,11 +43,7 @@ bool does_not_flow(const Model& model, const Linearization& at, int e, const His
          screen[YieldScreen::kMinJacobian * kBlock] > guard * model.largest_jacobian[e];
 }
 
-/// The rotation maps of one element of a history into another, bit for bit, and all but these and the rest shape.
-void copy_maps(const History& from, int e, History& to) {
-  const std::size_t maps = from.rotation_map.size() / from.rest_shape.size();
-  std::copy_n(from.rotation_map.begin() + e * maps, maps, to.rotation_map.begin() + e * maps);
-}
+/// All of one element of a history into another, bit for bit, but for the rotation map and the rest shape.
 void copy_others(const History& from, int e, History& to) {
   to.yield_stress[e] = from.yield_stress[e];
   if (!from.rotation_yield.empty()) to.rotation_yield[e] = from.rotation_yield[e];
@@ -80,11 +55,10 @@ void copy_others(const History& from, int e, History& to) {
 /// not made.
 bool flow_elements(const Model& model, const Linearization& at, double dt, const History& history,
                    FlowWorkspace& work) {
-  const bool can_skip_idle = at.is_current && model.maps_per_element() == 1;
   parallel_for(model.mesh.num_elements(), [&](int e) {
     ElementFlow& f = work.flows[e] = {};
     f.idle = !history.alive[e];
-    if (f.idle || !can_skip_idle || !does_not_flow(model, at, e, history)) return;
+    if (f.idle || !at.is_current || !does_not_flow(model, at, e, history)) return;
     f.volume_error = std::abs(at.volume[model.partition->place_of_element[e]] / model.volume[e] - 1);
     f.restores = f.volume_error >= kVolumeAtRest;
     if (f.restores) return;
@@ -93,11 +67,7 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
   });
   if (std::all_of(work.flows.begin(), work.flows.end(), [](const ElementFlow& f) { return f.idle; })) return false;
 
-  const bool needs_frames = model.maps_per_element() > 1 && model.settings.rotation_frame == RotationFrame::kBestFit;
-  const ConnectedParts& parts = work.averaging.parts(model, history);
-  if (needs_frames) fit_frames(parts, history.plastic_rest_positions, at.x, work.frames);
   const Mat3 axes = Mat3::Identity();
-
   const auto flow_alone = [&](int e) {
     const Hexahedron& corners = model.mesh.hexahedra()[e];
     const ElementPoints plastic_rest = gather(history.plastic_rest_positions, corners), current = gather(at.x, corners);
@@ -110,7 +80,7 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
                           .x = plastic_rest,
                           .samples = samples,
                           .current = current,
-                          .frame = needs_frames ? work.frames[parts.part_of_node[corners[0]]].rotation : axes,
+                          .frame = axes,
                           .tracks_stretch = model.tracks_plastic_stretch};
     const ElementStep step = flow_element(input, history.element(e), dt);
     // what has but its volume restored is the same whoever does it
@@ -138,7 +108,7 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
         now = FlowWorkspace::kAll;
         continue;
       }
-      copy_maps(history, e, work.trial);
+      work.trial.rotation_map[e] = history.rotation_map[e];
       if (before == FlowWorkspace::kAll) copy_others(history, e, work.trial);
       if (f.restores)
         restores = true;
@@ -162,7 +132,8 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
       if (e < 0 || work.flows[e].idle) continue;
       ElementFlow& f = work.flows[e];
       const bool is_alone = left >> place & 1;
-      if (!is_alone) copy_maps(history, e, work.trial);  // of a part at rest, which the averaging leaves alone
+      if (!is_alone)
+        work.trial.rotation_map[e] = history.rotation_map[e];  // of a part at rest, which the averaging leaves alone
       if (!f.restores || is_alone) f.overflowed = !work.trial.is_finite(e) || !std::isfinite(f.dissipated);
     }
   });

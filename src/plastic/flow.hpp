@@ -22,13 +22,6 @@ struct ElementFlow {
   double dissipated = 0;     ///< [J]
 };
 
-/// How a connected part lies in the world: B of theory.md eq. 33.
-struct PartFrame {
-  Vec3 rest_sum = Vec3::Zero(), current_sum = Vec3::Zero();
-  int num_nodes = 0;
-  Mat3 rotation = Mat3::Zero();  ///< best fit from the plastic rest to the current positions
-};
-
 /// Scratch arrays of flow, kept so that a step allocates nothing.
 struct FlowWorkspace {
   FlowWorkspace(const Model& model, const History& history);
@@ -36,7 +29,6 @@ struct FlowWorkspace {
   History trial;  ///< the history being made; taken over when the step is complete
   Averaging averaging;
   std::vector<ElementFlow> flows;      ///< per element
-  std::vector<PartFrame> frames;       ///< per connected part; empty unless the mode needs them
   std::vector<unsigned char> changed;  ///< per element: its rest shape is another than before
   std::vector<unsigned char> stays;    ///< per connected part: its step is taken back as a whole
 

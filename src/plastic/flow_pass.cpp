@@ -287,7 +287,7 @@ std::uint32_t flow(const Model& model, const Linearization& at, double dt, const
     const int e = model.partition->element(block, place);
     if (e >= 0 && !flows[e].idle && !flows[e].restores) wanted |= 1u << place;
   }
-  if (model.settings.yield_norm == YieldNorm::kSpectral || model.maps_per_element() > 1) return wanted;
+  if (model.settings.yield_norm == YieldNorm::kSpectral) return wanted;
 
   return model.settings.precision == Precision::kMixed
              ? flow_of<float>(model, at, dt, history, block, wanted, trial, flows)

@@ -30,7 +30,8 @@ struct Model {
   bool tracks_plastic_stretch = false;  ///< some element breaks by its plastic stretch, so that it must be remembered
 
   /// Whether Gauss-Newton steps of the averaging leave the rotations of the isolated shapes free, in place of those of
-  /// the joined ones (theory.md 5.5): bodies tilt. Set by tests alone, whose reference numbers were computed so.
+  /// the joined ones (theory.md 5.5): bodies tilt. Set by tests of the plain implementation alone, whose reference
+  /// numbers were computed so.
   bool turns_isolated_shapes = false;
 
   /// Throws InputError for materials or settings outside their ranges, or a material count that is neither 1 nor

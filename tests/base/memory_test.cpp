@@ -57,9 +57,6 @@ TEST(Memory, OfABodyDependsOnWhatItIsMadeOf) {
   }
   EXPECT_EQ(bytes_per_hexahedron({turns}, stretches_alone), bytes_per_hexahedron({elastic}, in_double));
   EXPECT_LT(bytes_per_hexahedron({yields}, mixed), bytes_per_hexahedron({yields}, in_double));
-  Settings centre = mixed;  // cycles of multigrid take its own stiffness, not a simpler one beside it
-  centre.bending = Bending::kCentre;
-  EXPECT_EQ(bytes_per_hexahedron({elastic}, centre), kMinBytesPerHexahedron);
   EXPECT_GT(bytes_per_hexahedron({elastic}, mixed), kMinBytesPerHexahedron);
 }
 
@@ -69,15 +66,17 @@ TEST(Memory, OfABodyCountsWhatNotEveryHistoryHas) {
   const Material elastic, yields{.yield_stress = 300, .flow_rate = 2};
   Material tears = yields, breaks = elastic;
   tears.fracture_stretch = breaks.fracture_stretch = 2;
-  for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
-    const Settings plain{.precision = precision},
-        corners{.rotation_plasticity = RotationPlasticity::kVertex, .precision = precision},
-        centre{.rotation_plasticity = RotationPlasticity::kCentre, .precision = precision};
-    const double still = bytes_per_hexahedron({elastic}, plain), flows = bytes_per_hexahedron({yields}, plain);
-    EXPECT_EQ(bytes_per_hexahedron({breaks}, plain), still + 8 * 72);
+  const Settings in_double, mixed{.precision = Precision::kMixed}, plain{.implementation = Implementation::kPlain};
+  for (const Settings& settings : {in_double, mixed, plain}) {
+    const double still = bytes_per_hexahedron({elastic}, settings), flows = bytes_per_hexahedron({yields}, settings);
+    EXPECT_EQ(bytes_per_hexahedron({breaks}, settings), still + 8 * 72);
+    EXPECT_EQ(bytes_per_hexahedron({yields, tears}, settings), flows + 2 * 8 * 72);
+  }
+  const double still = bytes_per_hexahedron({elastic}, plain), flows = bytes_per_hexahedron({yields}, plain);
+  for (const RotationPlasticity mode : {RotationPlasticity::kVertex, RotationPlasticity::kCentre}) {
+    const Settings corners{.rotation_plasticity = mode, .implementation = Implementation::kPlain};
     EXPECT_EQ(bytes_per_hexahedron({elastic}, corners), still + 7 * 72);
-    EXPECT_EQ(bytes_per_hexahedron({yields, tears}, plain), flows + 2 * 8 * 72);
-    EXPECT_EQ(bytes_per_hexahedron({yields}, centre), flows + 2 * 7 * 72);
+    EXPECT_EQ(bytes_per_hexahedron({yields}, corners), flows + 2 * 7 * 72);
     EXPECT_EQ(bytes_per_hexahedron({tears}, corners), flows + 2 * 15 * 72);
   }
 }

@@ -58,6 +58,7 @@ TEST(HexahedronStep, IsTheStepThatABodyTakes) {
                                             RotationPlasticity::kCentre, RotationPlasticity::kNone}) {
     Settings settings;
     settings.rotation_plasticity = rotation;
+    settings.implementation = Implementation::kPlain;
     const HexahedronState state = deformed(kFlowing);
     const HexahedronStep step = inspect_step(state, kFlowing, settings, 0.01);
 

@@ -18,6 +18,7 @@ Settings element(Bending bending, Volumetric volumetric = Volumetric::kSample) {
   Settings settings;
   settings.bending = bending;
   settings.volumetric = volumetric;
+  if (bending == Bending::kVertex) settings.implementation = Implementation::kPlain;
   return settings;
 }
 const Settings kPublished = element(Bending::kBlended),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The kernels against the plain implementation of the method, for every option, on every instruction set.
+// The kernels against the plain implementation of the method, for every option of theirs, on every instruction set.
 #include "plain/plain.hpp"
 
 #include <gtest/gtest.h>
@@ -10,6 +10,7 @@
 #include "body_state.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/material/rows.hpp"
+#include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "plastic/rest_shape.hpp"
 #include "support/compare.hpp"
@@ -49,21 +50,15 @@ void PrintTo(const Options& options, std::ostream* out) {
   for (const auto& [attribute, word] : options.words) *out << attribute << '=' << word << ' ';
 }
 
-/// All values of what acts together, and of the rest one after the other.
+/// All values that the kernels have of what acts together, and of the rest one after the other.
 std::vector<Options> all_options() {
   std::vector<Options> all{{}};
-  for (const std::string bending : {"blended", "assumedCorner", "vertex", "centre"})
+  for (const std::string bending : {"blended", "assumedCorner"})
     for (const std::string volumetric : {"sample", "volumeRatio"})
       for (const std::string law : {"corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin"})
         all.push_back({{{"bending", bending}, {"volumetric", volumetric}, {"law", law}, {"recovery", "none"}}});
-  for (const std::string mode : {"objective", "vertex", "centre", "none"})
-    for (const std::string frame : {"bestFit", "world"})
-      for (const std::string averaging : {"gaussNewton", "jacobi"})
-        for (const std::string bending : {"blended", "assumedCorner"})
-          all.push_back({{{"rotationPlasticity", mode},
-                          {"rotationFrame", frame},
-                          {"averaging", averaging},
-                          {"bending", bending}}});
+  for (const std::string bending : {"blended", "assumedCorner"})
+    all.push_back({{{"rotationPlasticity", "none"}, {"bending", bending}}});
   for (const std::string norm : {"frobenius", "spectral"}) all.push_back({{{"yieldNorm", norm}}});
   all.push_back({{{"bending", "blended"}, {"blendWeight", "0.3"}}});
   all.push_back({{{"averagingSteps", "3"}}});
@@ -195,6 +190,46 @@ TEST_P(EveryOption, KernelsAreThePlainImplementation) {
       single.add_stiffness_product(-2, dx, product);
       EXPECT_TRUE(agrees(product, expected, 4e-3)) << target;
     }
+}
+
+// A body of a scene may ask for it: with every kind of solver it moves as a fast one does.
+TEST(Plain, ABodyMovesAsAFastOne) {
+  const HexMesh mesh = support::distorted_block({2, 2, 5}, kEdge, 0.1, 407);
+  Random random(408);
+  const std::vector<Material> materials = materials_of(mesh.num_elements(), random);
+  const Motion motion{.gravity = {0, 100, 0}, .fixed = support::nodes_at(mesh, 2, 0)};
+  const auto swung = [&](Implementation implementation, std::unique_ptr<LinearSolver> solver) {
+    Settings settings{.averaging_tolerance = 1e-14, .implementation = implementation};
+    MovingBody moving(Body(mesh, materials, settings), motion, std::move(solver));
+    const RunReport report = moving.run(10);
+    EXPECT_GT(report.flow.yielded, 0);
+    EXPECT_EQ(report.stalled, 0);
+    return moving.x;
+  };
+  const PointArray expected = swung(Implementation::kFast, nullptr);
+  EXPECT_GT(max_abs(expected - mesh.positions()), 0.1 * kEdge);
+  EXPECT_LE(max_abs(swung(Implementation::kPlain, nullptr) - expected), 1e-10 * kEdge);
+  for (const auto preconditioner : {Preconditioner::kDiagonal, Preconditioner::kMultigrid})
+    EXPECT_LE(max_abs(swung(Implementation::kPlain,
+                            std::make_unique<PreconditionedConjugateGradients>(1e-13, 1000, preconditioner)) -
+                      expected),
+              1e-9 * kEdge);
+  EXPECT_LE(max_abs(swung(Implementation::kPlain, std::make_unique<ConjugateGradients>(ConjugateGradientSettings{
+                                                      .iterations = 1000, .tolerance = 1e-13, .threshold = 0})) -
+                    expected),
+            1e-9 * kEdge);
+}
+
+TEST(Plain, NamesTheImplementationThatAnOptionNeeds) {
+  const std::vector<std::pair<Settings, std::string>> cases = {
+      {{.bending = Bending::kVertex}, "bending = vertex needs implementation = plain"},
+      {{.rotation_plasticity = RotationPlasticity::kCentre},
+       "rotationPlasticity = centre needs implementation = plain"},
+      {{.averaging = AveragingMethod::kJacobi}, "averaging = jacobi needs implementation = plain"},
+      {{.precision = Precision::kMixed, .implementation = Implementation::kPlain},
+       "precision = mixed needs implementation = fast"}};
+  for (const auto& [settings, message] : cases)
+    EXPECT_TRUE(support::refuses<InputError>([&] { validate(settings, Names::kScenes); }, {message}));
 }
 
 // Folded and thrown bodies: recovery springs, hexahedra that are skipped, repaired and rolled back.

@@ -24,6 +24,7 @@ using support::Random;
 
 int num_zero_modes(Bending scheme, double distortion) {
   Settings settings = published_element();
+  settings.implementation = Implementation::kPlain;
   settings.bending = scheme;
   Body body(support::single_element(support::distorted_hexahedron(kEdge, distortion, 211)), {Material{}}, settings);
   BlockMatrix K(kCorners);
@@ -48,6 +49,7 @@ TEST(Bending, EveryOneHasAnEnergyAndOnlyTheBlendedPassesThePatchTest) {
   for (const Bending scheme : {Bending::kBlended, Bending::kVertex, Bending::kCentre}) {
     Random random(213);
     Settings settings = published_element();
+    settings.implementation = Implementation::kPlain;
     settings.bending = scheme;
     Body body(mesh, {Material{}}, settings);
     const PointArray x = mesh.positions() + random.field(mesh.num_nodes(), 0.2 * kEdge);
@@ -148,6 +150,7 @@ TEST_P(PaperMode, IsObjectiveAgainstTheBestFitAndNotAgainstTheAxes) {
   const Mat3 R = random.rotation();
   const Vec3 spin = 4 * random.direction(), still = Vec3::Zero();
   Settings settings;
+  settings.implementation = Implementation::kPlain;
   settings.rotation_plasticity = GetParam();
   for (const RotationFrame frame : {RotationFrame::kBestFit, RotationFrame::kWorld}) {
     settings.rotation_frame = frame;
@@ -169,6 +172,7 @@ TEST_P(PaperMode, KeepsLessOfATwistThanTheObjectiveMode) {
   const EndSections ends = end_sections(mesh);
   const auto plastic_twist = [&](RotationPlasticity mode) {
     Settings settings;
+    settings.implementation = Implementation::kPlain;
     settings.rotation_plasticity = mode;
     return twist(mesh, ends, material_after(mesh, settings, Mat3::Identity(), Vec3::Zero()));
   };

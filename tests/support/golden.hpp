@@ -62,6 +62,7 @@ inline Material material(const Json& params) {
 inline Settings settings(const Json& params, const std::string& mode, RotationFrame frame) {
   if (params.at("norm") != "fro") throw std::runtime_error("golden data know the Frobenius norm only");
   Settings s = published_element();
+  s.implementation = Implementation::kPlain;
   s.yield_norm = YieldNorm::kFrobenius;
   s.rotation_plasticity = mode == "paper_vertex"   ? RotationPlasticity::kVertex
                           : mode == "paper_centre" ? RotationPlasticity::kCentre

@@ -44,7 +44,7 @@ using Attributes = std::vector<std::pair<std::string, std::string>>;
 inline const Attributes kPlastic{{"youngModulus", "7000"},   {"poissonRatio", "0.3"},      {"yieldStress", "100"},
                                  {"plasticFlowRate", "2"},   {"rotationYield", "0.01"},    {"rotationFlowRate", "2"},
                                  {"hardening", "0.2"},       {"volumeRestitution", "1.5"}, {"averagingSteps", "2"},
-                                 {"yieldNorm", "frobenius"}, {"averaging", "jacobi"}};
+                                 {"yieldNorm", "frobenius"}, {"averaging", "jacobi"},      {"implementation", "plain"}};
 
 /// The same by hand.
 inline Material plastic_material() {
@@ -64,6 +64,7 @@ inline Settings plastic_settings() {
   s.averaging_steps = 2;
   s.yield_norm = YieldNorm::kFrobenius;
   s.averaging = AveragingMethod::kJacobi;
+  s.implementation = Implementation::kPlain;
   return s;
 }
 

@@ -35,8 +35,8 @@ struct Material {
 enum class Bending {
   kBlended,        ///< mean of corner and centre, shifted to the exact mean: passes the patch test; stiff in bending
   kAssumedCorner,  ///< about corners, with an assumed strain that bends freely
-  kVertex,         ///< corners alone: stiff
-  kCentre          ///< the centre alone, eight times: soft, with hourglass modes
+  kVertex,         ///< corners alone: stiff; plain implementation
+  kCentre          ///< the centre alone, eight times: soft, with hourglass modes; plain implementation
 };
 
 /// What resists a change of volume.
@@ -69,8 +69,8 @@ enum class YieldNorm {
 /// How rotation within an element becomes permanent.
 enum class RotationPlasticity {
   kObjective,  ///< relative rotation of corner and centre, carried by the rest shape
-  kVertex,     ///< the paper's eq. 5 and 8: a rotation map per corner
-  kCentre,     ///< the paper's eq. 6 and 8: the rotation of the centre
+  kVertex,     ///< the paper's eq. 5 and 8: a rotation map per corner; plain implementation
+  kCentre,     ///< the paper's eq. 6 and 8: the rotation of the centre; plain implementation
   kNone        ///< only stretch flows
 };
 
@@ -83,7 +83,7 @@ enum class RotationFrame {
 /// How the isolated rest shapes become one plastic rest shape.
 enum class AveragingMethod {
   kGaussNewton,  ///< one Gauss-Newton step that leaves the rotations of the joined elements free  theory.md eq. 31
-  kJacobi        ///< one sweep of averages, as printed in the paper: depends on the mesh size
+  kJacobi        ///< one sweep of averages, as printed in the paper: depends on the mesh size; plain implementation
 };
 
 /// Numbers that the stiffness product, what follows from it, and what a plastic step adds are computed with. Positions,
@@ -91,6 +91,12 @@ enum class AveragingMethod {
 enum class Precision {
   kDouble,
   kMixed  ///< products and the vectors of solvers in single precision, coefficients in half where the machine has it
+};
+
+/// What computes a body.
+enum class Implementation {
+  kFast,  ///< kernels for every instruction set, multigrid, all threads; no allocation in a time step
+  kPlain  ///< one element after the other in double precision: the paper to be read, with all of its variants
 };
 
 /// What holds for a whole body. Each member has a row (material/rows.hpp).
@@ -112,6 +118,7 @@ struct Settings {
   int averaging_steps = 1;            ///< per time step, in [1, 1000]
   double averaging_tolerance = 0;     ///< relative residual of its linear systems; 0: 1e-6, in mixed precision 1e-2
   Precision precision = Precision::kDouble;
+  Implementation implementation = Implementation::kFast;
   double volume_restitution = 1;     ///< c [1/s], >= 0; c dt < 2/3
   double inversion_threshold = 0.1;  ///< elements whose smallest det F or det J ratio lies below do not flow; in [0, 1)
 
@@ -141,7 +148,8 @@ bool can_flow(const std::vector<Material>& materials, const Settings& settings);
 /// body is.
 double bytes_per_hexahedron(const std::vector<Material>& materials, const Settings& settings);
 
-/// Throws InputError naming the first value outside its range and the element it belongs to.
+/// Throws InputError naming the first value outside its range and the element it belongs to, or the option that only
+/// the other implementation has.
 void validate(const std::vector<Material>& materials, Names names = Names::kMembers);
 void validate(const Settings& settings, Names names = Names::kMembers);
 

@@ -190,6 +190,7 @@ Element read_element(const Json& given) {
   Element element;
   element.names_modes = given.contains("X0");
   if (element.names_modes) element.settings = published_element();  // of which reference files are
+  element.settings.implementation = Implementation::kPlain;         // it has every option
   static const std::set<std::string> known{"initial",     "plasticRest", "rest",          "current",
                                            "rotationMap", "yieldStress", "rotationYield", "parameters"};
   if (!element.names_modes)

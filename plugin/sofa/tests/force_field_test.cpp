@@ -203,7 +203,7 @@ TEST(ForceField, RefusesWhatTheAttributeTableRefuses)
     EXPECT_THROW(SofaScene::from_text(block(R"(averaging="best")")).body(), std::runtime_error);
 
     // SOFA would go on with the word before
-    SofaScene misspelt = SofaScene::from_text(block(R"(averaging="Jacobi")"));
+    SofaScene misspelt = SofaScene::from_text(block(R"(averaging="Jacobi" implementation="plain")"));
     EXPECT_TRUE(is_invalid(misspelt.field()));
     misspelt.field().d_averaging.read("jacobi");
     misspelt.field().reinit();
