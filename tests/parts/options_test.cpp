@@ -213,14 +213,5 @@ TEST(Instrument, HasSamplesFromWhenItFirstComesNear) {
   }
 }
 
-TEST(Grasp, WarnsWhereItClosesOnNothing) {
-  GraspOptions far = grasp();
-  far.positions.row(0) << 9, 9, 9;
-  const std::vector<Remark> warnings = Grasp(far, 4).begin_step(0, kPoints);
-  ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_EQ(warnings[0].attribute, "radius");
-  EXPECT_EQ(warnings[0].text, "the grip closes on nothing: no node within 0.5 m of (9, 9, 9) at t = 0 s");
-}
-
 }  // namespace
 }  // namespace hexaplast::parts

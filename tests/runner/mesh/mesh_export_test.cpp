@@ -11,26 +11,6 @@ namespace {
 using namespace hexaplast;
 using support::Outcome;
 
-class MeshExport : public support::Command {};
-
-TEST_F(MeshExport, WritesTheMeshForParaView) {
-  write(
-      "bar.scn",
-      "<Node><DefaultAnimationLoop/><StaticSolver/><NewtonRaphsonSolver/><SparseLDLSolver/><RegularGridTopology n='3 2 "
-      "2' max='2 1 1'/><MechanicalObject/><HexahedronElastoplasticFEMForceField youngModulus='1000 2000'/></Node>");
-  EXPECT_EQ(hexaplast("mesh export bar.scn -o bar.vtu").code, 0);
-  EXPECT_EQ(read_mesh(directory_ / "bar.vtu").hexahedra.size(), 2u);
-  EXPECT_EQ(hexaplast("mesh export bar.scn -o bar.stl").code, 2);
-  EXPECT_EQ(hexaplast("mesh export bar.scn -o nowhere/bar.vtu").code, 5);
-}
-
-TEST_F(MeshExport, RefusesASceneWithoutABody) {
-  write("free.scn",
-        "<Node><DefaultAnimationLoop/><EulerImplicitSolver/><CGLinearSolver/>"
-        "<MechanicalObject position='0 0 0'/><UniformMass totalMass='1'/></Node>");
-  expect_refused({{"mesh export free.scn -o free.vtu", 3, "no body in the scene: there is nothing to export"}});
-}
-
 // Against another program, where it is installed.
 class Calculix : public support::Command {
  protected:

@@ -169,9 +169,9 @@ TEST_F(ElementCommand, DrivesTheHexahedronThroughAPath) {
   write("path.csv", "time,F11,F12,F13,F21,F22,F23,F31,F32,F33\n0,1,0,0,0,1,0,0,0,1\n# hold\n1,1.2,0,0,0,1,0,0,0,1\r\n");
   const std::string elastic = R"(, "parameters": {"youngModulus": 1000, "poissonRatio": 0.25, "dt": 0.1,
       "bending": "blended", "volumetric": "sample")";
-  Outcome outcome = element("- --path path.csv", "{" + kCube + elastic + "}}");
+  const Outcome outcome = element("- --path path.csv", "{" + kCube + elastic + "}}");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  support::Csv t(outcome.out);
+  const support::Csv t(outcome.out);
   ASSERT_EQ(t.num_rows(), 11u);
   for (std::size_t k = 0; k < 11; ++k) {
     // uniaxial strain e: P11 = (lambda + 2 mu) e, P22 = lambda e, energy (lambda + 2 mu) e^2 / 2 in one cubic metre
@@ -185,17 +185,6 @@ TEST_F(ElementCommand, DrivesTheHexahedronThroughAPath) {
     EXPECT_NEAR(t.number(k, "stress_norm"), 800 * strain, 1e-9);
     EXPECT_EQ(t.number(k, "plastic_strain"), 0);
   }
-
-  // with a yield stress it flows once the stress has passed it, and never before
-  outcome = element("- --path path.csv",
-                    "{" + kCube + elastic + R"(, "yieldStress": 40, "plasticFlowRate": 2, "hardening": 0.1}})");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  t = support::Csv(outcome.out);
-  for (std::size_t k = 0; k < 11; ++k) {
-    EXPECT_EQ(t.number(k, "plastic_strain") > 0, 800 * 0.02 * k > 40) << k;
-    EXPECT_EQ(t.number(k, "yield_stress") > 40, t.number(k, "plastic_strain") > 0);
-  }
-  EXPECT_GT(t.number(10, "dissipated_energy"), 0);
 }
 
 TEST_F(ElementCommand, TheExampleOfTheDocumentationYieldsAndKeepsAStretch) {
@@ -208,6 +197,9 @@ TEST_F(ElementCommand, TheExampleOfTheDocumentationYieldsAndKeepsAStretch) {
     if (t.number(k, "time") > 2 && t.number(k - 1, "P11") > 0 && t.number(k, "P11") <= 0)
       stress_free = t.number(k, "F11");
   EXPECT_NEAR(stress_free, 1.19, 0.01);
+  EXPECT_EQ(t.number(0, "plastic_strain"), 0);
+  for (const char* column : {"plastic_strain", "dissipated_energy"}) EXPECT_GT(t.numbers(column).back(), 0) << column;
+  EXPECT_GT(t.numbers("yield_stress").back(), t.number(0, "yield_stress")) << "it hardens";
 }
 
 TEST_F(ElementCommand, WrongPathsEndWith3AndNameTheLine) {
