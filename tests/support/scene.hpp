@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <initializer_list>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "scene/reader.hpp"
@@ -48,6 +52,20 @@ inline std::string errors_of(std::string_view text) {
   }
 }
 
+/// Expects each piece of a scene, within what `frame` puts around it, to be refused with its message, that of line 1.
+template <class Frame>
+void expect_errors(const Frame& frame, std::initializer_list<std::pair<std::string, std::string>> rows) {
+  for (const auto& [piece, message] : rows)
+    EXPECT_EQ(errors_of(frame(piece)), "test.scn:1: error: " + message) << piece;
+}
+
+/// What a scene has to say that is no error, one message behind the other.
+inline std::string warnings_of(scene::Scene& scene) {
+  std::string said;
+  for (const scene::Message& warning : scene.diagnostics().take_warnings()) said += scene::format(warning) + "\n";
+  return said;
+}
+
 /// A component or node by its path from the root.
 template <class T>
 T& at(scene::Scene& scene, std::string_view path) {
@@ -73,6 +91,9 @@ inline void run(scene::Scene& scene, int steps) {
 
 /// All that a scene would write into a checkpoint.
 inline std::vector<std::byte> saved(scene::Scene& scene) { return written(scene); }
+
+/// Puts a scene where another one is, by way of a checkpoint.
+inline void go_on_in(scene::Scene& from, scene::Scene& into) { read_from(saved(from), into); }
 
 /// A scene with solvers and the given components.
 inline std::string in_root(const std::string& attributes, const std::string& lines) {

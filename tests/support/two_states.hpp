@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "support/scene.hpp"
 
@@ -22,8 +21,5 @@ inline PointArray both(scene::Scene& scene) {
   all << positions(scene, "first"), positions(scene, "second");
   return all;
 }
-
-/// Puts a scene where another one is, by way of a checkpoint.
-inline void go_on_in(scene::Scene& from, scene::Scene& into) { read_from(saved(from), into); }
 
 }  // namespace hexaplast::support
