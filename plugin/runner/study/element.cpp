@@ -205,6 +205,7 @@ Element read_element(const Json& given) {
     const Json parameters = with_present_names(json["parameters"]);
     for (const auto& [key, value] : parameters.items()) read_parameter(key, value, element);
   }
+  element.settings.precision = Precision::kDouble;  // one hexahedron by itself is exact, whatever its body is
   validate({element.constants}, Names::kScenes);
   validate(element.settings, Names::kScenes);
   HexahedronState& state = element.state;
