@@ -190,7 +190,6 @@ Element read_element(const Json& given) {
   Element element;
   element.names_modes = given.contains("X0");
   if (element.names_modes) element.settings = published_element();  // of which reference files are
-  element.settings.implementation = Implementation::kPlain;         // it has every option
   static const std::set<std::string> known{"initial",     "plasticRest", "rest",          "current",
                                            "rotationMap", "yieldStress", "rotationYield", "parameters"};
   if (!element.names_modes)
@@ -205,7 +204,9 @@ Element read_element(const Json& given) {
     const Json parameters = with_present_names(json["parameters"]);
     for (const auto& [key, value] : parameters.items()) read_parameter(key, value, element);
   }
-  element.settings.precision = Precision::kDouble;  // one hexahedron by itself is exact, whatever its body is
+  // one hexahedron by itself is computed exactly and with every option, whatever its body is
+  element.settings.precision = Precision::kDouble;
+  element.settings.implementation = Implementation::kPlain;
   validate({element.constants}, Names::kScenes);
   validate(element.settings, Names::kScenes);
   HexahedronState& state = element.state;
