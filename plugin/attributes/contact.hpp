@@ -12,22 +12,20 @@ inline constexpr Attribute kTangentialStiffness{.name = "tangentialStiffness",
                                                 .range = kNotNegative,
                                                 .help =
                                                     "Shear stress per displacement of tissue that sticks. Default: "
-                                                    "contactStiffness. At most 200 times the default of "
-                                                    "contactStiffness."};
+                                                    "contactStiffness; at most 200 times the default of that."};
 inline constexpr Attribute kFriction{
     .name = "friction",
     .type = Type::kReal,
     .initial = "0",
     .range = kNotNegative,
-    .help = "Coefficient of friction: tissue slips where the tangential force exceeds this times the normal force."};
-inline constexpr Attribute kContactDistance{.name = "contactDistance",
-                                            .type = Type::kReal,
-                                            .initial = "0",
-                                            .unit = "m",
-                                            .range = kNotNegative,
-                                            .help =
-                                                "Contact begins at this distance from the surface; at most half of the "
-                                                "mean edge."};
+    .help = "Tissue slips where the tangential force exceeds this times the normal force."};
+inline constexpr Attribute kContactDistance{
+    .name = "contactDistance",
+    .type = Type::kReal,
+    .initial = "0",
+    .unit = "m",
+    .range = kNotNegative,
+    .help = "Contact begins at this distance from the surface: at most half of the mean edge."};
 inline constexpr Attribute kContactDamping{.name = "damping",
                                            .type = Type::kReal,
                                            .initial = "0",
@@ -36,19 +34,15 @@ inline constexpr Attribute kContactDamping{.name = "damping",
                                            .help = "Pressure per speed of approach."};
 
 inline constexpr Attribute kActive{
-    .name = "active",
-    .type = Type::kBool,
-    .initial = "true",
-    .help = "Whether these two touch. If not, they pass through each other as if this component were not there."};
+    .name = "active", .type = Type::kBool, .initial = "true", .help = "false: they pass through each other."};
 
 inline constexpr Attribute kInstrumentContactAttributes[] = {
     {.name = "shape",
      .type = Type::kWord,
      .initial = "sphere",
      .words = "sphere capsule cylinder box surface",
-     .help =
-         "Shape of the instrument, around the origin of its frame. Capsules and cylinders lie along z. surface: the "
-         "inside of the closed surface of surfacePositions and surfaceTriangles."},
+     .help = "Shape around the origin of the instrument's frame. Capsules and cylinders lie along z. surface: that of "
+             "surfaceTriangles."},
     {.name = "radius", .type = Type::kReal, .unit = "m", .range = kPositive, .help = "Of sphere, capsule, cylinder."},
     {.name = "length",
      .type = Type::kReal,
@@ -59,39 +53,35 @@ inline constexpr Attribute kInstrumentContactAttributes[] = {
     {.name = "surfacePositions",
      .type = Type::kVectors3,
      .unit = "m",
-     .help = "Nodes of the surface in the frame of the instrument, for example @loader.position."},
+     .help = "Nodes of the surface in the frame of the instrument: @loader.position."},
     {.name = "surfaceTriangles",
      .type = Type::kIntegers,
      .range = kIndex,
-     .help = "Groups of three nodes, counter-clockwise seen from outside, for example @loader.triangles. The surface "
-             "must be closed."},
+     .help = "A closed surface: groups of three nodes, counter-clockwise seen from outside."},
     {.name = "embeddedPositions",
      .type = Type::kVectors3,
      .unit = "m",
      .aliases = "skinPositions",
-     .help = "Nodes of a surface that is embedded in the body, in the initial shape, for example @visual.position."},
+     .help = "Nodes, in the initial shape, of a surface that is embedded in the body: @visual.position."},
     {.name = "embeddedTriangles",
      .type = Type::kIntegers,
      .range = kIndex,
      .aliases = "skinTriangles",
-     .help = "Groups of three of these nodes. If given, this surface is touched in place of the faces of the "
-             "hexahedra."},
+     .help = "Groups of three of these nodes: the surface that is touched, in place of the faces of the hexahedra."},
     {.name = "keyTimes", .type = Type::kReals, .unit = "s", .help = "Key times of the path, ascending."},
     {.name = "positions",
      .type = Type::kVectors3,
      .unit = "m",
-     .help = "Position of the instrument at each key time, linear in between; it stays at the first position before "
-             "the first time and at the last one after the last."},
+     .help = "Position at each key time, linear in between; constant before the first time and after the last."},
     {.name = "orientations",
      .type = Type::kReals,
-     .help = "Orientation at each key time: quaternions x y z w. In between it turns steadily. Default: not turned."},
+     .help = "Orientation at each key time, a quaternion x y z w; it turns steadily in between. Default: not turned."},
     {.name = "contactStiffness",
      .type = Type::kReal,
      .unit = "Pa/m",
      .range = kPositive,
-     .help = "Pressure per depth of penetration. Default: 30 E / edge length of the body's hexahedra (the greatest "
-             "Young's modulus, the mean edge): a pressure of .3 E is held at a hundredth of an edge. It follows a "
-             "modulus that changes, in the same step. At most 200 times the default; from 30 times on a "
+     .help = "Pressure per depth of penetration. Default: 30 times the greatest Young's modulus over the mean edge of "
+             "the hexahedra, also when the modulus changes. At most 200 times the default; from 30 times on a "
              "MultigridCGLinearSolver needs a tolerance of 1e-8."},
     kTangentialStiffness,
     kFriction,
@@ -101,9 +91,8 @@ inline constexpr Attribute kInstrumentContactAttributes[] = {
      .type = Type::kInteger,
      .initial = "8",
      .range = {.min = 1, .max = 64},
-     .help = "Contact is found at points of the surface: at its nodes, and between them at distances of half the "
-             "instrument's smallest radius, but at not more than this number of parts of an edge. A warning appears if "
-             "they do not suffice."},
+     .help = "Contact points divide edges into parts of half the instrument's smallest radius, but at most this number "
+             "of parts; a warning appears if it does not suffice."},
     kActive,
     {.name = "force",
      .type = Type::kVector3,
@@ -119,7 +108,7 @@ inline constexpr Attribute kInstrumentContactAttributes[] = {
      .type = Type::kReals,
      .unit = "m",
      .access = Access::kOutput,
-     .help = "How deep the surface is inside the instrument, at most."},
+     .help = "Largest depth of the surface in the instrument."},
     {.name = "touching", .type = Type::kReals, .access = Access::kOutput, .help = "Number of points that touch."},
     {.name = "slipping", .type = Type::kReals, .access = Access::kOutput, .help = "How many of these slip."},
 };
@@ -127,8 +116,8 @@ inline constexpr Description kInstrumentContactForceField{
     .class_name = "InstrumentContactForceField",
     .category = "ForceField",
     .help =
-        "A rigid instrument that moves along a path and touches the body of the nearest state: it presses, strokes, "
-        "drags by friction, and never pulls. Needs an EulerImplicitSolver.",
+        "A rigid instrument that moves along a path and touches the nearest body: it presses and drags by friction, "
+        "and never pulls. Needs an EulerImplicitSolver.",
     .templates = kVec3Templates,
     .attributes = kInstrumentContactAttributes};
 
@@ -136,11 +125,9 @@ inline constexpr Description kInstrumentContactForceField{
 inline constexpr Attribute kInstrumentFrameAttributes[] = {
     {.name = "rigid",
      .type = Type::kLink,
-     .help =
-         "In place of a path: a MechanicalObject of rigid frames (template Rigid3d), or its node, one of which is the "
-         "frame of the instrument. It prescribes the motion of the instrument, and the body does not push it. Within a "
-         "step the "
-         "instrument moves on with the velocity of the frame."},
+     .help = "In place of a path: a MechanicalObject of rigid frames (template Rigid3d), or its node. One frame "
+             "prescribes the motion of the instrument, which the body does not push. Within a step the instrument "
+             "moves on with the velocity of the frame."},
     {.name = "rigidIndex", .type = Type::kInteger, .initial = "0", .range = kIndex, .help = "Which of the frames."},
 };
 inline constexpr auto kInstrumentContactInSofaAttributes =
@@ -155,15 +142,13 @@ inline constexpr Attribute kTissueContactAttributes[] = {
     {.name = "object1", .type = Type::kLink, .help = "The mechanical state of a body; default: that of the node."},
     {.name = "object2",
      .type = Type::kLink,
-     .help = "That of the other body. The same one, which is the default: the body touches itself, except within two "
-             "hexahedra."},
+     .help = "That of the other body. Default: the same body, which touches itself, except within two hexahedra."},
     {.name = "contactStiffness",
      .type = Type::kReal,
      .unit = "Pa/m",
      .range = kPositive,
-     .help = "Pressure per depth of penetration. Default: 30 E / edge length (the greatest Young's modulus, the mean "
-             "edge) of that body for which it is less. It follows a modulus that changes, in the same step. At most "
-             "200 times the default; from 30 times on a MultigridCGLinearSolver needs a tolerance of 1e-8."},
+     .help = "Pressure per depth of penetration. Default and limits as of InstrumentContactForceField, for the body "
+             "for which they are less."},
     kTangentialStiffness,
     kFriction,
     kContactDistance,
@@ -172,8 +157,8 @@ inline constexpr Attribute kTissueContactAttributes[] = {
      .type = Type::kInteger,
      .initial = "8",
      .range = {.min = 1, .max = 64},
-     .help = "Contact is found at points of each surface: at its nodes, and between them at distances of half the mean "
-             "edge of the other surface, but at not more than this number of parts of an edge."},
+     .help = "Contact points divide edges into parts of half the mean edge of the other surface, but at most this "
+             "number of parts."},
     kActive,
     {.name = "force",
      .type = Type::kVector3,
@@ -184,16 +169,14 @@ inline constexpr Attribute kTissueContactAttributes[] = {
      .type = Type::kReals,
      .unit = "m",
      .access = Access::kOutput,
-     .help = "How deep a surface is inside the other, at most."},
+     .help = "Largest depth of a surface in the other."},
     {.name = "touching", .type = Type::kReals, .access = Access::kOutput, .help = "Number of points that touch."},
     {.name = "slipping", .type = Type::kReals, .access = Access::kOutput, .help = "How many of these slip."},
 };
 inline constexpr Description kTissueContactForceField{
     .class_name = "TissueContactForceField",
     .category = "InteractionForceField",
-    .help =
-        "Two bodies that touch each other, or one that touches itself: they press and drag by friction, and never "
-        "pull. Needs one EulerImplicitSolver above both.",
+    .help = "Two bodies that touch each other, or one that touches itself. Needs one EulerImplicitSolver above both.",
     .templates = kVec3Templates,
     .attributes = kTissueContactAttributes};
 

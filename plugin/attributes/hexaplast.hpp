@@ -15,10 +15,8 @@ inline constexpr Attribute kBodyAttributes[] = {
      .initial = "0",
      .unit = "s",
      .range = kNotNegative,
-     .help = "Stiffness-proportional damping of this body in the system matrix alone, besides the solver's own."},
-    {.name = "topology",
-     .type = Type::kLink,
-     .help = "The hexahedra; default: the topology of the node, or of the nearest one above."},
+     .help = "Stiffness-proportional damping in the system matrix alone, besides the solver's own."},
+    {.name = "topology", .type = Type::kLink, .help = "The hexahedra; default: the nearest topology."},
     {.name = "plasticStrain",
      .type = Type::kReals,
      .access = Access::kOutput,
@@ -57,9 +55,7 @@ inline const std::vector<Attribute> kHexahedronElastoplasticAttributes = joined(
 inline const Description kHexahedronElastoplasticFEMForceField{
     .class_name = "HexahedronElastoplasticFEMForceField",
     .category = "ForceField",
-    .help =
-        "Hexahedral corotational finite elements that stretch, yield and stay stretched. The defaults make a purely "
-        "elastic body.",
+    .help = "Hexahedral corotational elastoplastic finite elements. The defaults make an elastic body.",
     .templates = kVec3Templates,
     .attributes = kHexahedronElastoplasticAttributes};
 
@@ -68,21 +64,21 @@ inline constexpr Attribute kRegionPlaceAttributes[] = {
     {.name = "hexahedra",
      .type = Type::kHexahedra,
      .range = kIndex,
-     .help = "Its hexahedra by their nodes, eight each, as hexahedraInROI gives them."},
+     .help = "Its hexahedra by their nodes: @roi.hexahedraInROI."},
     {.name = "indices",
      .type = Type::kIntegers,
      .range = kIndex,
-     .help = "Its hexahedra by their numbers, as hexahedronIndices gives them, instead of `hexahedra`."},
-    {.name = "body", .type = Type::kLink, .help = "Default: the body of the node, or the nearest one above."},
+     .help = "In place of that their numbers: @roi.hexahedronIndices."},
+    {.name = "body", .type = Type::kLink, .help = "Default: the nearest one."},
 };
 inline const std::vector<Attribute> kMaterialRegionAttributes = joined(kRegionPlaceAttributes, region_attributes());
 inline const Description kMaterialRegion{
     .class_name = "MaterialRegion",
     .category = "MaterialRegion",
     .help =
-        "Gives some hexahedra of a body values of their own. A value that is not given is that of the body, or of a "
-        "region before this one in the scene: later regions count more than earlier ones. The region may stand "
-        "before or behind its body. Values may change during a run.",
+        "Gives some hexahedra of a body values of their own. A value that is not given is that of the body; of "
+        "overlapping regions the last one in the scene counts. It may stand before or behind its body. Values may "
+        "change during a run. Lists have one value per hexahedron of the region.",
     .attributes = kMaterialRegionAttributes};
 
 }  // namespace hexaplast::attributes

@@ -11,16 +11,15 @@ inline constexpr Attribute kMultigridCGLinearSolverAttributes[] = {
      .type = Type::kWord,
      .initial = "auto",
      .words = "auto multigrid diagonal",
-     .help = "multigrid: a V-cycle on coarser meshes; the number of iterations does not depend on the size, and is "
-             "small where cells are not flat. Needs hexahedra that form a lattice (grids, tubes, shells, cages); "
-             "otherwise the diagonal is used. diagonal: cheaper if a pressure wave travels less than about four "
+     .help = "multigrid: a V-cycle on coarser meshes, for hexahedra that form a lattice (grids, tubes, shells, cages); "
+             "elsewhere the diagonal is used. diagonal: cheaper if a pressure wave crosses less than about four "
              "hexahedra in a time step. auto: the cheaper one."},
     {.name = "tolerance",
      .type = Type::kReal,
      .initial = "0.01",
      .range = {.min = 0, .max = 1, .exclusive_min = true},
-     .help = "Stops when |r| / |b| <= this value, for each of the independent states that it solves for: |b| is the "
-             "load of the state, or the force that contact and springs transmit to it where that is larger."},
+     .help = "Stops when |r| / |b| <= this value for each independent state; |b| is its load, or the force of contact "
+             "and springs on it if that is larger."},
     {.name = "iterations",
      .type = Type::kInteger,
      .initial = "500",
@@ -49,15 +48,15 @@ inline constexpr Attribute kTangentialForceAttributes[] = {
     {.name = "forces",
      .type = Type::kReals,
      .unit = "N",
-     .help = "Size of the force on each group at each key time: none before the first time, linear in between, the "
-             "last one from the last time on. Evaluated at the beginning of a step."},
+     .help = "Force on each group at each key time: none before the first time, linear in between, constant after the "
+             "last. That at the beginning of a step counts."},
 };
 inline constexpr Description kTangentialForceField{
     .class_name = "TangentialForceField",
     .category = "ForceField",
     .help =
-        "Forces around an axis that turn with the body. The force on a group acts along axis x (p - centre), p being "
-        "the mean of the group's current positions, and is divided equally among its nodes.",
+        "Forces around an axis that turn with the body: along axis x (p - centre), p being the mean position of the "
+        "group, divided equally among its nodes.",
     .templates = kVec3Templates,
     .attributes = kTangentialForceAttributes};
 
@@ -66,46 +65,44 @@ inline constexpr Attribute kGraspAttributes[] = {
     {.name = "positions",
      .type = Type::kVectors3,
      .unit = "m",
-     .help = "Position of the tool at each key time, linear in between; it stays at the first position before the "
-             "first time and at the last one after the last. Evaluated at the beginning of a step."},
+     .help = "Position of the tool at each key time, linear in between; constant before the first time and after the "
+             "last. That at the beginning of a step counts."},
     {.name = "graspTime",
      .type = Type::kReal,
      .initial = "0",
      .unit = "s",
      .range = kNotNegative,
-     .help = "The grip closes at the beginning of the first step from this time on."},
+     .help = "The grip closes in the first step from this time on."},
     {.name = "releaseTime",
      .type = Type::kReal,
      .unit = "s",
      .range = kPositive,
-     .help = "The grip opens at the beginning of the first step from this time on. Without it, never."},
+     .help = "The grip opens in the first step from this time on. Default: never."},
     {.name = "radius",
      .type = Type::kReal,
      .unit = "m",
      .range = kPositive,
-     .help =
-         "Radius around the tool in which the grip holds nodes when it closes. A warning appears if there are none."},
+     .help = "The grip takes the nodes within this distance when it closes; a warning appears if there are none."},
     {.name = "indices", .type = Type::kIntegers, .range = kIndex, .help = "Nodes that can be held; default: all."},
     {.name = "stiffness",
      .type = Type::kReal,
      .initial = "1000",
      .unit = "N/m",
      .range = kPositive,
-     .help = "Stiffness of the whole grip. Each of n held nodes has a spring of 1/n of it to its place relative to the "
-             "tool when the grip closed."},
+     .help = "Of the whole grip. Each of n held nodes has a spring of 1/n of it to its place at closing, relative to "
+             "the tool."},
     {.name = "maxForce",
      .type = Type::kReal,
      .unit = "N",
      .range = kPositive,
-     .help = "Maximum force of the whole grip. Each spring pulls with at most 1/n of it; its node then stays behind "
-             "the tool. Without it there is no limit."},
+     .help = "Limit of the force of the whole grip; each spring pulls with at most 1/n of it. Default: no limit."},
     {.name = "damping",
      .type = Type::kReal,
      .initial = "0",
      .unit = "N s/m",
      .range = kNotNegative,
-     .help = "Damping of the whole grip. A dashpot of 1/n of it is parallel to each spring and acts against the "
-             "velocity of the node relative to the tool. maxForce does not limit it."},
+     .help = "Of the whole grip: a dashpot of 1/n of it beside each spring, against the velocity relative to the tool. "
+             "maxForce does not limit it."},
     {.name = "rayleighStiffness",
      .type = Type::kReal,
      .initial = "0",
@@ -122,44 +119,40 @@ inline constexpr Attribute kGraspAttributes[] = {
      .type = Type::kVector3,
      .unit = "N m",
      .access = Access::kOutput,
-     .help = "Moment of that force about the tool. About another point p it is torque + (tool - p) x force."},
+     .help = "Moment of that force about the tool."},
 };
 inline constexpr Description kGraspForceField{
     .class_name = "GraspForceField",
     .category = "ForceField",
     .help =
-        "An instrument: it grasps the nodes around it, moves along a path and releases them, with a limited force. It "
-        "acts on the nearest state, which may be one of embedded points. In SOFA, LinearMovementProjectiveConstraint "
-        "moves chosen nodes exactly and frees them at its last key time; RestShapeSpringsForceField, with "
-        "external_rest_shape on points that such a constraint moves, ties them by springs, and "
-        "AttachProjectiveConstraint rigidly; none of them chooses nodes during the run or limits the force.",
+        "An instrument that grasps the nodes around it, moves along a path and releases them, with a limited force. It "
+        "acts on the nearest state, which may be one of embedded points.",
     .templates = kVec3Templates,
     .attributes = kGraspAttributes};
 
 inline constexpr Attribute kProbeAttributes[] = {
     {.name = "value",
      .type = Type::kReals,
-     .help = "A link to the numbers or vectors that are recorded, for example @forceps.force, @nodes.position or "
-             "@material.plasticStrain."},
+     .help = "A link to numbers or vectors: @forceps.force, @nodes.position, @material.plasticStrain."},
     {.name = "indices",
      .type = Type::kIntegers,
      .range = kIndex,
-     .help = "Entries of the value that count, for example nodes, or @tumour.hexahedronIndices; default: all."},
+     .help = "Entries of the value that count: nodes, or @tumour.hexahedronIndices; default: all."},
     {.name = "points",
      .type = Type::kVectors3,
      .unit = "m",
-     .help = "Points of the body, where they are at the beginning. The value is one vector per node then, and the "
-             "entries are its values at these points, interpolated in their hexahedra."},
+     .help = "Initial positions of points of the body: the entries are the values there, interpolated from one vector "
+             "per node."},
     {.name = "component",
      .type = Type::kWord,
      .initial = "norm",
      .words = "x y z norm",
-     .help = "Of vectors: which component, or their length. Without effect for numbers."},
+     .help = "Of vectors: a component, or the length."},
     {.name = "statistic",
      .type = Type::kWord,
      .initial = "mean",
      .words = "mean sum min max",
-     .help = "How several entries become one number. Mean and sum of vectors are vectors; min and max are those of the "
+     .help = "Makes one number of several entries: mean and sum of vectors, then the component; min and max of the "
              "component."},
     {.name = "change",
      .type = Type::kBool,
@@ -170,17 +163,15 @@ inline constexpr Description kProbe{
     .class_name = "Probe",
     .category = "Probe",
     .help =
-        "Records a number after every step: a column of history.csv that has its name, a chart of the report, a "
-        "line of the summary, and a column that `hexaplast fit` can compare. Of values per hexahedron, those of "
-        "removed "
-        "ones do not count; 0 where none is left. It changes nothing in the run.",
+        "Records a number after every step: the column probe_NAME of history.csv, a chart of the report, a line of the "
+        "summary. Removed hexahedra do not count; 0 where none is left.",
     .attributes = kProbeAttributes};
 
 inline constexpr Attribute kRunSettingsAttributes[] = {
     {.name = "steps",
      .type = Type::kInteger,
      .range = {.min = 0, .max = 1e9},
-     .help = "Number of time steps of a run, unless the command line gives one."},
+     .help = "Time steps of a run, unless the command line gives them."},
     {.name = "outputEvery",
      .type = Type::kInteger,
      .initial = "25",
@@ -190,10 +181,9 @@ inline constexpr Attribute kRunSettingsAttributes[] = {
      .type = Type::kWord,
      .initial = "auto",
      .words = "auto yes no",
-     .help =
-         "Whether a run records elongation and twist between the end sections of the longest axis of its body. "
-         "auto: if there is one body without instruments, and what fixes, moves or loads its nodes acts on both end "
-         "sections, and otherwise on whole cross sections alone."},
+     .help = "Whether a run records elongation and twist between the end sections of its body. auto: if what fixes, "
+             "moves or loads its one body acts on both end sections, and otherwise on whole cross sections, without "
+             "instruments."},
 };
 inline constexpr Description kRunSettings{.class_name = "RunSettings",
                                           .category = "Settings",
@@ -203,24 +193,22 @@ inline constexpr Description kRunSettings{.class_name = "RunSettings",
 inline constexpr Attribute kAttributeChangeAttributes[] = {
     {.name = "component",
      .type = Type::kLink,
-     .help = "The component that has the attribute. It stands behind this one in the scene."},
+     .help = "The component that has the attribute, behind this one in the scene."},
     {.name = "attribute",
      .type = Type::kText,
-     .help = "Its name. The component must accept a new value during the run, as bodies accept those of their material "
-             "and instruments those of their path."},
+     .help = "Its name. It must be one that may change during a run, as those of materials and of paths."},
     {.name = "keyTimes",
      .type = Type::kReals,
      .unit = "s",
-     .help = "Times of the changes, ascending. Each happens at the beginning of the first step from this time on."},
+     .help = "Times of the changes, ascending: each in the first step from this time on."},
     {.name = "values",
      .type = Type::kText,
-     .help = "The value from each key time on, as the attribute takes it, separated by semicolons. An empty one: as if "
-             "the attribute were not given."},
+     .help =
+         "The value from each key time on, separated by semicolons. An empty one: as if the attribute were not given."},
 };
-inline constexpr Description kAttributeChange{
-    .class_name = "AttributeChange",
-    .category = "Settings",
-    .help = "Changes an attribute of another component during the run, as the sliders of the live window do.",
-    .attributes = kAttributeChangeAttributes};
+inline constexpr Description kAttributeChange{.class_name = "AttributeChange",
+                                              .category = "Settings",
+                                              .help = "Changes an attribute of another component during the run.",
+                                              .attributes = kAttributeChangeAttributes};
 
 }  // namespace hexaplast::attributes

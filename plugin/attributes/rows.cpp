@@ -26,10 +26,10 @@ std::string initial_text(const Row<Options>& row) {
   return row.may_be_infinite() ? "" : fmt::format("{}", value);
 }
 
-/// Says after the first sentence that there may be a value for each of several things: "hexahedron".
-std::string help_of_list(std::string_view help, std::string_view things) {
+/// Says after the first sentence that there may be a value for each hexahedron.
+std::string help_of_list(std::string_view help) {
   const std::size_t end = std::min(help.find(". "), help.size() - 1);
-  return fmt::format("{}: one value, or one per {}{}", help.substr(0, end), things, help.substr(end));
+  return fmt::format("{}: one value, or one per hexahedron{}", help.substr(0, end), help.substr(end));
 }
 
 /// Without the last sentence where that tells of a body that has no value.
@@ -48,7 +48,7 @@ Attribute attribute_of(const Row<Options>& row) {
           .range = row.range,
           .words = kept(fmt::format("{}", fmt::join(row.words, " "))),
           .aliases = row.alias,
-          .help = row.may_vary ? kept(help_of_list(row.help, "hexahedron")) : row.help};
+          .help = row.may_vary ? kept(help_of_list(row.help)) : row.help};
 }
 
 template <class Options>
@@ -79,7 +79,7 @@ std::span<const Attribute> region_attributes() {
       const Row<Material>& row = *find_row(material_rows(), attribute.name, Names::kScenes);
       const std::string_view help = help_of_given(row.help);
       attribute.initial = {};
-      attribute.help = row.may_vary ? kept(help_of_list(help, "hexahedron of the region")) : help;
+      attribute.help = row.may_vary ? kept(help_of_list(help)) : help;
     }
     return found;
   }();

@@ -60,8 +60,8 @@ inline constexpr Attribute kTubeGridTopologyAttributes[] = {
     {.name = "centreline",
      .type = Type::kVectors3,
      .unit = "m",
-     .help = "Points of a smooth curve that the tube follows instead, in order: at least two. The hexahedra along it "
-             "are equally long."},
+     .help = "At least two points of a smooth curve that the tube follows instead. The hexahedra along it are equally "
+             "long."},
     kShapePosition,
     kShapeHexahedra,
     kShapeQuads,
@@ -71,8 +71,8 @@ inline constexpr Description kTubeGridTopology{
     .class_name = "TubeGridTopology",
     .category = "Topology",
     .help =
-        "A tube, straight, along an arc or along a curve, closed around it. Its sections do not turn about the "
-        "curve. The first node of each circle lies on the side of x (of y where the curve begins along x).",
+        "A tube, straight, along an arc or along a curve. The first node of each circle lies on the side of x (of y "
+        "where the curve begins along x); sections do not turn about the curve.",
     .attributes = kTubeGridTopologyAttributes};
 
 inline constexpr Attribute kSheetGridTopologyAttributes[] = {
@@ -97,8 +97,7 @@ inline constexpr Attribute kSheetGridTopologyAttributes[] = {
      .type = Type::kReal,
      .initial = "0",
      .unit = "1/m",
-     .help = "One over the radius of an axis along y about which the sheet is bent: below it where positive, so that "
-             "the ends sink, above it where negative."},
+     .help = "One over the radius of bending about an axis along y. Positive: the ends sink; negative: they rise."},
     kShapePosition,
     kShapeHexahedra,
     kShapeQuads,

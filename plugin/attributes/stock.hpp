@@ -23,12 +23,12 @@ inline constexpr Attribute kNodeAttributes[] = {
      .initial = "0.01",
      .unit = "s",
      .range = kPositive,
-     .help = "Time step. Only the value of the root is used."},
+     .help = "Time step; that of the root counts."},
     {.name = "gravity",
      .type = Type::kVector3,
      .initial = "0 -9.81 0",
      .unit = "m/s^2",
-     .help = "Acceleration of every mass. Only the value of the root is used."},
+     .help = "Acceleration of every mass; that of the root counts."},
     {.name = "time",
      .type = Type::kReal,
      .initial = "0",
@@ -69,12 +69,11 @@ inline constexpr Attribute kRequiredPluginAttributes[] = {
     ignored_attribute("requireOne", "Ignored here: all names are required."),
     ignored_attribute("requireAll", "Ignored here: all names are required."),
 };
-inline constexpr Description kRequiredPlugin{.class_name = "RequiredPlugin",
-                                             .category = "Settings",
-                                             .help =
-                                                 "Loads plugins by name. Names that begin with Sofa. are SOFA's own "
-                                                 "modules, and need no loading here.",
-                                             .attributes = kRequiredPluginAttributes};
+inline constexpr Description kRequiredPlugin{
+    .class_name = "RequiredPlugin",
+    .category = "Settings",
+    .help = "Loads plugins by name. Names that begin with Sofa. are modules of SOFA, and are not loaded here.",
+    .attributes = kRequiredPluginAttributes};
 
 inline constexpr Attribute kDefaultAnimationLoopAttributes[] = {
     ignored_attribute("parallelODESolving", "Ignored here: solvers run one after another."),

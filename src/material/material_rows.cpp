@@ -76,7 +76,7 @@ constexpr Row<Material> kMaterialRows[] = {
      .range = {.min = 0},
      .help = "A hexahedron is removed when hardening raises its yield stress above this value at a corner. Needs "
              "plasticFlowRate, hardening, and a yieldStress that is not larger; of values per hexahedron some may be "
-             "larger: these hexahedra tear as soon as they flow. Without it nothing tears by stress.",
+             "larger: these tear as soon as they flow. Without it nothing tears by stress.",
      .at = kMember<&Material::fracture_stress>},
     {.member = "fracture_stretch",
      .name = "fractureStretch",

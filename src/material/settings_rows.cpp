@@ -25,9 +25,8 @@ constexpr Row<Settings> kSettingsRows[] = {
      .alias = "gradient",
      .group = kNumerics,
      .words = kBendings,
-     .help =
-         "Strain of the samples. assumedCorner: bends freely; blended: between corners and centre, stiff in bending, "
-         "as published; vertex (too stiff) and centre (hourglass modes) for comparison.",
+     .help = "Strain at the quadrature points. assumedCorner: bends freely; blended: between corners and centre, stiff "
+             "in bending, as published; for comparison vertex (too stiff) and centre (hourglass modes).",
      .at = kMember<&Settings::bending>},
     {.member = "blend_weight",
      .old_member = "blend_share",
@@ -35,14 +34,14 @@ constexpr Row<Settings> kSettingsRows[] = {
      .alias = "blendShare",
      .group = kNumerics,
      .range = {.min = 0, .max = 1, .exclusive_min = true, .exclusive_max = true},
-     .help = "Weight of the corner in the samples of bending=\"blended\".",
+     .help = "Weight of the corner for bending=\"blended\".",
      .at = kMember<&Settings::blend_weight>},
     {.member = "volumetric",
      .name = "volumetric",
      .group = kNumerics,
      .words = kVolumetrics,
      .help = "What resists a change of volume. volumeRatio: the exact volume of the hexahedron; sample: each of its "
-             "samples, which locks towards Poisson's ratio 0.5, as published.",
+             "quadrature points, which locks towards Poisson's ratio 0.5, as published.",
      .at = kMember<&Settings::volumetric>},
     {.member = "law",
      .name = "law",
@@ -63,8 +62,8 @@ constexpr Row<Settings> kSettingsRows[] = {
      .name = "recovery",
      .group = kNumerics,
      .words = kRecoveries,
-     .help = "What unfolds folded hexahedra. cluster: springs on each connected cluster of folded hexahedra, without "
-             "force or moment in sum; none: a body may stay folded.",
+     .help = "What unfolds folded hexahedra. cluster: springs on each connected cluster of them, without force or "
+             "moment in sum; none: nothing.",
      .at = kMember<&Settings::recovery>},
     {.member = "recovery_strength",
      .name = "recoveryStrength",
@@ -76,8 +75,7 @@ constexpr Row<Settings> kSettingsRows[] = {
      .name = "recoveryFrom",
      .group = kNumerics,
      .range = {.min = 0, .max = 1, .exclusive_max = true},
-     .help = "The springs act on a hexahedron of which the volume at a corner is below this fraction of that of the "
-             "plastic rest shape.",
+     .help = "The springs act on a hexahedron whose volume at a corner is below this fraction of that at rest.",
      .at = kMember<&Settings::recovery_from>},
     {.member = "recovery_full",
      .name = "recoveryFull",
@@ -97,23 +95,21 @@ constexpr Row<Settings> kSettingsRows[] = {
      .group = kFlow,
      .words = kRotations,
      .help = "How rotation within a hexahedron becomes permanent. objective: that of a corner relative to its "
-             "hexahedron; vertex and centre: the two modes of the paper, for comparison; none: only stretch flows.",
+             "hexahedron; vertex and centre: the two modes of the paper; none: only stretch flows.",
      .at = kMember<&Settings::rotation_plasticity>},
     {.member = "rotation_frame",
      .name = "rotationFrame",
      .group = kFlow,
      .words = kFrames,
-     .help = "Reference frame of rotations for vertex and centre: the rotation of the whole body, or the axes (as "
-             "printed in the paper: the result then depends on the pose).",
+     .help = "Reference of rotations for vertex and centre: the rotation of the whole body, or the axes (as in the "
+             "paper: the result depends on the pose).",
      .at = kMember<&Settings::rotation_frame>},
     {.member = "averaging",
      .name = "averaging",
      .group = kNumerics,
      .words = kAveragings,
-     .help =
-         "Rest-shape averaging: how the rest shapes of the hexahedra are projected onto one mesh. gaussNewton: a "
-         "Gauss-Newton step that leaves rotations of hexahedra free; for comparison jacobi (one sweep, depends on the "
-         "mesh).",
+     .help = "How the rest shapes of the hexahedra are averaged to one mesh. gaussNewton: a Gauss-Newton step that "
+             "leaves rotations of hexahedra free; for comparison jacobi (one sweep, depends on the mesh).",
      .at = kMember<&Settings::averaging>},
     {.member = "averaging_steps",
      .name = "averagingSteps",

@@ -26,16 +26,13 @@ inline constexpr Attribute kReaction{
     .unit = "N",
     .access = Access::kOutput,
     .help =
-        "Sum of the forces on its nodes by which constraints held or prescribed them in the last step: what the "
-        "equation "
-        "of the step lacks in the directions that are held. Jumps of a prescribed velocity come on top. Only "
-        "EulerImplicitSolver tells it. SOFA has no such output."};
-inline constexpr Attribute kReactionTorque{
-    .name = "reactionTorque",
-    .type = Type::kVector3,
-    .unit = "N m",
-    .access = Access::kOutput,
-    .help = "Moment of these forces about the origin; about another point p it is reactionTorque - p x reaction."};
+        "Sum of the forces of constraints on its nodes in the last step, in the directions that are held; jumps of a "
+        "prescribed velocity come on top. Of EulerImplicitSolver only, and not in SOFA."};
+inline constexpr Attribute kReactionTorque{.name = "reactionTorque",
+                                           .type = Type::kVector3,
+                                           .unit = "N m",
+                                           .access = Access::kOutput,
+                                           .help = "Moment of these forces about the origin."};
 inline constexpr Attribute kConstraintTopology =
     ignored_attribute("topology", "Ignored here: nodes keep their numbers.");
 
@@ -88,8 +85,8 @@ inline constexpr Attribute kMovements{
     .initial = "0 0 0",
     .unit = "m",
     .help =
-        "Movement at each key time, linear in between. Before the first time and from the last one on the nodes are "
-        "free: to hold them, repeat the last movement at a far later time."};
+        "Movement at each key time, linear in between. Nodes are free before the first time and from the last one on: "
+        "to hold them, repeat the last movement at a far later time."};
 
 inline constexpr Attribute kLinearMovementProjectiveConstraintAttributes[] = {
     kMovedIndices,
@@ -107,9 +104,7 @@ inline constexpr Attribute kLinearMovementProjectiveConstraintAttributes[] = {
 inline constexpr Description kLinearMovementProjectiveConstraint{
     .class_name = "LinearMovementProjectiveConstraint",
     .category = "ProjectiveConstraint",
-    .help =
-        "Moves nodes along a history. A step from t to t + dt ends with the movement at t: the motion lags by one "
-        "step, as in SOFA.",
+    .help = "Moves nodes along a history. A step from t to t + dt ends with the movement at t, as in SOFA.",
     .templates = kVec3Templates,
     .attributes = kLinearMovementProjectiveConstraintAttributes};
 
@@ -136,16 +131,15 @@ inline constexpr Description kPartialLinearMovementProjectiveConstraint{
     .class_name = "PartialLinearMovementProjectiveConstraint",
     .category = "ProjectiveConstraint",
     .help =
-        "Moves nodes along a history in some directions, as LinearMovementProjectiveConstraint does in all. In the "
-        "other directions nodes keep their velocity (SOFA overwrites it there too).",
+        "Moves nodes along a history in some directions. In the others they keep their velocity (SOFA overwrites it).",
     .templates = kVec3Templates,
     .attributes = kPartialLinearMovementProjectiveConstraintAttributes};
 
 inline constexpr Attribute kAttachProjectiveConstraintAttributes[] = {
     {.name = "object1",
      .type = Type::kLink,
-     .help = "The mechanical state that the other one follows; default: that of the node. Without twoWay it may follow "
-             "another one."},
+     .help = "The mechanical state that the other one follows; default: that of the node. Without twoWay it may be a "
+             "mapped one."},
     {.name = "object2",
      .type = Type::kLink,
      .help = "The mechanical state whose nodes are tied to it; default: that of the node. One time integrator moves "
@@ -155,24 +149,24 @@ inline constexpr Attribute kAttachProjectiveConstraintAttributes[] = {
     {.name = "twoWay",
      .type = Type::kBool,
      .initial = "false",
-     .help = "Both nodes of a pair have half of their accelerations: they move as one, and forces pass between the "
-             "states. Not for direct solvers, whose matrix has no such constraint. Otherwise the second node does not "
-             "accelerate, and no force passes."},
+     .help = "Both nodes of a pair have the mean of their accelerations, and forces pass between the states; not with "
+             "direct solvers. Otherwise the second node does not accelerate, and no force passes."},
     {.name = "constraintFactor",
      .type = Type::kReals,
      .range = {.min = 0, .max = 1},
-     .help = "One value per pair; default: 1. With twoWay 0 (not tied) or 1. Otherwise a factor of the corrections of "
-             "position and velocity."},
+     .help = "One value per pair; default: 1. A factor of the corrections of position and velocity; with twoWay 0 (not "
+             "tied) or 1."},
     {.name = "positionFactor",
      .type = Type::kReal,
      .initial = "1",
      .range = {.min = 0, .max = 1},
-     .help = "Of half the distance of a pair, by which the second node is moved to the first one after every step."},
+     .help =
+         "Fraction of half the distance by which the second node of a pair moves to the first one after every step."},
     {.name = "velocityFactor",
      .type = Type::kReal,
      .initial = "1",
      .range = {.min = 0, .max = 1},
-     .help = "Of half the difference of both velocities, by which both change after every step."},
+     .help = "Fraction of half the difference by which both velocities change after every step."},
     {.name = "minDistance",
      .type = Type::kReal,
      .initial = "-1",
@@ -191,8 +185,8 @@ inline constexpr Description kAttachProjectiveConstraint{
     .class_name = "AttachProjectiveConstraint",
     .category = "InteractionProjectiveConstraint",
     .help =
-        "Ties nodes of two mechanical states to each other. As in SOFA, the distance of a pair is halved in every "
-        "step, and both get the mean of their velocities.",
+        "Ties nodes of two mechanical states. As in SOFA, the distance of a pair is halved in every step, and both get "
+        "the mean of their velocities.",
     .templates = kVec3Templates,
     .attributes = kAttachProjectiveConstraintAttributes};
 

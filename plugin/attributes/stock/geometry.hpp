@@ -14,9 +14,8 @@ inline constexpr Attribute kMechanicalObjectAttributes[] = {
      .type = Type::kVectors3,
      .unit = "m",
      .access = Access::kState,
-     .help =
-         "Nodes. Those of the topology where none is given, or one beside a topology in the same node. A link gives "
-         "the first positions, and is not followed later."},
+     .help = "Nodes; default: those of the topology, also for a single position beside a topology in the same node. A "
+             "link gives the first positions only."},
     {.name = "velocity", .type = Type::kVectors3, .unit = "m/s", .access = Access::kState, .help = "Default: at rest."},
     {.name = "rest_position",
      .type = Type::kVectors3,
@@ -31,9 +30,7 @@ inline constexpr Attribute kMechanicalObjectAttributes[] = {
      .unit = "deg",
      .help = "About x, then y, then z; applied second."},
     {.name = "translation", .type = Type::kVector3, .initial = "0 0 0", .unit = "m", .help = "Applied last."},
-    {.name = "topology",
-     .type = Type::kLink,
-     .help = "Source of the nodes; default: the topology of the node, or of the nearest one above."},
+    {.name = "topology", .type = Type::kLink, .help = "Source of the nodes; default: the nearest topology."},
     {.name = "scale",
      .type = Type::kReal,
      .initial = "1",
@@ -42,12 +39,12 @@ inline constexpr Attribute kMechanicalObjectAttributes[] = {
      .type = Type::kVector3,
      .initial = "0 0 0",
      .unit = "m",
-     .help = "Moves the positions and not the rest positions, after everything else."},
+     .help = "Moves the positions alone, not the rest positions, after everything else."},
     {.name = "rotation2",
      .type = Type::kVector3,
      .initial = "0 0 0",
      .unit = "deg",
-     .help = "Turns the positions and not the rest positions, before translation2."},
+     .help = "Turns the positions alone, before translation2."},
     {.name = "restScale",
      .type = Type::kReal,
      .initial = "1",
@@ -91,7 +88,7 @@ inline constexpr Attribute kRegularGridTopologyAttributes[] = {
      .initial = "0",
      .unit = "m",
      .range = kNotNegative,
-     .help = "If not 0, the number of cells is such that none is wider than this, and n is ignored."},
+     .help = "If not 0, replaces n: no cell is wider than this."},
     {.name = "position",
      .type = Type::kVectors3,
      .unit = "m",
@@ -126,8 +123,7 @@ inline constexpr Attribute kSparseGridTopologyAttributes[] = {
     {.name = "fileTopology",
      .type = Type::kText,
      .aliases = "filename",
-     .help = "The surface: the triangles and quads of a mesh file, .obj, .stl, .vtk, .vtu or .msh; a relative "
-             "path counts from the scene file that names it. SOFA reads .obj of these."},
+     .help = "The surface: triangles and quads of a mesh file, .obj (the only one in SOFA), .stl, .vtk, .vtu or .msh."},
     {.name = "n",
      .type = Type::kIntegers,
      .initial = "2 2 2",
@@ -137,16 +133,15 @@ inline constexpr Attribute kSparseGridTopologyAttributes[] = {
      .type = Type::kVector3,
      .initial = "0 0 0",
      .unit = "m",
-     .help =
-         "Lowest corner of the grid. Where min and max are both 0, it is the box around the surface, widened by 1 % "
-         "at either side."},
+     .help = "Lowest corner of the grid. If min and max are both 0: the box around the surface, widened by 1 % at "
+             "either side."},
     {.name = "max", .type = Type::kVector3, .initial = "0 0 0", .unit = "m", .help = "Highest corner of the grid."},
     {.name = "cellWidth",
      .type = Type::kReal,
      .initial = "0",
      .unit = "m",
      .range = kNotNegative,
-     .help = "If not 0, the number of cells is such that none is wider than this, and n is ignored."},
+     .help = "If not 0, replaces n: no cell is wider than this."},
     {.name = "onlyInsideCells",
      .type = Type::kBool,
      .initial = "false",
@@ -154,19 +149,19 @@ inline constexpr Attribute kSparseGridTopologyAttributes[] = {
     {.name = "fillWeighted",
      .type = Type::kBool,
      .initial = "true",
-     .help = "Hexahedra that the surface passes through count as half full: at the same strain bodies carry half the "
-             "stress there. Masses are not changed."},
+     .help =
+         "Hexahedra that the surface passes through have half the stress at the same strain. Masses are not changed."},
     {.name = "position",
      .type = Type::kVectors3,
      .unit = "m",
      .aliases = "points",
      .access = Access::kOutput,
-     .help = "Nodes of the cells that are kept: x slowest, z fastest."},
+     .help = "Nodes of the cells: x slowest, z fastest."},
     {.name = "hexahedra",
      .type = Type::kHexahedra,
      .aliases = "hexas",
      .access = Access::kOutput,
-     .help = "First the cells that the surface passes through, then those that it encloses; x fastest in both."},
+     .help = "The cells that the surface passes through, then those that it encloses; x fastest in both."},
     kTopologyQuads,
     kTopologyEdges,
     visual_attribute("drawEdges"),
@@ -179,10 +174,9 @@ inline constexpr Description kSparseGridTopology{
     .class_name = "SparseGridTopology",
     .category = "Topology",
     .help =
-        "A coarse cage around a surface: the cells of a grid that the surface touches or encloses. The surface itself "
-        "follows by a BarycentricMapping. A surface with holes through which the outside reaches cells inside it is "
-        "an error. Warnings name the number of parts that share no face, and of nodes around which "
-        "hexahedra fold.",
+        "A coarse cage around a surface: the cells of a grid that the surface touches or encloses. A "
+        "BarycentricMapping embeds the surface. A surface with holes through which the outside reaches cells inside it "
+        "is an error. Warnings name the number of parts that share no face, and of nodes around which hexahedra fold.",
     .attributes = kSparseGridTopologyAttributes};
 
 inline constexpr Attribute kMeshTopologyAttributes[] = {
@@ -226,7 +220,7 @@ inline constexpr Description kMeshTopology{
 constexpr Description container(std::string_view class_name) {
   return {.class_name = class_name,
           .category = "Topology",
-          .help = "Nodes and cells as they are given, from a mesh loader or in the scene: the same as MeshTopology.",
+          .help = "Nodes and cells as they are given, from a mesh loader or in the scene.",
           .attributes = kMeshTopologyAttributes};
 }
 inline constexpr Description kHexahedronSetTopologyContainer = container("HexahedronSetTopologyContainer");
@@ -236,9 +230,7 @@ inline constexpr Description kTriangleSetTopologyContainer = container("Triangle
 /// What every mesh loader takes; they differ in `createSubelements` alone.
 constexpr std::array<Attribute, 19> loader_attributes(std::string_view creates_subelements) {
   return {{
-      {.name = "filename",
-       .type = Type::kText,
-       .help = "The mesh; a relative path counts from the scene file that names it."},
+      {.name = "filename", .type = Type::kText, .help = "The mesh file."},
       {.name = "scale3d", .type = Type::kVector3, .initial = "1 1 1", .help = "Applied first."},
       {.name = "scale",
        .type = Type::kReal,
@@ -252,7 +244,7 @@ constexpr std::array<Attribute, 19> loader_attributes(std::string_view creates_s
       {.name = "translation", .type = Type::kVector3, .initial = "0 0 0", .unit = "m", .help = "Applied last."},
       {.name = "transformation",
        .type = Type::kReals,
-       .help = "Homogeneous 4 x 4 matrix, row by row, instead of the four above."},
+       .help = "Homogeneous 4 x 4 matrix, row by row, in place of the four above."},
       {.name = "triangulate",
        .type = Type::kBool,
        .initial = "false",
@@ -288,19 +280,17 @@ inline constexpr Description kMeshGmshLoader{
     .class_name = "MeshGmshLoader",
     .category = "MeshLoader",
     .help =
-        "Reads .msh files of Gmsh: versions 1 (text), 2 and 4.1 (text or binary). Cells that are neither edges, "
-        "triangles, quads nor hexahedra of first order are skipped, and copies of cells taken once, with a warning. "
-        "Links reach physical groups of volumes by their "
-        "names, or by their numbers if they have none, `@loader.tumour`: the numbers of their hexahedra.",
+        "Reads .msh files of Gmsh, versions 2 and 4.1, text or binary. Cells that are neither edges, triangles, quads "
+        "nor hexahedra of first order are skipped, and copies of cells taken once, with a warning. Links reach the "
+        "hexahedra of physical groups by the names of these, `@loader.tumour`, or by their numbers if they have none.",
     .attributes = kGmshLoaderAttributes};
 inline constexpr Description kMeshVTKLoader{
     .class_name = "MeshVTKLoader",
     .category = "MeshLoader",
     .help =
         "Reads unstructured grids of VTK: legacy .vtk files (text or binary) and .vtu files (text, base64 or raw, "
-        "uncompressed or by zlib). Cells that are neither edges, triangles, quads nor hexahedra of first order are "
-        "skipped, with a warning. Links reach the cell data of .vtu files by their names, `@loader.label`: one number "
-        "per hexahedron.",
+        "uncompressed or by zlib). Skips cells as MeshGmshLoader does. Links reach the cell data of .vtu files by "
+        "their names, `@loader.label`: one number per hexahedron.",
     .attributes = kMeshLoaderAttributes};
 inline constexpr Description kMeshOBJLoader{.class_name = "MeshOBJLoader",
                                             .category = "MeshLoader",
@@ -311,7 +301,7 @@ inline constexpr Attribute kStlAttributes[] = {
      .type = Type::kInteger,
      .initial = "80",
      .range = kIndex,
-     .help = "Of binary files, in bytes: 80, as the format has it."},
+     .help = "Of binary files, in bytes."},
     ignored_attribute("forceBinary", "Ignored here: the size of a file tells whether it is binary."),
     ignored_attribute("mergePositionUsingMap", "Ignored here: corners in one place are always one node."),
 };
@@ -324,8 +314,8 @@ inline constexpr Description kMeshSTLLoader{
     .class_name = "MeshSTLLoader",
     .category = "MeshLoader",
     .help =
-        "Reads the triangles of .stl files, text or binary. Corners in exactly one place are one node. Triangles "
-        "with two corners in one place are left out, with a warning.",
+        "Reads the triangles of .stl files, text or binary. Equal corners are one node. Triangles with two equal "
+        "corners are left out, with a warning.",
     .attributes = kStlLoaderAttributes};
 
 }  // namespace hexaplast::attributes

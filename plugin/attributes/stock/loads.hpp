@@ -12,7 +12,7 @@ inline constexpr Attribute kConstantForceFieldAttributes[] = {
     {.name = "forces",
      .type = Type::kVectors3,
      .unit = "N",
-     .help = "One for every node, or one per index. Counts before totalForce; one of the two is needed."},
+     .help = "One for all nodes, or one per index. Counts before totalForce; one of the two is needed."},
     {.name = "totalForce",
      .type = Type::kVector3,
      .initial = "0 0 0",
@@ -21,7 +21,7 @@ inline constexpr Attribute kConstantForceFieldAttributes[] = {
     {.name = "indexFromEnd",
      .type = Type::kBool,
      .initial = "false",
-     .help = "Counts the indices from the last node back: 0 is the last one."},
+     .help = "Counts the indices back from the last node, which is 0."},
     ignored_attribute("topology", "Ignored here: nodes keep their numbers."),
     visual_attribute("showArrowSize"),
     visual_attribute("showColor"),
@@ -38,9 +38,8 @@ inline constexpr Attribute kLinearForceFieldAttributes[] = {
     {.name = "forces",
      .type = Type::kVectors3,
      .unit = "N",
-     .help =
-         "Force on each node at each key time: none before the first time, linear in between, the last one from the "
-         "last time on. Evaluated at the beginning of a step."},
+     .help = "Force on each node at each key time: none before the first time, linear in between, constant after the "
+             "last. That at the beginning of a step counts."},
     {.name = "force",
      .type = Type::kReal,
      .initial = "1",
@@ -54,36 +53,33 @@ inline constexpr Description kLinearForceField{.class_name = "LinearForceField",
                                                .attributes = kLinearForceFieldAttributes};
 
 inline constexpr Attribute kLoadTopology{
-    .name = "topology",
-    .type = Type::kLink,
-    .help = "The faces; default: the topology of the node, or of the nearest one above."};
+    .name = "topology", .type = Type::kLink, .help = "The faces; default: the nearest topology."};
 
 inline constexpr Attribute kSurfacePressureAttributes[] = {
     {.name = "pressure",
      .type = Type::kReal,
      .initial = "0",
      .unit = "Pa",
-     .help = "Along the normal that the order of a face's nodes gives: positive values pull outwards on the faces of "
-             "hexahedra."},
+     .help = "Along the normal of the order of a face's nodes: positive values pull outwards on hexahedra."},
     {.name = "quadIndices",
      .type = Type::kIntegers,
      .range = kIndex,
-     .help = "Quads of the topology; default: all that lie between min and max."},
+     .help = "Quads of the topology; default: all between min and max."},
     {.name = "triangleIndices",
      .type = Type::kIntegers,
      .range = kIndex,
-     .help = "Triangles of the topology; default: all that lie between min and max."},
+     .help = "Triangles of the topology; default: all between min and max."},
     {.name = "min",
      .type = Type::kVector3,
      .initial = "0 0 0",
      .unit = "m",
-     .help = "Where no indices are given, faces count while all their nodes lie in this box. Everywhere when min and "
-             "max are both 0."},
+     .help = "Without indices, faces count while all their nodes lie in the box from here to max; if both are 0, "
+             "everywhere."},
     {.name = "max", .type = Type::kVector3, .initial = "0 0 0", .unit = "m", .help = "The other corner of the box."},
     {.name = "mainDirection",
      .type = Type::kVector3,
      .initial = "0 0 0",
-     .help = "If not 0, the pressure on a triangle is multiplied by |n.mainDirection|, n being its unit normal."},
+     .help = "If not 0, the pressure on a triangle with unit normal n is multiplied by |n.mainDirection|."},
     {.name = "pulseMode", .type = Type::kWord, .initial = "false", .words = "false 0", .help = "Only false here."},
     {.name = "volumeConservationMode",
      .type = Type::kWord,
@@ -103,8 +99,8 @@ inline constexpr Description kSurfacePressureForceField{
     .class_name = "SurfacePressureForceField",
     .category = "ForceField",
     .help =
-        "Pressure on faces in their current shape. A quad counts as two triangles; each gives a third of its force to "
-        "each node. Faces of removed hexahedra carry no load.",
+        "Pressure on faces in their current shape; a quad counts as two triangles. Faces of removed hexahedra carry no "
+        "load.",
     .templates = kVec3Templates,
     .attributes = kSurfacePressureAttributes};
 

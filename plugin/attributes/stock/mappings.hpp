@@ -10,12 +10,9 @@ namespace hexaplast::attributes {
 inline constexpr Attribute kMappingInput{
     .name = "input",
     .type = Type::kLink,
-    .help =
-        "The state that is followed, or its node; default: that of the node above, or of the nearest one above that."};
+    .help = "The state that is followed, or its node; default: the nearest one above this node."};
 inline constexpr Attribute kMappingOutput{
-    .name = "output",
-    .type = Type::kLink,
-    .help = "The mapped state, or its node; default: that of this node. In pictures an OglModel follows."};
+    .name = "output", .type = Type::kLink, .help = "The mapped state, or its node; default: that of this node."};
 
 inline constexpr Attribute kBarycentricMappingAttributes[] = {
     kMappingInput,
@@ -23,7 +20,7 @@ inline constexpr Attribute kBarycentricMappingAttributes[] = {
     {.name = "useRestPosition",
      .type = Type::kBool,
      .initial = "false",
-     .help = "Whether points are located in the rest positions, or in the positions at the beginning."},
+     .help = "true: points are located in the rest positions; otherwise in the first positions."},
     {.name = "input_topology",
      .type = Type::kLink,
      .help = "The hexahedra; default: the topology of the followed state's node."},
@@ -36,11 +33,11 @@ inline constexpr Description kBarycentricMapping{
     .class_name = "BarycentricMapping",
     .category = "Mapping",
     .help =
-        "Points that move with the hexahedra they lie in, at their exact trilinear coordinates in hexahedra of any "
-        "shape (SOFA's are affine there, and points jump at the beginning). Points outside follow the nearest "
-        "hexahedron's motion to first order; a message gives their number. Forces and stiffness on points act on the "
-        "hexahedra, with the same force and moment. Where hexahedra are removed, cells of the points in them count as "
-        "removed; the points continue to follow the nodes.",
+        "Points that move with the hexahedra they lie in, at their trilinear coordinates. SOFA's are affine: in "
+        "hexahedra that are no boxes points jump at the beginning. Points outside follow the nearest hexahedron's "
+        "motion to first order; a message gives their number. Forces and stiffness on points act on the hexahedra, "
+        "with the same force and moment. Where hexahedra are removed, cells of the points in them count as removed; "
+        "the points follow the nodes.",
     .templates = "Vec3,Vec3 Vec3d,Vec3d",
     .attributes = kBarycentricMappingAttributes};
 

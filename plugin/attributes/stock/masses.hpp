@@ -45,17 +45,15 @@ inline constexpr Description kUniformMass{.class_name = "UniformMass",
                                           .attributes = kUniformMassAttributes};
 
 inline constexpr Attribute kMassTopology{
-    .name = "topology",
-    .type = Type::kLink,
-    .help = "The hexahedra; default: the topology of the node, or of the nearest one above."};
+    .name = "topology", .type = Type::kLink, .help = "The hexahedra; default: the nearest topology."};
 
 inline constexpr Attribute kDiagonalMassAttributes[] = {
     {.name = "totalMass",
      .type = Type::kReal,
      .unit = "kg",
      .range = kPositive,
-     .help = "Of the whole body, spread by volume. Counts before massDensity, which counts before vertexMass; 1 kg if "
-             "none is given."},
+     .help = "Of the whole body, spread by volume. Counts before massDensity, and that before vertexMass; 1 kg if none "
+             "is given."},
     {.name = "massDensity",
      .type = Type::kReal,
      .unit = "kg/m^3",

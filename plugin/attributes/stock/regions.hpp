@@ -13,23 +13,23 @@ inline constexpr Attribute kRegionAttributes[] = {
      .type = Type::kVectors3,
      .unit = "m",
      .aliases = "rest_position",
-     .help = "Points to select from; default: the rest positions of the mechanical state of the node."},
+     .help = "Points to select from; default: the rest positions of the nearest state."},
     {.name = "edges",
      .type = Type::kIntegers,
      .range = kIndex,
-     .help = "Edges to select from; default: those of the topology of the node."},
+     .help = "Edges to select from; default: those of the nearest topology."},
     {.name = "triangles",
      .type = Type::kIntegers,
      .range = kIndex,
-     .help = "Triangles to select from; default: those of the topology of the node."},
+     .help = "Triangles to select from; default: those of the nearest topology."},
     {.name = "quads",
      .type = Type::kIntegers,
      .range = kIndex,
-     .help = "Quads to select from; default: those of the topology of the node."},
+     .help = "Quads to select from; default: those of the nearest topology."},
     {.name = "hexahedra",
      .type = Type::kHexahedra,
      .range = kIndex,
-     .help = "Hexahedra to select from; default: those of the topology of the node."},
+     .help = "Hexahedra to select from; default: those of the nearest topology."},
     {.name = "strict",
      .type = Type::kBool,
      .initial = "true",
@@ -121,17 +121,13 @@ inline constexpr Description kSphereROI{.class_name = "SphereROI",
                                         .attributes = kSphereROIAttributes};
 
 inline constexpr Attribute kPlanes[] = {
-    {.name = "plane",
-     .type = Type::kReals,
-     .unit = "m",
-     .help =
-         "Ten numbers for each rectangle: three consecutive corners, and the thickness, half of it to either side."},
+    {.name = "plane", .type = Type::kReals, .unit = "m", .help = "Ten numbers for each, as orientedBox of BoxROI."},
 };
 inline constexpr auto kPlaneROIAttributes = joined(kPlanes, kRegionAttributes);
 inline constexpr Description kPlaneROI{
     .class_name = "PlaneROI",
     .category = "Engine",
-    .help = "Finds what lies in thick rectangles. SOFA's finds no hexahedra: BoxROI with orientedBox does in both.",
+    .help = "Finds what lies in thick rectangles. SOFA's finds no hexahedra; orientedBox of BoxROI does.",
     .templates = kVec3Templates,
     .attributes = kPlaneROIAttributes};
 

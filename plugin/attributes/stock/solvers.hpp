@@ -25,21 +25,17 @@ inline constexpr Attribute kEulerImplicitAttributes[] = {
      .initial = "0",
      .unit = "1/s",
      .range = kNotNegative,
-     .help = "Velocities decay as exp(-vdamping dt) at the end of each step, when positions have moved already."},
+     .help = "Velocities decay as exp(-vdamping dt) at the end of each step, after the positions."},
     {.name = "firstOrder",
      .type = Type::kBool,
      .initial = "false",
-     .help = "Solves M dx/dt = f: no inertia, the mass acts as a viscosity. Without damping."},
+     .help = "Solves M dx/dt = f: the mass acts as a viscosity. Without damping."},
     {.name = "trapezoidalScheme",
      .type = Type::kBool,
      .initial = "false",
-     .help =
-         "Forces at the middle of the step instead of its end, with half the numerical damping. As in SOFA positions "
-         "move by the velocity at the end: first order in time, and vibrations faster than 2 / dt (rad/s) grow from "
-         "step to step, Rayleigh damping or not."},
-    {.name = "linearSolver",
-     .type = Type::kLink,
-     .help = "Solver of the linear system; default: the first one of the node, or of the nearest one above."},
+     .help = "Forces at the middle of the step, with half the numerical damping. As in SOFA it is of first order in "
+             "time, and vibrations faster than 2 / dt (rad/s) grow, even with Rayleigh damping."},
+    {.name = "linearSolver", .type = Type::kLink, .help = "Solver of the linear system; default: the nearest one."},
     ignored_attribute("solveConstraint", "Ignored here: there are no Lagrangian constraints."),
     ignored_attribute("threadSafeVisitor", "Ignored here."),
     ignored_attribute("computeResidual", "Ignored here."),
@@ -50,20 +46,14 @@ inline constexpr Description kEulerImplicitSolver{.class_name = "EulerImplicitSo
                                                   .attributes = kEulerImplicitAttributes};
 
 inline constexpr Attribute kStaticAttributes[] = {
-    {.name = "newtonSolver",
-     .type = Type::kLink,
-     .help = "Newton solver; default: the NewtonRaphsonSolver of the node, or of the nearest one above."},
-    {.name = "linearSolver",
-     .type = Type::kLink,
-     .help = "Solver of the linear systems; default: the first one of the node, or of the nearest one above."},
+    {.name = "newtonSolver", .type = Type::kLink, .help = "Newton solver; default: the nearest one."},
+    {.name = "linearSolver", .type = Type::kLink, .help = "Solver of the linear systems; default: the nearest one."},
     ignored_attribute("should_diverge_when_residual_is_growing", "Ignored here."),
 };
 inline constexpr Description kStaticSolver{
     .class_name = "StaticSolver",
     .category = "OdeSolver",
-    .help =
-        "Static equilibrium under the loads at the beginning of each time step; masses act only through gravity. "
-        "Plastic flow is computed once per step, after equilibrium.",
+    .help = "Static equilibrium under the loads at the beginning of each time step, then one plastic step.",
     .attributes = kStaticAttributes};
 
 inline constexpr Attribute kNewtonRaphsonAttributes[] = {
@@ -128,7 +118,7 @@ inline constexpr Attribute kNewtonRaphsonAttributes[] = {
 inline constexpr Description kNewtonRaphsonSolver{
     .class_name = "NewtonRaphsonSolver",
     .category = "NewtonRaphsonSolver",
-    .help = "Stopping rules and line search of a StaticSolver. Norms are those of all its bodies together.",
+    .help = "Stopping rules and line search of a StaticSolver. Norms are over all its bodies.",
     .attributes = kNewtonRaphsonAttributes};
 
 inline constexpr Attribute kCGLinearSolverAttributes[] = {
@@ -141,14 +131,14 @@ inline constexpr Attribute kCGLinearSolverAttributes[] = {
      .type = Type::kReal,
      .initial = "1e-5",
      .range = kNotNegative,
-     .help = "Stops when |r| / |b| <= this value; as in SOFA, |r| and |b| are over all states together: a heavy body "
-             "hides what is left of a light one (MultigridCGLinearSolver looks at each)."},
+     .help = "Stops when |r| / |b| <= this value. As in SOFA both are over all states: a heavy body hides the residual "
+             "of a light one."},
     {.name = "threshold",
      .type = Type::kReal,
      .initial = "1e-5",
      .range = kNotNegative,
-     .help = "Stops when p.Ap <= this value. The bound is absolute, and tissue lies below the default: nothing is "
-             "solved then, and velocities stay. 0 switches it off."},
+     .help = "Stops when p.Ap <= this value; 0 switches it off. Tissue lies below the default: then nothing is "
+             "solved, and velocities stay."},
     {.name = "warmStart",
      .type = Type::kBool,
      .initial = "false",

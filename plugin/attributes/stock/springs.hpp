@@ -19,13 +19,12 @@ inline constexpr Attribute kSpringForceFieldAttributes[] = {
      .help = "The mechanical state of the first nodes; default: that of the node."},
     {.name = "object2",
      .type = Type::kLink,
-     .help = "That of the second nodes; default: that of the node. One time integrator moves both states. They may "
-             "follow others (points in a body); a state that nothing moves holds its ends."},
+     .help = "That of the second nodes; default: that of the node. One time integrator moves both states. They may be "
+             "mapped ones; a state that nothing moves holds its ends."},
     {.name = "spring",
      .type = Type::kReals,
-     .help =
-         "Five numbers for each: its two nodes, stiffness [N/m], damping [N s/m] and rest length [m]. Instead of the "
-         "lists below."},
+     .help = "In place of the lists below, five numbers for each: its two nodes, stiffness [N/m], damping [N s/m], "
+             "rest length [m]."},
     {.name = "indices1", .type = Type::kIntegers, .range = kIndex, .help = "First nodes, of object1."},
     {.name = "indices2", .type = Type::kIntegers, .range = kIndex, .help = "Second nodes, of object2, as many."},
     {.name = "stiffness",
@@ -59,8 +58,8 @@ inline constexpr Description kSpringForceField{
     .class_name = "SpringForceField",
     .category = "ForceField",
     .help =
-        "Springs between nodes of one state, or of two: a ligament. Damping acts along a spring and has no part in "
-        "the matrix, as in SOFA: it may throw light nodes to and fro, and a warning says so.",
+        "Springs between nodes of one state, or of two. As in SOFA damping, along the spring, is not part of the "
+        "matrix: it may make motions of light nodes grow, and a warning says so.",
     .templates = kVec3Templates,
     .attributes = kSpringForceFieldAttributes};
 
@@ -74,8 +73,8 @@ inline constexpr Attribute kRestShapeSpringsAttributes[] = {
      .help = "One value, or one per node."},
     {.name = "external_rest_shape",
      .type = Type::kLink,
-     .help = "A mechanical state, on whose positions at the beginning of the step the nodes are pulled. It feels no "
-             "force. Default: the rest positions count."},
+     .help = "A mechanical state to whose positions at the beginning of the step the nodes are pulled. It feels no "
+             "force. Default: the rest positions."},
     {.name = "external_points",
      .type = Type::kIntegers,
      .range = kIndex,

@@ -19,12 +19,11 @@ inline constexpr Attribute kIndexValueMapperAttributes[] = {
      .help = "What stands at the other places that the list has gained."},
     {.name = "outputValues", .type = Type::kReals, .access = Access::kOutput, .help = "The values after."},
 };
-inline constexpr Description kIndexValueMapper{
-    .class_name = "IndexValueMapper",
-    .category = "Engine",
-    .help = "Gives some values of a list another value: of chosen hexahedra, for one.",
-    .templates = kVec3Templates,
-    .attributes = kIndexValueMapperAttributes};
+inline constexpr Description kIndexValueMapper{.class_name = "IndexValueMapper",
+                                               .category = "Engine",
+                                               .help = "Gives some entries of a list another value.",
+                                               .templates = kVec3Templates,
+                                               .attributes = kIndexValueMapperAttributes};
 
 inline constexpr Attribute kIndicesFromValuesAttributes[] = {
     {.name = "values", .type = Type::kReals, .help = "What is looked for."},
@@ -32,16 +31,15 @@ inline constexpr Attribute kIndicesFromValuesAttributes[] = {
     {.name = "recursiveSearch",
      .type = Type::kBool,
      .initial = "false",
-     .help = "true: all places of each value, ascending; otherwise the first place of each value, in the order of the "
-             "values. A value that is not there gives a warning."},
+     .help = "true: all places of each value, ascending; otherwise the first one. A value that is not there gives a "
+             "warning."},
     {.name = "indices", .type = Type::kIntegers, .access = Access::kOutput, .help = "Places of the values."},
     {.name = "otherIndices", .type = Type::kIntegers, .access = Access::kOutput, .help = "The other places."},
 };
-inline constexpr Description kIndicesFromValues{
-    .class_name = "IndicesFromValues",
-    .category = "Engine",
-    .help = "Finds the places of values in a list: hexahedra with a label, for one.",
-    .templates = "d f i I",
-    .attributes = kIndicesFromValuesAttributes};
+inline constexpr Description kIndicesFromValues{.class_name = "IndicesFromValues",
+                                                .category = "Engine",
+                                                .help = "Finds the places of values in a list: hexahedra with a label.",
+                                                .templates = "d f i I",
+                                                .attributes = kIndicesFromValuesAttributes};
 
 }  // namespace hexaplast::attributes

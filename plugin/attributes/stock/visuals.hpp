@@ -44,19 +44,18 @@ inline constexpr Description kOglModel{
     .class_name = "OglModel",
     .category = "Visual",
     .help =
-        "A surface that is seen and has no mechanics. With a BarycentricMapping or an IdentityMapping in its node, "
-        "pictures show it in place of the hexahedra, in the colours of these; without one they do not show it. "
-        "Where hexahedra are removed, what lies in them is not shown. A loader reads and places it.",
+        "A surface without mechanics. With a BarycentricMapping or an IdentityMapping in its node, pictures show it in "
+        "place of the hexahedra, in their colours; without one they do not show it. What lies in removed hexahedra is "
+        "not shown.",
     .templates = "Vec3 Vec3d ExtVec3 ExtVec3d ExtVec3f",
     .attributes = kOglModelAttributes};
 
 inline constexpr Attribute kVisualStyleAttributes[] = {
     {.name = "displayFlags",
      .type = Type::kText,
-     .help = "Words, of which four pairs count here: showVisualModels (the default) or hideVisualModels for surfaces, "
-             "showBehaviorModels or hideBehaviorModels for hexahedra, which are shown by default where no surface is, "
-             "and beside a surface as edges; showForceFields (the default) or hideForceFields for the arrows of loads; "
-             "showWireframe for edges alone, in the colours of what they bound, or hideWireframe (the default)."},
+     .help = "Words that begin with show or hide: VisualModels (surfaces; default show), BehaviorModels (hexahedra; "
+             "default: shown where no surface is; beside a surface as edges), ForceFields (arrows of loads; default "
+             "show), Wireframe (edges alone, in the colours of what they bound; default hide)."},
 };
 inline constexpr Description kVisualStyle{.class_name = "VisualStyle",
                                           .category = "Visual",
@@ -68,19 +67,19 @@ inline constexpr Attribute kInteractiveCameraAttributes[] = {
     {.name = "lookAt", .type = Type::kVectors3, .unit = "m", .help = "What the viewer looks at: one point."},
     {.name = "orientation",
      .type = Type::kReals,
-     .help = "In place of lookAt: a quaternion x y z w that turns a camera from looking along -z, y pointing up."},
+     .help = "In place of lookAt: a quaternion x y z w that turns a camera that looks along -z, y pointing up."},
     {.name = "distance",
      .type = Type::kReal,
      .initial = "1",
      .unit = "m",
      .range = kPositive,
-     .help = "From the camera to what it looks at, beside an orientation."},
+     .help = "From the camera to what it looks at, with an orientation."},
     {.name = "fieldOfView",
      .type = Type::kReal,
      .unit = "deg",
      .range = {.min = 0, .max = 180, .exclusive_min = true, .exclusive_max = true},
-     .help = "Angle from the lower to the upper border. Where it is given, pictures are taken from the camera's very "
-             "position; otherwise its direction counts, and distance and detail are fitted to the run."},
+     .help = "Angle from the lower to the upper border. With it, pictures are taken from the camera's very position; "
+             "without, its direction counts, and the distance is fitted to the run."},
     {.name = "projectionType",
      .type = Type::kWord,
      .initial = "Perspective",
@@ -103,8 +102,8 @@ inline constexpr Description kInteractiveCamera{
     .class_name = "InteractiveCamera",
     .category = "Visual",
     .help =
-        "From where pictures are taken: from position towards lookAt, y pointing up, or as the orientation says. "
-        "Without them, from beside the body's longest axis and a little above. The first one in the scene counts.",
+        "From where pictures are taken: from position towards lookAt, y pointing up, or by the orientation. Default: "
+        "from beside the body's longest axis and a little above. The first one in the scene counts.",
     .attributes = kInteractiveCameraAttributes};
 
 }  // namespace hexaplast::attributes

@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <iterator>
+#include <limits>
 #include <map>
 
 #include "attributes/admissible.hpp"
@@ -20,8 +23,9 @@ using attributes::Description;
 constexpr std::string_view kIntroduction =
     R"(# Components
 
-Components and attributes of scenes. `hexaplast list --markdown` prints this page from the table that also checks scenes.
-Names, defaults and meaning are SOFA's wherever SOFA has the component. Units are SI.
+Components and attributes of scenes. `hexaplast list --markdown` prints this page from the table that also checks scenes;
+`hexaplast list BoxROI` also prints templates, and attributes of SOFA that are accepted without effect. Names, defaults and
+meaning are SOFA's wherever SOFA has the component. Units are SI.
 
 A scene is XML: nodes hold nodes and components, `<BoxROI .../>` or `<Object type="BoxROI" .../>`. This one runs; save it
 as `beam.scn` and try `hexaplast run beam.scn`, or `hexaplast check beam.scn` for a model check:
@@ -33,20 +37,20 @@ The examples below are added at the end of its node `body`. A solver, topology, 
 animation loop or RunSettings replaces the one that is there.
 
 **Values.** Numbers are separated by blanks, with a decimal point; `nan`, `inf` and numbers out of range are refused. Among
-whole numbers `3-7` stands for 3 4 5 6 7, `7-3` for 7 6 5 4 3, and `0-10-5` for 0 5 10. Attributes whose name begins with `_`
-or `NO` are ignored.
+whole numbers `3-7` stands for 3 4 5 6 7, `7-3` for 7 6 5 4 3, and `0-10-5` for 0 5 10. Numbers of nodes and cells count
+from 0. Attributes whose name begins with `_` or `NO` are ignored.
 
 **Links.** `@path` refers to a node or component, `@path.attribute` to an attribute, whose changes are followed. The target
 may be anywhere in the file. A path is a name, which is searched in the node and then in the nodes above; or it begins with
 `/` (the root), `./` (this node) or `../` (the node above), followed by names. `[-1]` is the component before this one, and
 `@.dt` an attribute of the node itself. A name that no component has may be a class of which the node holds one component.
-Components without a name are named by their class and a number: `BoxROI1`, `BoxROI2`.
+Components without a name are named by their class and a number: `BoxROI1`, `BoxROI2`. The *nearest* component is the first
+one of the node, or of the nearest node above that has one.
 
-**Includes.** `<include href="part.xml"/>` is replaced by the root element of another file; its path is relative to the
-including file.
-`name="..."` renames it; any other attribute replaces the one of that name wherever the file gives it, and `X__attribute`
-only in elements named X. A root named `Group` is replaced by its members; one named `_Merge_` is merged into the
-including node, class by class and name by name. At most 16 levels.
+**Includes.** `<include href="part.xml"/>` is replaced by the root element of another file. `name="..."` renames it; any
+other attribute replaces the one of that name wherever the file gives it, and `X__attribute` only in elements named X. A
+root named `Group` is replaced by its members; one named `_Merge_` is merged into the including node, class by class and
+name by name. At most 16 levels.
 
 **Files.** The name of a mesh or of an included file counts from the file that names it. If nothing is there, it is looked
 for in the directories of `--mesh-path`. Names with `..` and absolute names are not searched for.
@@ -73,51 +77,86 @@ std::string default_cell(const Attribute& attribute) {
   return attribute.initial.empty() ? "" : fmt::format("`{}`", attribute.initial);
 }
 
-std::string range_cell(const Attribute& attribute) {
+// "number [m], > 0". No limits that are those of whole numbers.
+std::string kind_cell(const Attribute& attribute) {
   if (attribute.type == attributes::Type::kWord) return std::string(attribute.words);
-  std::string text = attributes::describe(attribute.range);
+  const bool is_link = attribute.type == attributes::Type::kLink;
+  std::string text(is_link ? "link" : attributes::describe(attribute.type));
+  if (text.starts_with("one ")) text.erase(0, 4);
+  if (!attribute.unit.empty()) text += fmt::format(" [{}]", attribute.unit);
+  attributes::Range range = attribute.range;
+  if (range.max == attributes::kIndex.max) range.max = std::numeric_limits<double>::infinity();
+  std::string limits = attributes::describe(range);
   for (const std::string_view opening : {"must be ", "must lie "})
-    if (text.starts_with(opening)) text.erase(0, opening.size());
-  return text;
+    if (limits.starts_with(opening)) limits.erase(0, opening.size());
+  const bool is_index = attribute.range.max == attributes::kIndex.max && range.min == attributes::kIndex.min;
+  return limits.empty() || is_index ? text : fmt::format("{}, {}", text, limits);
 }
 
-std::string attribute_table(std::span<const Attribute> attributes) {
-  std::string table =
-      "| attribute | holds | unit | default | range | meaning |\n| --- | --- | --- | --- | --- | --- |\n";
-  for (const Attribute& attribute : attributes) {
-    if (attribute.access == Access::kIgnored) continue;
-    std::string names = fmt::format("`{}`", attribute.name);
-    for (const std::string_view alias : scene::split_words(attribute.aliases)) names += fmt::format(", `{}`", alias);
-    table += fmt::format("| {} | {} | {} | {} | {} | {} |\n", names, attributes::describe(attribute.type),
-                         attribute.unit, default_cell(attribute), range_cell(attribute), cell(attribute.help));
-  }
+using Rows = std::vector<const Attribute*>;
+
+std::string all_names(const Attribute& attribute) {
+  std::string names = fmt::format("`{}`", attribute.name);
+  for (const std::string_view alias : scene::split_words(attribute.aliases)) names += fmt::format(", `{}`", alias);
+  return names;
+}
+
+std::string attribute_table(const Rows& rows) {
+  std::string table = "| attribute | holds | default | meaning |\n| --- | --- | --- | --- |\n";
+  for (const Attribute* row : rows)
+    table += fmt::format("| {} | {} | {} | {} |\n", all_names(*row), cell(kind_cell(*row)), default_cell(*row),
+                         cell(row->help));
   return table;
 }
 
-std::string ignored_attributes(std::span<const Attribute> attributes) {
-  std::string names;
-  for (const Attribute& attribute : attributes) {
-    if (attribute.access != Access::kIgnored) continue;
-    names += fmt::format("{}`{}`", names.empty() ? "" : ", ", attribute.name);
+Rows rows_with_effect(std::span<const Attribute> attributes) {
+  Rows rows;
+  for (const Attribute& attribute : attributes)
+    if (attribute.access != Access::kIgnored) rows.push_back(&attribute);
+  return rows;
+}
+
+/// A component, and the rows that its table has.
+struct Described {
+  const Description* component;
+  Rows rows;
+};
+
+// Regions have no defaults, and say nothing of bodies without a value.
+bool says_nothing_new(const Attribute& row, const Attribute& earlier) {
+  return all_names(row) == all_names(earlier) && kind_cell(row) == kind_cell(earlier) && row.access == earlier.access &&
+         (row.initial == earlier.initial || row.initial.empty()) && earlier.help.starts_with(row.help);
+}
+
+// Rows that an earlier component has too are not repeated where they are worth a link.
+std::string links(const std::vector<Described>& earlier, Rows& rows) {
+  constexpr std::size_t kWorthALink = 240;  // characters of a table
+  std::string text;
+  for (const Described& other : earlier) {
+    const auto is_there = [&](const Attribute* row) {
+      return std::ranges::any_of(other.rows, [&](const Attribute* each) { return says_nothing_new(*row, *each); });
+    };
+    Rows rest = rows, there;
+    std::erase_if(rest, is_there);
+    std::ranges::copy_if(rows, std::back_inserter(there), is_there);
+    if (attribute_table(there).size() < kWorthALink) continue;
+
+    std::string names, anchor(other.component->class_name);
+    for (const Attribute* row : there) names += fmt::format("{}`{}`", names.empty() ? "" : ", ", row->name);
+    std::ranges::transform(anchor, anchor.begin(), [](unsigned char c) { return std::tolower(c); });
+    text += fmt::format("\nAs for [{}](#{}): {}.\n", other.component->class_name, anchor, names);
+    rows = std::move(rest);
   }
-  return names.empty() ? "" : fmt::format("\nAccepted without effect: {}.\n", names);
+  return text;
 }
 
-bool has_table(const Description& component) {
-  return std::ranges::any_of(component.attributes,
-                             [](const Attribute& attribute) { return attribute.access != Access::kIgnored; });
-}
-
-std::string section(const Description& component) {
+std::string section(const Description& component, std::vector<Described>& earlier) {
   std::string text = fmt::format("\n### {}\n\n{}\n", component.class_name, component.help);
-  if (!component.templates.empty()) {
-    std::string templates;
-    for (const std::string_view name : scene::split_words(component.templates))
-      templates += fmt::format("{}`{}`", templates.empty() ? "" : ", ", name);
-    text += fmt::format("\nTemplates: {}.\n", templates);
-  }
-  if (has_table(component)) text += fmt::format("\n{}", attribute_table(component.attributes));
-  text += ignored_attributes(component.attributes);
+  Rows rows = rows_with_effect(component.attributes);
+  const std::string as_earlier = links(earlier, rows);
+  if (!rows.empty()) text += "\n" + attribute_table(rows);
+  text += as_earlier;
+  earlier.push_back({&component, rows});
 
   const auto example = std::ranges::find(attributes::kExamples, component.class_name, &attributes::Example::class_name);
   text += fmt::format("\n```xml\n{}\n```\n", example == attributes::kExamples.end()
@@ -176,10 +215,11 @@ std::vector<ComponentGroup> grouped(const std::vector<const Description*>& compo
 
 std::string component_page(const std::vector<const Description*>& components) {
   std::string page = fmt::format(fmt::runtime(kIntroduction), attributes::kExampleScene);
-  page += attribute_table(attributes::kCommon) + ignored_attributes(attributes::kCommon);
+  page += attribute_table(rows_with_effect(attributes::kCommon));
+  std::vector<Described> described;
   for (const ComponentGroup& group : grouped(components)) {
     page += fmt::format("\n## {}\n", group.category);
-    for (const Description* component : group.components) page += section(*component);
+    for (const Description* component : group.components) page += section(*component, described);
   }
   return page + ignored_components(components);
 }

@@ -67,6 +67,21 @@ TEST_F(Command, EveryExampleOfTheComponentPageRunsWithoutComplaint) {
   EXPECT_TRUE(wanted.empty()) << *wanted.begin() << " is in no example";
 }
 
+TEST_F(Command, TheComponentPageNamesEveryAttributeWithItsComponent) {
+  const std::string page = content(kPage);
+  for (const Json& component : Json::parse(hexaplast("list --json").out)["components"]) {
+    if (!component["has_effect"]) continue;
+    const std::string name = component["name"];
+    const std::size_t begin = page.find("\n### " + name + "\n");
+    ASSERT_NE(begin, page.npos) << name;
+    const std::string section = page.substr(begin, page.find("\n```xml", begin) - begin);
+    for (const Json& attribute : component["attributes"]) {
+      if (attribute["access"] == "ignored") continue;
+      EXPECT_NE(section.find("`" + std::string(attribute["name"]) + "`"), section.npos) << name << attribute["name"];
+    }
+  }
+}
+
 TEST_F(Command, ListPrintsOneComponent) {
   const Outcome text = hexaplast("list BoxROI");
   EXPECT_EQ(text.code, 0);
