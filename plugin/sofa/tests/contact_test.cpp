@@ -12,6 +12,7 @@
 #include <set>
 #include <sstream>
 
+#include "block_scene.h"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/body.hpp"
 #include "messages.h"
@@ -116,11 +117,10 @@ TEST(ConstraintContactInSofa, IsTheSameForBothCorrectionsOfSofa)
 /// A block of 2,058 hexahedra that is held at its bottom, after a step.
 std::string block_below_contacts(const std::string& solver)
 {
-    std::string scene = R"(<Node name="root" dt="0.01" gravity="0 0 -9.81"><DefaultAnimationLoop/>)";
-    for (const char* module : {"AnimationLoop", "Constraint.Projective", "Engine.Select", "LinearSolver.Direct", "Mass",
-                               "ODESolver.Backward", "StateContainer", "Topology.Container.Grid"})
-        scene += std::string("<RequiredPlugin pluginName=\"Sofa.Component.") + module + "\"/>";
-    return scene + R"(<RequiredPlugin pluginName="Hexaplast"/><Node name="tissue"><EulerImplicitSolver/>)" + solver +
+    return R"(<Node name="root" dt="0.01" gravity="0 0 -9.81"><DefaultAnimationLoop/>)" +
+           required({"AnimationLoop", "Constraint.Projective", "Engine.Select", "LinearSolver.Direct", "Mass",
+                     "ODESolver.Backward", "StateContainer", "Topology.Container.Grid"}) +
+           R"(<Node name="tissue"><EulerImplicitSolver/>)" + solver +
            R"(<RegularGridTopology n="15 15 11" min="0 0 0" max="0.14 0.14 0.1"/><MechanicalObject template="Vec3d"/>
         <DiagonalMass massDensity="1000"/><HexahedronElastoplasticFEMForceField template="Vec3d" youngModulus="6000"
             poissonRatio="0.45" precision="mixed"/><BoxROI name="bottom" box="-1 -1 -0.001  1 1 0.001"/>

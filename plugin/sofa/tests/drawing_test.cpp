@@ -31,11 +31,6 @@ protected:
         scene.field().draw(&vparams);
         return tool;
     }
-    void move_to(const PointArray& x)
-    {
-        auto positions = scene.state().writePositions();
-        view(positions.wref()) = x;
-    }
 
     SofaScene scene = SofaScene::from_text(block(kPlastic));
     const PointArray rest = scene.positions();
@@ -58,7 +53,7 @@ TEST_F(Drawing, ShowsTheSurfaceWhereItIs)
     const RecordingDrawTool at_rest = draw();
     EXPECT_EQ(at_rest.corners.size(), 3 * 2 * (2 * (2 * 2) + 4 * (2 * 3))) << "two triangles on each outer face";
     EXPECT_NEAR(enclosed(at_rest.corners), 0.2 * 0.2 * 0.3, 1e-15);
-    move_to(rest * Eigen::Vector3d(0.9, 0.8, 1.4).asDiagonal());
+    scene.move_to(rest * Eigen::Vector3d(0.9, 0.8, 1.4).asDiagonal());
     EXPECT_NEAR(enclosed(draw().corners), 0.2 * 0.2 * 0.3 * 0.9 * 0.8 * 1.4, 1e-15);
 }
 
@@ -72,7 +67,7 @@ TEST_F(Drawing, ColoursWhatHasFlowed)
     PointArray x = rest;
     for (int n = 0; n < x.rows(); ++n)
         if (x(n, 2) > 0.25) x(n, 2) += 0.1;  // the upper slice alone
-    move_to(x);
+    scene.move_to(x);
     scene.step();
     const RecordingDrawTool plastic = draw();
     double upper = 0, lower = 0;
@@ -87,7 +82,7 @@ TEST_F(Drawing, ColoursWhatHasFlowed)
 
 TEST_F(Drawing, ShowsTheShapeWithoutForcesOnDemand)
 {
-    move_to(rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
+    scene.move_to(rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
     scene.step();
     EXPECT_TRUE(draw().ends.empty());
     scene.field().findData("drawPlasticRestShape")->read("1");
@@ -108,6 +103,19 @@ TEST_F(Drawing, LeavesTheToolAsItWasAndObeysTheFlags)
     EXPECT_EQ(tool.num_others, 0);
     EXPECT_TRUE(tool.is_lit);
     EXPECT_TRUE(draw(false).corners.empty());
+}
+
+TEST_F(Drawing, BoundsTheBody)
+{
+    const PointArray x = rest * Eigen::Vector3d(0.9, 0.8, 1.4).asDiagonal();
+    scene.move_to(x);
+    scene.field().computeBBox(sofa::core::execparams::defaultInstance());
+    const auto& box = scene.field().f_bbox.getValue();
+    for (int i = 0; i < 3; ++i)
+    {
+        EXPECT_EQ(box.minBBox()[i], x.col(i).minCoeff());
+        EXPECT_EQ(box.maxBBox()[i], x.col(i).maxCoeff());
+    }
 }
 
 }  // namespace

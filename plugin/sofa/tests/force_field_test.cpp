@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What SOFA demands of a force field: force, energy, product and matrix that fit together, and evaluation without
 // memory.
+#include <Hexaplast/GraspForceField.h>
 #include <gtest/gtest.h>
 #include <sofa/component/topology/container/dynamic/HexahedronSetTopologyModifier.h>
 #include <sofa/core/MechanicalParams.h>
 #include <sofa/linearalgebra/FullMatrix.h>
 
 #include <algorithm>
+#include <limits>
 #include <random>
 
 #include "block_scene.h"
 #include "hexaplast/body.hpp"
+#include "messages.h"
 #include "sofa_scene.h"
 
 namespace hexaplast::sofa_plugin::test
@@ -30,11 +33,6 @@ protected:
         PointArray field(rest.rows(), 3);
         for (Eigen::Index i = 0; i < field.size(); ++i) field.data()[i] = number(engine);
         return field;
-    }
-    void move_to(const PointArray& x)
-    {
-        auto positions = scene.state().writePositions();
-        view(positions.wref()) = x;
     }
     PointArray force_at(const PointArray& x)
     {
@@ -134,11 +132,20 @@ TEST_F(ForceFieldChecks, EvaluationRemembersNothingAndOneStepFlowsOnce)
 {
     const PointArray stretched = rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal();
     const PointArray first = force_at(stretched);
-    for (int time = 0; time < 10; ++time) force_at(deformed);
+    params.setKFactor(1);
+    for (int time = 0; time < 10; ++time)
+    {
+        force_at(deformed);
+        energy_at(deformed);
+        product(rest, params);
+        sofa::linearalgebra::FullMatrix<SReal> K(static_cast<int>(rest.size()), static_cast<int>(rest.size()));
+        unsigned int offset = 0;
+        scene.field().addKToMatrix(&K, 1, offset);
+    }
     EXPECT_EQ(force_at(stretched), first);
     EXPECT_EQ(scene.body().plastic_rest_positions(), rest);
 
-    move_to(stretched);
+    scene.move_to(stretched);
     scene.step();  // no solver: positions stay
     Body body(scene.body().mesh(), scene.body().materials(), scene.body().settings());
     body.flow(stretched, 0.01);
@@ -149,13 +156,14 @@ TEST_F(ForceFieldChecks, EvaluationRemembersNothingAndOneStepFlowsOnce)
     EXPECT_EQ(scene.body().plastic_rest_positions(), rest);
 }
 
-TEST_F(ForceFieldChecks, OutputsShowThePlasticState)
+TEST_F(ForceFieldChecks, OutputsShowThePlasticStateWhenTheyAreRead)
 {
-    move_to(rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
+    const auto* strain = &scene.field().d_plasticStrain;
+    EXPECT_EQ(strain->getValue(), sofa::type::vector<SReal>(12, 0));
+    const int counter = strain->getCounter();
+    scene.move_to(rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
     scene.step();
-    const auto* strain = dynamic_cast<sofa::core::objectmodel::Data<sofa::type::vector<SReal>>*>(
-        scene.field().findData("plasticStrain"));
-    ASSERT_TRUE(strain);
+    EXPECT_EQ(strain->getCounter(), counter) << "computed though nobody reads it";
     const ElementFields fields = scene.body().fields(scene.positions());
     ASSERT_EQ(strain->getValue().size(), fields.plastic_strain.size());
     for (std::size_t e = 0; e < fields.plastic_strain.size(); ++e)
@@ -163,25 +171,35 @@ TEST_F(ForceFieldChecks, OutputsShowThePlasticState)
         EXPECT_GT(fields.plastic_strain[e], 0);
         EXPECT_EQ(strain->getValue()[e], fields.plastic_strain[e]);
     }
-    const auto* material = dynamic_cast<sofa::core::objectmodel::Data<Vec3Types::VecCoord>*>(
-        scene.field().findData("plasticRestPositions"));
-    ASSERT_TRUE(material);
-    EXPECT_EQ(PointArray(view(material->getValue())), scene.body().plastic_rest_positions());
+    EXPECT_EQ(PointArray(view(scene.field().d_plasticRestPositions.getValue())), scene.body().plastic_rest_positions());
+    scene.reset();
+    EXPECT_EQ(strain->getValue(), sofa::type::vector<SReal>(12, 0));
 }
 
 TEST_F(ForceFieldChecks, AMaterialMayChangeDuringTheRun)
 {
-    move_to(rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
+    scene.move_to(rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
     scene.step();
     const PointArray material = scene.body().plastic_rest_positions(), f = force_at(deformed);
-    scene.field().findData("youngModulus")->read("15000");
+    scene.set("body", "youngModulus", "15000");
+    EXPECT_EQ(force_at(deformed), f) << "nothing changes within a step";
     scene.field().reinit();
     EXPECT_LE((force_at(deformed) - 3 * f).norm(), 1e-10 * f.norm());
     EXPECT_EQ(scene.body().plastic_rest_positions(), material);
 
-    scene.field().findData("gradient")->read("vertex");
+    scene.move_to(rest);
+    scene.set("body", "youngModulus", "5000");
+    scene.step();
+    EXPECT_EQ(scene.body().material(0).young_modulus, 5000) << "or with the next step";
+
+    Messages messages;
+    scene.set("body", "bending", "vertex");
     scene.field().reinit();
-    EXPECT_TRUE(is_invalid(scene.field())) << "what cannot change is refused";
+    EXPECT_TRUE(is_invalid(scene.field()));
+    EXPECT_EQ(messages.count("bending: cannot change during a run"), 1) << messages.text();
+    scene.set("body", "bending", "assumedCorner");
+    scene.field().reinit();
+    EXPECT_FALSE(is_invalid(scene.field())) << "the value is taken back";
 }
 
 TEST(ForceField, HalfFullHexahedraOfASparseGridCarryHalf)
@@ -195,20 +213,69 @@ TEST(ForceField, HalfFullHexahedraOfASparseGridCarryHalf)
     EXPECT_EQ(materials.back().young_modulus, 5000);
 }
 
-TEST(ForceField, RefusesWhatTheAttributeTableRefuses)
+// SOFA would go on with the word before.
+TEST(ForceField, AWordThatIsRefusedStaysSoUntilAnotherIsGiven)
 {
-    SofaScene scene = SofaScene::from_text(block(R"(hardening="0.3")"));
+    SofaScene scene = SofaScene::from_text(block(kPlastic + R"( yieldNorm="frobenus")"));
+    for (int time = 0; time < 2; ++time)
+    {
+        EXPECT_TRUE(is_invalid(scene.field()));
+        scene.field().reinit();
+    }
+    scene.set("body", "yieldNorm", "frobenius");
+    scene.field().reinit();
     EXPECT_FALSE(is_invalid(scene.field()));
-    EXPECT_THROW(SofaScene::from_text(block(R"(yieldStress="-1")")).body(), std::runtime_error);
-    EXPECT_THROW(SofaScene::from_text(block(R"(averaging="best")")).body(), std::runtime_error);
+    EXPECT_EQ(scene.body().settings().yield_norm, YieldNorm::kFrobenius);
 
-    // SOFA would go on with the word before
-    SofaScene misspelt = SofaScene::from_text(block(R"(averaging="Jacobi" implementation="plain")"));
-    EXPECT_TRUE(is_invalid(misspelt.field()));
-    misspelt.field().d_averaging.read("jacobi");
-    misspelt.field().reinit();
-    EXPECT_FALSE(is_invalid(misspelt.field()));
-    EXPECT_EQ(misspelt.body().settings().averaging, AveragingMethod::kJacobi);
+    scene.field().d_yieldNorm.read("best");
+    scene.step();
+    EXPECT_TRUE(is_invalid(scene.field()));
+    scene.set("body", "yieldNorm", "frobenius");
+    scene.reset();
+    EXPECT_TRUE(is_invalid(scene.field())) << "reset reads no Data";
+    scene.field().reinit();
+    EXPECT_FALSE(is_invalid(scene.field()));
+}
+
+TEST(ForceField, AStepThatIsLostStopsAndKeepsTheHistory)
+{
+    SofaScene scene = SofaScene::from_text(block(kPlastic));
+    const PointArray rest = scene.positions(), stretched = rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal();
+    scene.move_to(stretched);
+    scene.step();
+    const PointArray flowed = scene.body().plastic_rest_positions();
+    PointArray lost = stretched;
+    lost(4, 1) = std::numeric_limits<double>::quiet_NaN();
+    scene.move_to(lost);
+    scene.root().setAnimate(true);
+    scene.step();
+    EXPECT_TRUE(is_invalid(scene.field()));
+    EXPECT_FALSE(scene.root().getAnimate());
+    EXPECT_EQ(scene.body().plastic_rest_positions(), flowed);
+    EXPECT_THROW(scene.step(), std::runtime_error);
+
+    scene.reset();
+    EXPECT_FALSE(is_invalid(scene.field())) << "the step that was lost is forgotten";
+    EXPECT_EQ(scene.body().plastic_rest_positions(), rest);
+    scene.move_to(stretched);
+    scene.step();
+    EXPECT_EQ(scene.body().plastic_rest_positions(), flowed);
+}
+
+TEST(ForceField, BodiesOfOneNodeDoNotKnowEachOther)
+{
+    SofaScene scene = SofaScene::from_text(
+        block(kPlastic, kGrid, "", "<HexahedronElastoplasticFEMForceField name='stiff' youngModulus='30000'/>"));
+    auto& stiff = dynamic_cast<SofaScene::Field&>(scene.named("stiff"));
+    const PointArray rest = scene.positions();
+    scene.move_to(rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
+    scene.step();
+    EXPECT_NE(scene.body().plastic_rest_positions(), rest);
+    EXPECT_EQ(stiff.body()->plastic_rest_positions(), rest);
+    scene.set("body", "youngModulus", "-1");
+    scene.step();
+    EXPECT_TRUE(is_invalid(scene.field()));
+    EXPECT_FALSE(is_invalid(stiff));
 }
 
 // Positions change several times between the events of a step; the body flows once, by the whole of it.
@@ -219,13 +286,10 @@ TEST(ForceField, FlowsOncePerStepOfAMultiStepAnimationLoop)
                              "iterations='50' tolerance='1e-9' threshold='1e-30'/><UniformMass totalMass='1'/>"
                              "<ConstantForceField indices='27 28 29 30 31 32 33 34 35' totalForce='0 0 10'/>");
     const std::string loop = "<DefaultAnimationLoop/>";
-    std::string modules;
-    for (const char* module : {"ODESolver.Backward", "LinearSolver.Iterative", "Mass", "MechanicalLoad"})
-        modules += std::string("<RequiredPlugin pluginName='Sofa.Component.") + module + "'/>";
     text.replace(text.find(loop), loop.size(),
                  "<RequiredPlugin pluginName='Sofa.Component.AnimationLoop'/>"
                  "<MultiStepAnimationLoop collisionSteps='2' integrationSteps='2'/>" +
-                     modules);
+                     required({"ODESolver.Backward", "LinearSolver.Iterative", "Mass", "MechanicalLoad"}));
     SofaScene scene = SofaScene::from_text(text);
     Body body(scene.body().mesh(), scene.body().materials(), scene.body().settings());
     for (int step = 0; step < 5; ++step)
@@ -263,7 +327,32 @@ TEST(Instrument, EnergyRisesAsItsForceIsWorkedAgainst)
     PointArray x = rest;
     x.rowwise() += Eigen::RowVector3d(0.003, 0, -0.004);  // the springs of the grip, 800 N/m together, by 5 mm
     EXPECT_NEAR(energy_at(tool, x), 800 * 0.005 * 0.005 / 2, 1e-12);
-    EXPECT_EQ(energy_at(*fields[2], x), 0) << "forces that turn with their node have no potential";
+    Messages messages;
+    EXPECT_EQ(energy_at(*fields[2], x), 0);
+    EXPECT_EQ(messages.count("its forces have no potential energy"), 1) << "they turn with their node";
+
+    sofa::type::vector<sofa::Index> held;
+    for (int n = 0; n < rest.rows(); ++n)
+        if ((rest.row(n) - Eigen::RowVector3d(0, 0, 0.3)).norm() < 0.15) held.push_back(n);
+    EXPECT_EQ(dynamic_cast<GraspForceField<Vec3Types>&>(tool).d_grasped.getValue(), held);
+}
+
+// A dashpot of 7 N s/m on the one node that is held: df/dv = -7 there.
+TEST(Instrument, DashpotsOfAGripAreInTheMatrixOfDamping)
+{
+    SofaScene scene = SofaScene::from_text(
+        block("", kGrid, "",
+              "<GraspForceField name='tool' template='Vec3d' radius='0.05' keyTimes='0' positions='0 0 0' "
+              "stiffness='1000' damping='7'/>"));
+    scene.step();
+    auto& tool = dynamic_cast<PartForceField<Vec3Types>&>(scene.named("tool"));
+    const int size = static_cast<int>(scene.positions().size());
+    sofa::linearalgebra::FullMatrix<SReal> B(size, size);
+    B.clear();
+    unsigned int offset = 0;
+    tool.addBToMatrix(&B, 2, offset);
+    for (int i = 0; i < size; ++i)
+        for (int j = 0; j < size; ++j) EXPECT_EQ(B.element(i, j), i == j && i < 3 ? -14 : 0);
 }
 
 const std::string kSource = "<Node name='source'>" + kGrid + "</Node>";
@@ -301,16 +390,40 @@ TEST(Topology, HexahedraThatBreakLeaveIt)
     EXPECT_EQ(scene.body().removed().size(), 4u);
     EXPECT_EQ(cells.getNbHexahedra(), 8u);
     for (const int e : scene.body().removed()) EXPECT_GE(e, 8);
+
+    // outputs count hexahedra as the topology does
+    const ElementFields fields = scene.body().fields(scene.positions());
+    const auto& all = scene.body().mesh().hexahedra();
+    for (sofa::Index i = 0; i < cells.getNbHexahedra(); ++i)
+    {
+        Hexahedron corners;
+        for (std::size_t a = 0; a < corners.size(); ++a) corners[a] = static_cast<int>(cells.getHexahedra()[i][a]);
+        const auto e = std::find(all.begin(), all.end(), corners) - all.begin();
+        EXPECT_EQ(scene.field().d_plasticStrain.getValue().at(i), fields.plastic_strain.at(e));
+        EXPECT_NEAR(scene.field().d_volumeRatio.getValue().at(i), fields.volume_ratio.at(e), 1e-13);
+    }
 }
 
 TEST(Topology, NodesMayNotGo)
 {
     std::string renumbering = kDynamicTopology;
     renumbering.replace(renumbering.find("false"), 5, "true");
-    SofaScene scene = SofaScene::from_text(block(kPlastic + R"( topology="@cells")", renumbering, kSource));
-    auto& modifier = scene.only<sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier>();
+    SofaScene scene =
+        SofaScene::from_text(block(kPlastic + R"( fractureStretch="1.001" topology="@cells")", renumbering, kSource));
     auto& field = scene.field();
-    modifier.removeHexahedra({0});
+    const PointArray rest = scene.positions();
+    Messages messages;
+    scene.move_to(rest * Eigen::Vector3d(1, 1, 1.5).asDiagonal());
+    for (int step = 0; step < 10; ++step) scene.step();
+    EXPECT_FALSE(scene.body().removed().empty());
+    EXPECT_FALSE(is_invalid(field)) << "the topology stays whole";
+    EXPECT_GT(messages.count("removeIsolated must be false"), 0) << messages.text();
+
+    scene.only<sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier>().removeHexahedra({0});
+    EXPECT_TRUE(is_invalid(field));
+    scene.reset();
+    EXPECT_TRUE(is_invalid(field)) << "for good";
+    field.reinit();
     EXPECT_TRUE(is_invalid(field));
 }
 

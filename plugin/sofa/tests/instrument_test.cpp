@@ -7,7 +7,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include "block_scene.h"
 #include "embedded_scene.h"
+#include "messages.h"
 #include "recording_draw_tool.h"
 #include "sofa_scene.h"
 
@@ -22,13 +24,11 @@ using Contact = InstrumentContactForceField<Vec3Types>;
 std::string stroked_block(const std::string& solver, const std::string& contact = "",
                           const std::string& integrator = R"(rayleighMass="0.1" rayleighStiffness="0.02")")
 {
-    std::string scene = R"(<Node name="root" dt="0.01" gravity="0 -9.81 0"><DefaultAnimationLoop/>)";
-    for (const char* module :
-         {"AnimationLoop", "Constraint.Projective", "LinearSolver.Direct", "LinearSolver.Iterative", "Mass",
-          "ODESolver.Backward", "StateContainer", "Topology.Container.Grid"})
-        scene += std::string("<RequiredPlugin pluginName=\"Sofa.Component.") + module + "\"/>";
-    return scene + R"(<RequiredPlugin pluginName="Hexaplast"/><Node name="tissue"><EulerImplicitSolver )" + integrator +
-           "/>" + solver + R"(<RegularGridTopology name="grid" n="5 4 9" min="0 0 0" max="0.04 0.03 0.08"/>
+    return R"(<Node name="root" dt="0.01" gravity="0 -9.81 0"><DefaultAnimationLoop/>)" +
+           required({"AnimationLoop", "Constraint.Projective", "LinearSolver.Direct", "LinearSolver.Iterative", "Mass",
+                     "ODESolver.Backward", "StateContainer", "Topology.Container.Grid"}) +
+           R"(<Node name="tissue"><EulerImplicitSolver )" + integrator + "/>" + solver +
+           R"(<RegularGridTopology name="grid" n="5 4 9" min="0 0 0" max="0.04 0.03 0.08"/>
         <MechanicalObject name="nodes" template="Vec3d"/><DiagonalMass massDensity="1000"/>
         <HexahedronElastoplasticFEMForceField name="body" template="Vec3d" youngModulus="8000" poissonRatio="0.4"
             yieldStress="900" plasticFlowRate="3"/>
@@ -119,7 +119,9 @@ TEST(InstrumentInSofa, MovesNearlyAlikeWithALinearSolverOfSofa)
     const std::string scene = stroked_block(R"(<SparseLDLSolver template="CompressedRowSparseMatrixMat3x3d"/>)");
     SofaScene sofa = SofaScene::from_text(scene);
     EmbeddedScene host(scene);
+    Messages messages;
     EXPECT_LE(compared(sofa, host, 200).positions, 2e-2);
+    EXPECT_EQ(messages.count("not a MultigridCGLinearSolver"), 1) << messages.text();
 }
 
 TEST(InstrumentInSofa, BeginsAnewAfterReset)
@@ -137,17 +139,58 @@ TEST(InstrumentInSofa, BeginsAnewAfterReset)
     EXPECT_EQ(sofa.positions(), before);
 }
 
+// Wherever the body stands, it takes its Data in the same step; the default stiffness of the contact follows.
+TEST(InstrumentInSofa, FollowsTheDataOfABodyBehindIt)
+{
+    std::string before = stroked_block(kOurSolver);
+    const std::size_t at = before.find("<InstrumentContactForceField");
+    const std::string tool = before.substr(at, before.find("/>", at) + 2 - at), body = "<HexahedronElastoplastic";
+    const std::string change =
+        R"(<AttributeChange component="@body" attribute="youngModulus" keyTimes="0.3" values="16000"/>)";
+    before.insert(before.find(body), change);
+    const std::string behind = replaced(replaced(before, tool, ""), body, tool + body);
+    for (const std::string& text : {before, behind})
+    {
+        SofaScene sofa = SofaScene::from_text(text);
+        EmbeddedScene host(before);
+        const Differences found = compared(sofa, host, 60);
+        EXPECT_LE(found.positions, 1e-9);
+        EXPECT_GT(found.touching, 0);
+    }
+}
+
+// The mesh is lost with its body: the instrument touches the one that is made in its place.
+TEST(InstrumentInSofa, FollowsABodyThatIsMadeAnew)
+{
+    SofaScene sofa = SofaScene::from_text(stroked_block(kOurSolver));
+    Messages messages;
+    for (int step = 0; step < 60; ++step)
+    {
+        if (step == 50) sofa.field().init();
+        sofa.step();
+    }
+    EXPECT_GT(sofa.only<Contact>().d_touching.getValue(), 0);
+    EXPECT_EQ(messages.count("deep in the body"), 0) << "it does not begin anew";
+}
+
+// Data count from the next step on: until then, and where they are refused, the instrument is the one before.
 TEST(InstrumentInSofa, IsSeenWhereItIs)
 {
     SofaScene sofa = SofaScene::from_text(stroked_block(kOurSolver));
     for (int step = 0; step < 45; ++step) sofa.step();
     auto& contact = sofa.only<Contact>();
     ASSERT_GT(contact.d_touching.getValue(), 0);
-    RecordingDrawTool tool;
-    sofa::core::visual::VisualParams vparams;
-    vparams.drawTool() = &tool;
-    vparams.displayFlags().setShowForceFields(true);
-    contact.draw(&vparams);
+    const auto draw = [&](bool forces, bool visuals)
+    {
+        RecordingDrawTool drawn;
+        sofa::core::visual::VisualParams vparams;
+        vparams.drawTool() = &drawn;
+        vparams.displayFlags().setShowForceFields(forces);
+        vparams.displayFlags().setShowVisualModels(visuals);
+        contact.draw(&vparams);
+        return drawn;
+    };
+    const RecordingDrawTool tool = draw(true, false);
     double lowest = 1;
     for (const auto& corner : tool.corners) lowest = std::min<double>(lowest, corner[1]);
     EXPECT_EQ(tool.corners.size(), 36u) << "a box";
@@ -156,18 +199,70 @@ TEST(InstrumentInSofa, IsSeenWhereItIs)
     EXPECT_EQ(tool.ends.size(), 2 * tool.points.size());
     EXPECT_EQ(tool.num_others, 0);
     EXPECT_EQ(tool.num_open_states, 0);
+
+    sofa.set("tool", "drawForceScale", "0.5");
+    sofa::type::Vec3 sum;
+    const RecordingDrawTool to_scale = draw(true, false);
+    for (std::size_t i = 0; i < to_scale.ends.size(); i += 2) sum += to_scale.ends[i + 1] - to_scale.ends[i];
+    EXPECT_LE((sum + contact.d_force.getValue() * 0.5).norm(), 1e-9 * sum.norm());
+    EXPECT_EQ(draw(false, true).corners.size(), 36u);
+    EXPECT_TRUE(draw(false, true).ends.empty());
+    EXPECT_TRUE(draw(false, false).corners.empty());
+    for (const char* shape : {"capsule", "cube"})
+    {
+        contact.d_shape.read(shape);
+        EXPECT_EQ(draw(true, false).corners.size(), 36u) << shape;
+    }
+    contact.computeBBox(sofa::core::execparams::defaultInstance());
+    EXPECT_GT(contact.f_bbox.getValue().maxBBox()[1], 0.036 - 0.9 * 0.004 + 0.004);
+    sofa.set("tool", "drawInstrument", "false");
+    EXPECT_TRUE(draw(true, true).corners.empty());
+    EXPECT_EQ(draw(true, true).ends.size(), tool.ends.size());
 }
 
-// What it refuses is said in the words of the embedded host (tests/sofa); here, that it does not run on.
+TEST(InstrumentInSofa, WarnsOfABodyThatItIsDeepIn)
+{
+    Messages messages;
+    SofaScene::from_text(replaced(stroked_block(kOurSolver), "0.02 0.036 0.04", "0.02 0.02 0.04"));
+    EXPECT_EQ(messages.count("deep in the body, which is pushed out"), 1) << messages.text();
+}
+
 TEST(InstrumentInSofa, IsInvalidWhereItCannotWork)
 {
-    const auto is_refused = [](const std::string& text)
-    { return !SofaScene::from_text(text).only<Contact>().isComponentStateValid(); };
-    EXPECT_FALSE(is_refused(stroked_block(kOurSolver)));
-    EXPECT_TRUE(is_refused(stroked_block(kOurSolver, R"(damping="-1")")));
-    EXPECT_TRUE(is_refused(stroked_block(kOurSolver, R"(rayleighStiffness="0.1")")));
-    EXPECT_TRUE(is_refused(stroked_block(kOurSolver, "", R"(trapezoidalScheme="true")")));
-    EXPECT_TRUE(is_refused(stroked_block(kOurSolver, "", R"(firstOrder="true")")));
+    const std::string scene = stroked_block(kOurSolver), friction = R"(friction="0.4")", box = R"(shape="box")";
+    const auto with = [&](const std::string& attributes) { return stroked_block(kOurSolver, attributes); };
+    const auto integrated = [&](const std::string& scheme) { return stroked_block(kOurSolver, "", scheme); };
+    std::string without_body = scene;
+    const std::size_t at = scene.find("<HexahedronElastoplastic");
+    without_body.erase(at, scene.find("/>", at) + 2 - at);
+    for (const auto& [text, reason] :
+         {std::pair(without_body, "no body on its state"),
+          {replaced(scene, "<EulerImplicitSolver", "<StaticSolver"), "needs an EulerImplicitSolver"},
+          {integrated(R"(trapezoidalScheme="true")"), "trapezoidalScheme"},
+          {integrated(R"(firstOrder="true")"), "firstOrder"},
+          {replaced(scene, box, R"(shape="cube")"), "InstrumentContactForceField.shape: 'cube' must be"},
+          {replaced(scene, box, R"(shape="sphere")"), "InstrumentContactForceField.radius: is not given"},
+          {replaced(scene, friction, R"(friction="-1")"), "InstrumentContactForceField.friction: -1"},
+          {with(R"(damping="-1")"), "InstrumentContactForceField.damping: -1"},
+          {with(R"(rayleighStiffness="0.1")"), "InstrumentContactForceField.rayleighStiffness: = 0.1"},
+          {replaced(with(R"(surfacePositions="0 0 0 1 0 0 0 1 0" surfaceTriangles="0 1 2")"), box,
+                    R"(shape="surface")"),
+           "surfaceTriangles"},
+          {with(R"(embeddedPositions="0 0 0 1 0 0 0 1 0" embeddedTriangles="0 1 7")"),
+           "embeddedTriangles: 7 must lie in [0, 3)"}})
+    {
+        Messages messages;
+        EXPECT_FALSE(SofaScene::from_text(text).only<Contact>().isComponentStateValid()) << reason;
+        EXPECT_GT(messages.count(reason), 0) << reason << " is missing in " << messages.text();
+    }
+
+    SofaScene corrected = SofaScene::from_text(replaced(scene, friction, R"(friction="-1")"));
+    corrected.reset();
+    EXPECT_TRUE(is_invalid(corrected.named("tool")));
+    corrected.set("tool", "friction", "0.4");
+    corrected.named("tool").reinit();
+    for (int step = 0; step < 45; ++step) corrected.step();
+    EXPECT_GT(corrected.only<Contact>().d_touching.getValue(), 0);
 }
 
 }  // namespace

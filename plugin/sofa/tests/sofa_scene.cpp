@@ -55,6 +55,21 @@ SofaScene::~SofaScene()
     if (root_) sofa::simulation::node::unload(root_);
 }
 
+SofaComponent& SofaScene::named(const std::string& name)
+{
+    std::vector<SofaComponent*> all;
+    root().get<SofaComponent>(&all, sofa::core::objectmodel::BaseContext::SearchDown);
+    for (SofaComponent* each : all)
+        if (each->getName() == name) return *each;
+    throw std::runtime_error("no '" + name + "' in the scene");
+}
+
+void SofaScene::set(const std::string& name, const std::string& data, const std::string& value)
+{
+    auto* found = named(name).findData(data);
+    if (!found || !found->read(value)) throw std::runtime_error(name + "." + data + " takes no '" + value + "'");
+}
+
 void SofaScene::step() { sofa::simulation::node::animate(root_.get(), root_->getDt()); }
 void SofaScene::reset() { sofa::simulation::node::reset(root_.get()); }
 

@@ -31,6 +31,10 @@ public:
         return *found;
     }
 
+    /// The component of this name, wherever it is, and a value for one of its Data, as a scene file gives it.
+    SofaComponent& named(const std::string& name);
+    void set(const std::string& name, const std::string& data, const std::string& value);
+
     sofa::core::objectmodel::BaseContext& root() { return *root_->getContext(); }
     MechanicalState& state() { return *dynamic_cast<MechanicalState*>(field().getMState()); }
     using Field = HexahedronElastoplasticFEMForceField<Vec3Types>;
@@ -42,6 +46,11 @@ public:
         return *found;
     }
 
+    void move_to(const PointArray& x)
+    {
+        auto nodes = state().writePositions();
+        view(nodes.wref()) = x;
+    }
     PointArray positions() { return view(state().readPositions().ref()); }
     PointArray velocities() { return view(state().readVelocities().ref()); }
 

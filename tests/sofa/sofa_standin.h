@@ -1,0 +1,827 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <istream>
+#include <list>
+#include <map>
+#include <memory>
+#include <ostream>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+/// Not SOFA: the names and signatures of v26.06 that the plugin uses, in the place of all of its headers, so that the
+/// plugin's files are compiled with all warnings where SOFA is absent, and its components are registered and have Data.
+/// There is no graph and no mechanics: what needs them ends in absent(). Whether the plugin works in SOFA is tested in
+/// SOFA (plugin/sofa/tests). Never installed; no other target includes it.
+
+#define SOFA_VERSION 260600
+#define SOFA_EXPORT_DYNAMIC_LIBRARY
+#define SOFA_IMPORT_DYNAMIC_LIBRARY
+
+using SReal = double;
+
+namespace sofa_standin {
+
+[[noreturn]] inline void absent() { throw std::logic_error("the stand-in for SOFA has no graph and no mechanics"); }
+
+/// Errors and warnings of components since the list was cleared.
+inline std::vector<std::string>& messages() {
+  static std::vector<std::string> list;
+  return list;
+}
+
+class Message {
+ public:
+  explicit Message(const void* /*component*/ = nullptr) {}
+  ~Message() { messages().push_back(text_.str()); }
+  template <class T>
+  Message& operator<<(const T& value) {
+    text_ << value;
+    return *this;
+  }
+
+ private:
+  std::ostringstream text_;
+};
+
+/// "Class" of "Class" and of "SOFA_TEMPLATE(Class, T)".
+inline std::string class_name(std::string text) {
+  text.erase(0, text.find('(') + 1);
+  return text.substr(0, text.find(','));
+}
+
+}  // namespace sofa_standin
+
+#define msg_error(...) ::sofa_standin::Message(__VA_ARGS__)
+#define msg_warning(...) ::sofa_standin::Message(__VA_ARGS__)
+#define msg_info(...) std::ostringstream()
+
+#define SOFA_TEMPLATE(Class, Argument) Class<Argument>
+#define SOFA_ABSTRACT_CLASS(Class, Parent) \
+  template <class>                         \
+  friend struct ::sofa::core::objectmodel::New
+#define SOFA_CLASS(Class, ...)                                                             \
+  std::string getClassName() const override { return ::sofa_standin::class_name(#Class); } \
+  template <class>                                                                         \
+  friend struct ::sofa::core::objectmodel::New
+
+namespace sofa {
+
+using Index = unsigned int;
+using Size = Index;
+
+namespace type {
+
+enum NoInit { NOINIT };
+
+template <std::size_t N, class Real>
+class Vec : public std::array<Real, N> {
+ public:
+  Vec() : std::array<Real, N>{} {}
+  Vec(Real x, Real y, Real z) requires(N == 3) : std::array<Real, N>{x, y, z} {}
+  Real* ptr() { return this->data(); }
+  const Real* ptr() const { return this->data(); }
+};
+using Vec3 = Vec<3, SReal>;
+
+template <class T>
+class vector : public std::vector<T> {
+ public:
+  using std::vector<T>::vector;
+};
+
+template <std::size_t Rows, std::size_t Columns, class Real>
+class Mat {
+ public:
+  explicit Mat(NoInit) {}
+  Real& operator()(std::size_t, std::size_t) { sofa_standin::absent(); }
+};
+
+struct RGBAColor {
+  RGBAColor(float, float, float, float) {}
+  static RGBAColor gray() { return {0, 0, 0, 1}; }
+  static RGBAColor red() { return gray(); }
+  static RGBAColor green() { return gray(); }
+  static RGBAColor yellow() { return gray(); }
+};
+
+struct BoundingBox {
+  BoundingBox() = default;
+  BoundingBox(const Vec3&, const Vec3&) {}
+  void include(const Vec3&) {}
+};
+
+template <std::size_t N, class Real>
+std::istream& operator>>(std::istream& in, Vec<N, Real>& value) {
+  for (Real& each : value) in >> each;
+  return in;
+}
+template <std::size_t N, class Real>
+std::ostream& operator<<(std::ostream& out, const Vec<N, Real>& value) {
+  for (const Real& each : value) out << each << " ";
+  return out;
+}
+template <class T>
+std::istream& operator>>(std::istream& in, vector<T>& values) {
+  values.clear();
+  for (T each; in >> each;) values.push_back(each);
+  if (in.eof()) in.clear(std::ios::eofbit);
+  return in;
+}
+template <class T>
+std::ostream& operator<<(std::ostream& out, const vector<T>& values) {
+  for (const T& each : values) out << each << " ";
+  return out;
+}
+
+}  // namespace type
+
+namespace defaulttype {
+
+struct Vec3Types {
+  using Coord = type::Vec3;
+  using Deriv = type::Vec3;
+  using VecCoord = type::vector<Coord>;
+  using VecDeriv = type::vector<Deriv>;
+  static const char* Name() { return "Vec3d"; }
+};
+
+}  // namespace defaulttype
+
+namespace helper {
+
+/// One of some words. Like SOFA's it stays what it is where it is told another word.
+class OptionsGroup {
+ public:
+  OptionsGroup() = default;
+  template <class Words>
+  explicit OptionsGroup(const Words& words) : words_(words.begin(), words.end()), selected_(words_.front()) {}
+
+  void setSelectedItem(const std::string& word) {
+    if (std::ranges::count(words_, word) > 0) selected_ = word;
+  }
+  const std::string& getSelectedItem() const { return selected_; }
+
+ private:
+  std::vector<std::string> words_;
+  std::string selected_;
+};
+inline std::istream& operator>>(std::istream& in, OptionsGroup& words) {
+  std::string word;
+  std::getline(in, word);
+  words.setSelectedItem(word);
+  return in;
+}
+inline std::ostream& operator<<(std::ostream& out, const OptionsGroup& words) { return out << words.getSelectedItem(); }
+
+}  // namespace helper
+
+// ---------------------------------------------------------------------------------------- Data, components, the
+// factory
+
+namespace core {
+
+class ExecParams {};
+namespace execparams {
+inline const ExecParams* defaultInstance() { sofa_standin::absent(); }
+}  // namespace execparams
+
+namespace topology {
+class Topology;
+class BaseMeshTopology;
+}  // namespace topology
+
+namespace visual {
+class VisualParams;
+}
+
+namespace objectmodel {
+
+class DDGNode {
+ public:
+  virtual ~DDGNode() = default;
+  virtual void update() = 0;
+  void addOutput(DDGNode*) {}
+  void setDirtyValue() {}
+  void cleanDirty() {}
+  void updateIfDirty() const {}
+};
+
+class BaseData : public DDGNode {
+ public:
+  struct Init {
+    std::string help;
+    bool is_displayed = true, is_read_only = false;
+    std::string group = {};
+  };
+
+  explicit BaseData(Init init) : init_(std::move(init)) {}
+  void update() override {}
+  virtual bool read(const std::string& text) = 0;
+  virtual std::string getValueString() const = 0;
+
+  bool isSet() const { return is_set_; }
+  void unset() { is_set_ = false; }
+  int getCounter() const { return counter_; }
+  bool isReadOnly() const { return init_.is_read_only; }
+  const std::string& getHelp() const { return init_.help; }
+  const std::string& getGroup() const { return init_.group; }
+  BaseData* getParent() const { return nullptr; }
+  bool setParent(BaseData*) { sofa_standin::absent(); }
+
+ protected:
+  void set() {
+    is_set_ = true;
+    ++counter_;
+  }
+
+ private:
+  Init init_;
+  bool is_set_ = false;
+  int counter_ = 0;
+};
+
+template <class T>
+class Data : public BaseData {
+ public:
+  struct InitData : Init {
+    T value{};
+  };
+
+  Data(const Init& init = {}) : BaseData(init) {}
+  Data(const InitData& init) : BaseData(init), value_(init.value) {}
+
+  const T& getValue() const { return value_; }
+  void setValue(const T& value) { *beginEdit() = value; }
+  T* beginEdit() {
+    set();
+    return &value_;
+  }
+  T* beginWriteOnly() { return beginEdit(); }
+  void endEdit() {}
+
+  bool read(const std::string& text) override {
+    T value = value_;
+    if constexpr (std::is_same_v<T, std::string>) {
+      value = text;
+    } else if constexpr (requires(std::istream & in) { in >> value; }) {
+      std::istringstream in(text);
+      if (!(in >> std::boolalpha >> value)) return false;
+    } else {
+      return false;
+    }
+    setValue(value);
+    return true;
+  }
+  std::string getValueString() const override {
+    std::ostringstream out;
+    if constexpr (requires { out << value_; }) out << std::boolalpha << value_;
+    return out.str();
+  }
+
+ private:
+  T value_{};
+};
+
+class DataFileName : public Data<std::string> {
+ public:
+  using Data<std::string>::Data;
+  const std::string& getFullPath() const { return getValue(); }
+};
+
+class BaseLink {
+ public:
+  enum Flags { FLAG_NONE = 0, FLAG_STOREPATH = 1, FLAG_STRONGLINK = 2 };
+  struct Init {};
+};
+
+template <class Owner, class Target, unsigned flags>
+class SingleLink : public BaseLink {
+ public:
+  SingleLink(const Init& = {}) {}
+  Target* get() const { return target_; }
+  void set(Target* target, const std::string& /*path*/ = {}) { target_ = target; }
+  operator Target*() const { return target_; }
+  Target* operator->() const { return target_; }
+
+ private:
+  Target* target_ = nullptr;
+};
+
+enum class ComponentState { Undefined, Loading, Valid, Dirty, Busy, Invalid };
+
+class Event {
+ public:
+  virtual ~Event() = default;
+};
+
+class BaseContext {
+ public:
+  enum SearchDirection { SearchUp = -1, Local = 0, SearchDown = 1 };
+
+  SReal getDt() const { sofa_standin::absent(); }
+  SReal getTime() const { sofa_standin::absent(); }
+  bool getAnimate() const { sofa_standin::absent(); }
+  void setAnimate(bool) { sofa_standin::absent(); }
+  BaseContext* getRootContext() const { sofa_standin::absent(); }
+  topology::BaseMeshTopology* getMeshTopologyLink() const { sofa_standin::absent(); }
+  template <class T>
+  T* get(SearchDirection = SearchUp) const {
+    sofa_standin::absent();
+  }
+  template <class T>
+  void get(T*&, SearchDirection = SearchUp) const {
+    sofa_standin::absent();
+  }
+  template <class T>
+  void get(std::vector<T*>*, SearchDirection = SearchUp) const {
+    sofa_standin::absent();
+  }
+};
+
+/// Makes objects whose constructors are protected, as those of components are.
+template <class T>
+struct New {
+  static std::shared_ptr<T> make() { return std::shared_ptr<T>(new T); }
+};
+
+/// In no node.
+class BaseComponent {
+ public:
+  BaseComponent() = default;
+  BaseComponent(const BaseComponent&) = delete;
+  virtual ~BaseComponent() = default;
+
+  virtual std::string getClassName() const = 0;
+  std::string getName() const { return getClassName(); }
+  std::string getPathName() const { return "/" + getName(); }
+  std::string getInstanciationSourceFileName() const { return {}; }
+  int getInstanciationSourceFilePos() const { return 0; }
+  const BaseContext* getContext() const { return nullptr; }
+  BaseContext* getContext() { return nullptr; }
+
+  virtual void init() {}
+  virtual void bwdInit() {}
+  virtual void reinit() {}
+  virtual void reset() {}
+  virtual void handleEvent(Event*) {}
+  virtual void handleTopologyChange(topology::Topology*) {}
+  virtual void draw(const visual::VisualParams*) {}
+  virtual void computeBBox(const ExecParams*, bool /*only_visible*/ = false) {}
+
+  BaseData* findData(const std::string& name) const {
+    const auto found = data_.find(name);
+    return found == data_.end() ? nullptr : found->second;
+  }
+  void addAlias(BaseData* data, const char* alias) { data_[alias] = data; }
+
+  // Called before the Data is constructed, from what they return.
+  template <class T>
+  BaseData::Init initData(Data<T>* data, const char* name, const char* help, bool is_displayed = true,
+                          bool is_read_only = false) {
+    data_[name] = data;
+    return {help, is_displayed, is_read_only};
+  }
+  template <class T>
+  typename Data<T>::InitData initData(Data<T>* data, const std::type_identity_t<T>& value, const char* name,
+                                      const char* help, bool is_displayed = true, bool is_read_only = false) {
+    return {initData(data, name, help, is_displayed, is_read_only), value};
+  }
+
+  Data<ComponentState> d_componentState;
+  Data<bool> f_listening;
+  Data<type::BoundingBox> f_bbox;
+
+ protected:
+  BaseLink::Init initLink(const char*, const char*) { return {}; }
+
+ private:
+  std::map<std::string, BaseData*> data_;
+};
+using BaseObject = BaseComponent;
+
+}  // namespace objectmodel
+
+using objectmodel::BaseData;
+
+class ObjectRegistrationData {
+ public:
+  explicit ObjectRegistrationData(const std::string& help) : help_(help) {}
+
+  template <class T>
+  ObjectRegistrationData& add() {
+    make_ = [] { return std::shared_ptr<objectmodel::BaseComponent>(objectmodel::New<T>::make()); };
+    if constexpr (requires { typename T::DataTypes; }) template_name_ = T::DataTypes::Name();
+    return *this;
+  }
+
+ private:
+  friend class ObjectFactory;
+  std::string help_, template_name_;
+  std::function<std::shared_ptr<objectmodel::BaseComponent>()> make_;
+};
+
+/// Knows classes by the name that their objects say they have.
+class ObjectFactory {
+ public:
+  struct Entry {
+    std::string help, template_name;
+    std::function<std::shared_ptr<objectmodel::BaseComponent>()> make;
+  };
+
+  bool registerObjects(ObjectRegistrationData& data) {
+    return entries.insert({data.make_()->getClassName(), {data.help_, data.template_name_, data.make_}}).second;
+  }
+
+  std::map<std::string, Entry> entries;
+};
+
+}  // namespace core
+
+namespace helper {
+
+template <class T>
+class ReadAccessor {
+ public:
+  const T& ref() const { sofa_standin::absent(); }
+};
+
+template <class T>
+class WriteAccessor {
+ public:
+  T& wref() { sofa_standin::absent(); }
+  std::size_t size() const { sofa_standin::absent(); }
+  void resize(std::size_t) { sofa_standin::absent(); }
+  void clear() { sofa_standin::absent(); }
+  template <class Entry>
+  void push_back(const Entry&) {
+    sofa_standin::absent();
+  }
+};
+template <class T>
+WriteAccessor<T> getWriteAccessor(core::objectmodel::Data<T>&) {
+  return {};
+}
+template <class T>
+WriteAccessor<T> getWriteOnlyAccessor(core::objectmodel::Data<T>&) {
+  return {};
+}
+
+}  // namespace helper
+
+// ---------------------------------------------------------------------------------------- events, drawing, topologies
+
+namespace simulation {
+
+class AnimateBeginEvent : public core::objectmodel::Event {
+ public:
+  SReal getDt() const { sofa_standin::absent(); }
+  static bool checkEventType(const Event*) { sofa_standin::absent(); }
+};
+class AnimateEndEvent : public AnimateBeginEvent {};
+
+}  // namespace simulation
+
+namespace helper {
+
+class ColorMap {
+ public:
+  ColorMap(unsigned int, const std::string&) {}
+  auto getEvaluator(SReal, SReal) const {
+    return [](SReal) { return type::RGBAColor::gray(); };
+  }
+};
+
+namespace visual {
+
+class DrawTool {
+ public:
+  struct StateLifeCycle {
+    ~StateLifeCycle() {}
+  };
+  StateLifeCycle makeStateLifeCycle() { sofa_standin::absent(); }
+  void setPolygonMode(int, bool) {}
+  void enableLighting() {}
+  void disableLighting() {}
+  void drawTriangles(const std::vector<type::Vec3>&, const std::vector<type::RGBAColor>&) {}
+  void drawTriangles(const std::vector<type::Vec3>&, const type::RGBAColor&) {}
+  void drawLines(const std::vector<type::Vec3>&, float, const type::RGBAColor&) {}
+  void drawPoints(const std::vector<type::Vec3>&, float, const type::RGBAColor&) {}
+};
+
+}  // namespace visual
+}  // namespace helper
+
+namespace core::visual {
+
+class DisplayFlags {
+ public:
+  bool getShowForceFields() const { sofa_standin::absent(); }
+  bool getShowWireFrame() const { sofa_standin::absent(); }
+  bool getShowVisualModels() const { sofa_standin::absent(); }
+};
+class VisualParams {
+ public:
+  const DisplayFlags& displayFlags() const { sofa_standin::absent(); }
+  helper::visual::DrawTool* drawTool() const { sofa_standin::absent(); }
+};
+
+}  // namespace core::visual
+
+namespace core::topology {
+
+enum TopologyChangeType { POINTSADDED, POINTSREMOVED, POINTSRENUMBERING, HEXAHEDRAADDED, HEXAHEDRAREMOVED, OTHER };
+
+class TopologyChange {
+ public:
+  virtual ~TopologyChange() = default;
+  TopologyChangeType getChangeType() const { sofa_standin::absent(); }
+};
+class HexahedraRemoved : public TopologyChange {
+ public:
+  const type::vector<Index>& getArray() const { sofa_standin::absent(); }
+};
+
+class Topology : public objectmodel::BaseComponent {
+ public:
+  using Hexa = type::Vec<8, Index>;
+  using SeqHexahedra = type::vector<Hexa>;
+  using Triangle = type::Vec<3, Index>;
+  using SeqTriangles = type::vector<Triangle>;
+};
+class BaseMeshTopology : public Topology {
+ public:
+  const SeqHexahedra& getHexahedra() { sofa_standin::absent(); }
+  std::list<const TopologyChange*>::const_iterator beginChange() const { sofa_standin::absent(); }
+  std::list<const TopologyChange*>::const_iterator endChange() const { sofa_standin::absent(); }
+};
+
+}  // namespace core::topology
+
+namespace component::topology::container {
+namespace constant {
+
+class MeshTopology : public core::topology::BaseMeshTopology {
+ public:
+  core::objectmodel::Data<type::vector<type::Vec3>> d_seqPoints{initData(&d_seqPoints, "position", "")};
+  core::objectmodel::Data<SeqHexahedra> d_seqHexahedra{initData(&d_seqHexahedra, "hexahedra", "")};
+  core::objectmodel::Data<type::vector<Index>> d_seqQuads{initData(&d_seqQuads, "quads", "")};
+  core::objectmodel::Data<type::vector<Index>> d_seqEdges{initData(&d_seqEdges, "edges", "")};
+};
+
+}  // namespace constant
+namespace grid {
+
+class SparseGridTopology : public constant::MeshTopology {
+ public:
+  float getStiffnessCoef(Index) { sofa_standin::absent(); }
+};
+
+}  // namespace grid
+namespace dynamic {
+
+class HexahedronSetTopologyModifier : public core::objectmodel::BaseComponent {
+ public:
+  core::objectmodel::Data<bool> removeIsolated;
+  void removeHexahedra(const type::vector<Index>&) { sofa_standin::absent(); }
+};
+
+}  // namespace dynamic
+}  // namespace component::topology::container
+
+// ----------------------------------------------------------------------------------- states, force fields, linear
+// systems
+
+namespace linearalgebra {
+
+class BaseVector {
+ public:
+  virtual ~BaseVector() = default;
+  SReal element(long) const { sofa_standin::absent(); }
+};
+class BaseMatrix {
+ public:
+  virtual ~BaseMatrix() = default;
+  void add(long, long, SReal) { sofa_standin::absent(); }
+  long rowSize() const { sofa_standin::absent(); }
+  long colSize() const { sofa_standin::absent(); }
+};
+template <class Real>
+class SparseMatrix final : public BaseMatrix {
+ public:
+  using Index = long;
+  using Lines = std::map<Index, std::map<Index, Real>>;
+  void resize(Index, Index) { sofa_standin::absent(); }
+  typename Lines::const_iterator begin() const { sofa_standin::absent(); }
+  typename Lines::const_iterator end() const { sofa_standin::absent(); }
+};
+
+}  // namespace linearalgebra
+
+namespace core {
+
+namespace behavior {
+class BaseMechanicalState;
+}
+
+enum class VecDerivId { kOne };
+enum class ConstVecId { kPosition, kVelocity };
+namespace vec_id::read_access {
+inline constexpr ConstVecId position = ConstVecId::kPosition, velocity = ConstVecId::kVelocity;
+}
+class MultiVecDerivId {
+ public:
+  VecDerivId getId(const behavior::BaseMechanicalState*) const { sofa_standin::absent(); }
+};
+
+struct MatricesFactors {
+  template <char name>
+  struct Factor {
+    explicit Factor(SReal) {}
+  };
+  using M = Factor<'M'>;
+  using B = Factor<'B'>;
+  using K = Factor<'K'>;
+};
+class MechanicalParams {
+ public:
+  SReal mFactor() const { sofa_standin::absent(); }
+  SReal bFactor() const { sofa_standin::absent(); }
+  SReal kFactor() const { sofa_standin::absent(); }
+};
+namespace mechanicalparams {
+inline SReal kFactorIncludingRayleighDamping(const MechanicalParams*, SReal) { sofa_standin::absent(); }
+}  // namespace mechanicalparams
+
+class ConstraintParams {
+ public:
+  MultiVecDerivId lambda() const { sofa_standin::absent(); }
+};
+class BaseMapping : public objectmodel::BaseComponent {};
+
+namespace behavior {
+
+class OdeSolver : public objectmodel::BaseComponent {};
+
+class BaseMechanicalState : public objectmodel::BaseComponent {
+ public:
+  Size getSize() const { sofa_standin::absent(); }
+  Size getCoordDimension() const { sofa_standin::absent(); }
+  Size getDerivDimension() const { sofa_standin::absent(); }
+  void copyToBuffer(SReal*, ConstVecId, unsigned int) const { sofa_standin::absent(); }
+};
+template <class DataTypes>
+class MechanicalState : public BaseMechanicalState {
+ public:
+  using VecCoord = typename DataTypes::VecCoord;
+  using VecDeriv = typename DataTypes::VecDeriv;
+  helper::ReadAccessor<VecCoord> readPositions() const { return {}; }
+  helper::ReadAccessor<VecCoord> readRestPositions() const { return {}; }
+  helper::ReadAccessor<VecDeriv> readVelocities() const { return {}; }
+  const objectmodel::Data<VecDeriv>* read(VecDerivId) { sofa_standin::absent(); }
+  objectmodel::Data<VecDeriv>* write(VecDerivId) { sofa_standin::absent(); }
+};
+
+class StiffnessMatrix {
+ public:
+  struct Block {
+    void operator+=(const type::Mat<3, 3, SReal>&) { sofa_standin::absent(); }
+  };
+  struct Derivative {
+    Derivative& withRespectToPositionsIn(BaseMechanicalState*) { sofa_standin::absent(); }
+    Derivative& withRespectToVelocityIn(BaseMechanicalState*) { sofa_standin::absent(); }
+    Block operator()(int, int) { sofa_standin::absent(); }
+  };
+  Derivative getForceDerivativeIn(BaseMechanicalState*) { return {}; }
+};
+class DampingMatrix final : public StiffnessMatrix {};
+
+class BaseForceField : public objectmodel::BaseComponent {
+ public:
+  virtual void buildStiffnessMatrix(StiffnessMatrix*) = 0;
+  virtual void buildDampingMatrix(DampingMatrix*) = 0;
+  objectmodel::Data<SReal> rayleighStiffness{initData(&rayleighStiffness, 0, "rayleighStiffness", "")};
+};
+
+template <class TDataTypes>
+class ForceField : public BaseForceField {
+ public:
+  using DataTypes = TDataTypes;
+  using DataVecCoord = objectmodel::Data<typename DataTypes::VecCoord>;
+  using DataVecDeriv = objectmodel::Data<typename DataTypes::VecDeriv>;
+
+  MechanicalState<DataTypes>* getMState() const { return mstate.get(); }
+  virtual void addForce(const MechanicalParams*, DataVecDeriv&, const DataVecCoord&, const DataVecDeriv&) = 0;
+  virtual void addDForce(const MechanicalParams*, DataVecDeriv&, const DataVecDeriv&) = 0;
+  virtual void addKToMatrix(linearalgebra::BaseMatrix*, SReal, unsigned int&) = 0;
+  virtual void addBToMatrix(linearalgebra::BaseMatrix*, SReal, unsigned int&) = 0;
+  virtual SReal getPotentialEnergy(const MechanicalParams*, const DataVecCoord&) const = 0;
+
+ protected:
+  objectmodel::SingleLink<ForceField, MechanicalState<DataTypes>, objectmodel::BaseLink::FLAG_STRONGLINK> mstate;
+};
+
+template <class Types1, class Types2>
+class MixedInteractionForceField : public BaseForceField {
+ public:
+  using DataTypes = Types1;
+  using DataVecCoord1 = objectmodel::Data<typename Types1::VecCoord>;
+  using DataVecCoord2 = objectmodel::Data<typename Types2::VecCoord>;
+  using DataVecDeriv1 = objectmodel::Data<typename Types1::VecDeriv>;
+  using DataVecDeriv2 = objectmodel::Data<typename Types2::VecDeriv>;
+
+  MechanicalState<Types1>* getMState1() const { return mstate1.get(); }
+  MechanicalState<Types2>* getMState2() const { return mstate2.get(); }
+  virtual void addForce(const MechanicalParams*, DataVecDeriv1&, DataVecDeriv2&, const DataVecCoord1&,
+                        const DataVecCoord2&, const DataVecDeriv1&, const DataVecDeriv2&) = 0;
+  virtual void addDForce(const MechanicalParams*, DataVecDeriv1&, DataVecDeriv2&, const DataVecDeriv1&,
+                         const DataVecDeriv2&) = 0;
+  virtual SReal getPotentialEnergy(const MechanicalParams*, const DataVecCoord1&, const DataVecCoord2&) const = 0;
+
+ protected:
+  template <class Types>
+  using Link = objectmodel::SingleLink<MixedInteractionForceField, MechanicalState<Types>,
+                                       objectmodel::BaseLink::FLAG_STRONGLINK>;
+  Link<Types1> mstate1;
+  Link<Types2> mstate2;
+};
+
+class BaseMass {
+ public:
+  virtual ~BaseMass() = default;
+  bool isDiagonal() const { sofa_standin::absent(); }
+  objectmodel::Data<SReal> rayleighMass;
+};
+
+}  // namespace behavior
+}  // namespace core
+
+namespace simulation {
+namespace common {
+
+class MechanicalOperations {
+ public:
+  void propagateDxAndResetDf(core::MultiVecDerivId, core::MultiVecDerivId) { sofa_standin::absent(); }
+  void addMBKdx(core::MultiVecDerivId, core::MatricesFactors::M, core::MatricesFactors::B, core::MatricesFactors::K,
+                bool) {
+    sofa_standin::absent();
+  }
+  void projectResponse(core::MultiVecDerivId) { sofa_standin::absent(); }
+};
+
+}  // namespace common
+namespace mechanicalvisitor {
+
+class MechanicalGetConstraintJacobianVisitor {
+ public:
+  MechanicalGetConstraintJacobianVisitor(const core::ConstraintParams*, linearalgebra::BaseMatrix*) {}
+  void execute(core::objectmodel::BaseContext*) { sofa_standin::absent(); }
+};
+
+}  // namespace mechanicalvisitor
+}  // namespace simulation
+
+namespace component::linearsolver {
+
+class GraphScatteredVector {
+ public:
+  core::MultiVecDerivId id() const { return {}; }
+  operator core::MultiVecDerivId() const { return {}; }
+};
+struct GraphScatteredMatrix {
+  core::MechanicalParams mparams;
+  simulation::common::MechanicalOperations* parent = nullptr;
+};
+
+template <class Matrix, class Vector>
+struct LinearSystem {
+  Matrix* getSystemMatrix() { sofa_standin::absent(); }
+  Vector* getSolutionVector() { sofa_standin::absent(); }
+  Vector* getRHSVector() { sofa_standin::absent(); }
+};
+
+template <class Matrix, class Vector>
+class MatrixLinearSolver : public core::objectmodel::BaseComponent {
+ public:
+  struct TempVectorContainer {
+    TempVectorContainer(MatrixLinearSolver*, const core::ExecParams*, Matrix&, Vector&, Vector&) {}
+    Vector* createTempVector() { sofa_standin::absent(); }
+  };
+  virtual void solve(Matrix&, Vector&, Vector&) = 0;
+  virtual void invert(Matrix&) = 0;
+  virtual bool addJMInvJt(linearalgebra::BaseMatrix*, linearalgebra::BaseMatrix*, SReal) = 0;
+  virtual bool buildComplianceMatrix(const core::ConstraintParams*, linearalgebra::BaseMatrix*, SReal, SReal) = 0;
+  virtual void applyConstraintForce(const core::ConstraintParams*, core::MultiVecDerivId,
+                                    const linearalgebra::BaseVector*) = 0;
+  LinearSystem<Matrix, Vector>* getLinearSystem() const { sofa_standin::absent(); }
+};
+
+}  // namespace component::linearsolver
+}  // namespace sofa
