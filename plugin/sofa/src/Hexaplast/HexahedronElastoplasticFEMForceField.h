@@ -52,6 +52,7 @@ public:
     Data<int> d_averagingSteps{this->fromTable(d_averagingSteps, "averagingSteps")};
     Data<SReal> d_averagingTolerance{this->fromTable(d_averagingTolerance, "averagingTolerance")};
     DataWord d_precision{this->fromTable(d_precision, "precision")};
+    DataWord d_implementation{this->fromTable(d_implementation, "implementation")};
 
     Data<VecReal> d_plasticStrain{this->fromTable(d_plasticStrain, "plasticStrain")};
     Data<VecReal> d_presentYieldStress{this->fromTable(d_presentYieldStress, "presentYieldStress")};
