@@ -125,10 +125,11 @@ TEST(RegionsInSofa, GiveTheBodyTheirValuesWhereverTheyStand)
     // a change takes effect at the next step, and what flowed stays
     scene.move_to(scene.positions() * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
     scene.step();
-    const PointArray flowed = scene.body().plastic_rest_positions();
+    const auto strain = scene.field().d_plasticStrain.getValue();
+    EXPECT_GT(strain[5], 0);
     scene.set("region", "youngModulus", "1200");
     scene.set("body", "youngModulus", "3000");
-    scene.move_to(flowed);
+    scene.move_to(scene.body().plastic_rest_positions());
     EXPECT_EQ(member(scene, &Material::young_modulus), young);
     for (const char* name : {"body", "region"}) scene.set(name, "yieldStress", "1e9");
     scene.step();
@@ -136,7 +137,7 @@ TEST(RegionsInSofa, GiveTheBodyTheirValuesWhereverTheyStand)
     young[3] = 900;
     young[4] = young[9] = 1200;
     EXPECT_EQ(member(scene, &Material::young_modulus), young);
-    EXPECT_EQ(scene.body().plastic_rest_positions(), flowed);
+    EXPECT_EQ(scene.field().d_plasticStrain.getValue(), strain);
     scene.reset();
     EXPECT_EQ(member(scene, &Material::young_modulus), young);
 }

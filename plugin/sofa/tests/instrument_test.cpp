@@ -223,7 +223,7 @@ TEST(InstrumentInSofa, IsSeenWhereItIs)
 TEST(InstrumentInSofa, WarnsOfABodyThatItIsDeepIn)
 {
     Messages messages;
-    SofaScene::from_text(replaced(stroked_block(kOurSolver), "0.02 0.036 0.04", "0.02 0.02 0.04"));
+    SofaScene::from_text(replaced(stroked_block(kOurSolver), "0.02 0.036 0.04", "0.02 0.03 0.04"));
     EXPECT_EQ(messages.count("deep in the body, which is pushed out"), 1) << messages.text();
 }
 

@@ -64,13 +64,14 @@ TEST_P(BesideOurBody, MovesAsWithSolversOfSofa)
     }
 }
 
+// One stiffness for all springs: of several, SOFA's matrix takes those at the numbers of the nodes.
 INSTANTIATE_TEST_SUITE_P(
     All, BesideOurBody,
     testing::Values(
         Case{"lumped_masses", ""},
         Case{"masses_that_damp", "", R"(<DiagonalMass massDensity="1000" rayleighMass="9"/>)"},
         Case{"masses_that_couple_nodes", "", R"(<MeshMatrixMass massDensity="1000"/>)"},
-        Case{"springs_of_sofa", R"(<RestShapeSpringsForceField points="3 7" stiffness="20 30"/>)"},
+        Case{"springs_of_sofa", R"(<RestShapeSpringsForceField points="3 7" stiffness="20"/>)"},
         Case{"dashpots_of_a_grip",
              "<GraspForceField radius='0.011' keyTimes='0 1' positions='0 0 -0.04 0.02 0 -0.03' "
              "stiffness='20' damping='7'/>"},

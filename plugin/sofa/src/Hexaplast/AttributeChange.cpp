@@ -47,7 +47,8 @@ void AttributeChange::bwdInit()
             {
                 if (!l_component) throw parts::OptionError("component", "is not given, must lead to a component");
                 m_data = l_component->findData(d_attribute.getValue());
-                if (!m_data || m_data->isReadOnly())
+                // SOFA makes what follows another Data read-only
+                if (!m_data || (m_data->isReadOnly() && !m_data->getParent()))
                     throw parts::OptionError(
                         "attribute",
                         fmt::format("{} '{}' has no attribute '{}' that a scene gives", l_component->getClassName(),
