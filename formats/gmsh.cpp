@@ -13,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "exported_cells.hpp"
 #include "mesh_source.hpp"
 
 // Gmsh's file format, as its reference manual describes it: sections between $Name and $EndName; nodes carry tags of
@@ -30,20 +29,11 @@ constexpr std::array<int, 32> kNodesOfType{0, 2,  3,  4,  4, 8,  6,  5,  3,  6, 
 /// Their shapes: points, edges, triangles, quads, tetrahedra, hexahedra, prisms (w), pyramids (y).
 constexpr std::string_view kShapeOfType = " etqThwyetqThwypqhwytttttteeeTTT";
 
-/// The kinds that are taken, in VTK's numbering; all others are skipped.
+/// The first types in VTK's numbering; 0: none that is taken.
+constexpr std::array<int, 6> kVtkKinds{0, 3, 5, 9, 0, 12};
+
 int vtk_kind(std::int64_t type) {
-  switch (type) {
-    case 1:
-      return 3;
-    case 2:
-      return 5;
-    case 3:
-      return 9;
-    case 5:
-      return 12;
-    default:
-      return 0;
-  }
+  return type < static_cast<std::int64_t>(kVtkKinds.size()) ? kVtkKinds[static_cast<std::size_t>(type)] : 0;
 }
 
 /// "hexahedra of 20 nodes (Gmsh type 17)"
@@ -370,25 +360,5 @@ std::vector<ImportedGroup> read_gmsh_groups(const std::filesystem::path& file) {
 }
 
 ImportedMesh read_gmsh(const std::filesystem::path& file) { return parse_gmsh(whole_file(file), file.string()); }
-
-std::string gmsh_text(const ExportedMesh& mesh) {
-  std::string text;
-  text += fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{}\n", mesh.points.size() / 3);
-  for (std::size_t n = 0; n < mesh.points.size() / 3; ++n)
-    text += fmt::format("{} {} {} {}\n", n + 1, mesh.points[3 * n], mesh.points[3 * n + 1], mesh.points[3 * n + 2]);
-
-  std::size_t num_cells = 0;
-  for_each_kind(mesh, [&](const auto& cells, std::uint8_t) { num_cells += cells.size(); });
-  text += fmt::format("$EndNodes\n$Elements\n{}\n", num_cells);
-  std::size_t number = 0;
-  for_each_kind(mesh, [&](const auto& cells, std::uint8_t kind) {
-    const int type = kind == kVtkLine ? 1 : kind == kVtkTriangle ? 2 : kind == kVtkQuad ? 3 : 5;
-    // two tags, as Gmsh demands: physical and elementary entity, one of each for a kind of cell
-    for (const auto& cell : cells)
-      text += fmt::format("{} {} 2 {} {} {}\n", ++number, type, type, type, joined_from_1(cell, " "));
-  });
-  text += fmt::format("$EndElements\n");
-  return text;
-}
 
 }  // namespace hexaplast

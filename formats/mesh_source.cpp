@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -141,6 +142,19 @@ std::size_t MeshSource::checked_count(std::uint64_t number, const char* what, st
   return static_cast<std::size_t>(number);
 }
 
+std::int64_t MeshSource::binary_integer(const NumberType& type) {
+  switch (type.bytes) {
+    case 8:
+      return binary<std::int64_t>();
+    case 4:
+      return type.is_signed ? binary<std::int32_t>() : std::int64_t{binary<std::uint32_t>()};
+    case 2:
+      return type.is_signed ? binary<std::int16_t>() : binary<std::uint16_t>();
+    default:
+      return type.is_signed ? binary<std::int8_t>() : binary<std::uint8_t>();
+  }
+}
+
 void MeshSource::skip_past_line(std::string_view wanted) {
   while (!at_end())
     if (line() == wanted) return;
@@ -155,20 +169,9 @@ std::vector<int> merge_copies(ImportedMesh& mesh) {
 }
 
 std::size_t corners_of_vtk_cell(int kind) {
-  switch (kind) {
-    case 3:
-      return 2;
-    case 5:
-      return 3;
-    case 8:
-    case 9:
-      return 4;
-    case 11:
-    case 12:
-      return 8;
-    default:
-      return 0;
-  }
+  static constexpr std::array<std::size_t, 13> kCornersOfKind{0, 0, 0, 2, 0, 3, 0, 0, 4, 4, 0, 8, 8};
+  const auto place = static_cast<std::size_t>(kind);
+  return place < kCornersOfKind.size() ? kCornersOfKind[place] : 0;
 }
 
 bool add_vtk_cell(int kind, const std::int64_t* nodes, std::size_t num_nodes, ImportedMesh& mesh) {

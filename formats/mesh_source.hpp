@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -12,6 +13,24 @@
 #include "hexaplast/formats/mesh_import.hpp"
 
 namespace hexaplast {
+
+/// How a file stores numbers.
+struct NumberType {
+  std::size_t bytes = 1;
+  bool is_signed = false, is_real = false;
+  bool swaps_bytes = false;  ///< of voxels; a MeshSource has its own
+};
+
+/// A number from its bytes, which may have the order of another machine.
+template <class T>
+T number_at(const char* bytes, bool swaps_bytes) {
+  char own[sizeof(T)];
+  std::memcpy(own, bytes, sizeof(T));
+  if (swaps_bytes) std::reverse(own, own + sizeof(T));
+  T number;
+  std::memcpy(&number, own, sizeof(T));
+  return number;
+}
 
 /// Reads a mesh file from its beginning to its end, and knows where it is.
 class MeshSource {
@@ -45,15 +64,11 @@ class MeshSource {
   template <class T>
   T binary() {
     if (remaining() < sizeof(T)) refuse_at_byte("the file ends in the middle of binary data");
-    char bytes[sizeof(T)];
-    std::memcpy(bytes, content_.data() + at_, sizeof(T));
-    if (swaps_bytes)
-      for (std::size_t i = 0; i < sizeof(T) / 2; ++i) std::swap(bytes[i], bytes[sizeof(T) - 1 - i]);
-    T value;
-    std::memcpy(&value, bytes, sizeof(T));
     at_ += sizeof(T);
-    return value;
+    return number_at<T>(content_.data() + at_ - sizeof(T), swaps_bytes);
   }
+  std::int64_t binary_integer(const NumberType& type);  ///< of 64 bits: also unsigned ones as they are
+  double binary_real(const NumberType& type) { return type.bytes == 8 ? binary<double>() : binary<float>(); }
 
   bool swaps_bytes = false;
 

@@ -4,7 +4,6 @@
 #include <bit>
 
 #include "hexaplast/base/error.hpp"
-#include "mesh_source.hpp"
 #include "volume_source.hpp"
 
 // MetaImage: lines "Field = value", of which the last one says where the data are. Coordinates are LPS, lengths in mm.
@@ -12,12 +11,12 @@
 namespace hexaplast {
 namespace {
 
-const std::map<std::string, VoxelType>& metaimage_types() {
-  static const std::map<std::string, VoxelType> all{{"met_char", {1, true}},        {"met_uchar", {1, false}},
-                                                    {"met_short", {2, true}},       {"met_ushort", {2, false}},
-                                                    {"met_int", {4, true}},         {"met_uint", {4, false}},
-                                                    {"met_long_long", {8, true}},   {"met_ulong_long", {8, false}},
-                                                    {"met_float", {4, true, true}}, {"met_double", {8, true, true}}};
+const std::map<std::string, NumberType>& metaimage_types() {
+  static const std::map<std::string, NumberType> all{{"met_char", {1, true}},        {"met_uchar", {1, false}},
+                                                     {"met_short", {2, true}},       {"met_ushort", {2, false}},
+                                                     {"met_int", {4, true}},         {"met_uint", {4, false}},
+                                                     {"met_long_long", {8, true}},   {"met_ulong_long", {8, false}},
+                                                     {"met_float", {4, true, true}}, {"met_double", {8, true, true}}};
   return all;
 }
 
@@ -42,7 +41,7 @@ class MetaImageFile {
     header_.expect("ElementNumberOfChannels", "1");
     header_.expect("DistanceUnits", "mm");
     const VolumeGeometry geometry = read_geometry();
-    VoxelType type = header_.one_of("ElementType", metaimage_types());
+    NumberType type = header_.one_of("ElementType", metaimage_types());
     const bool is_big = is_true("BinaryDataByteOrderMSB", is_true("ElementByteOrderMSB", false));
     if (header_.find("ElementByteOrderMSB") && is_big != is_true("ElementByteOrderMSB", false))
       header_.refuse("ElementByteOrderMSB", "must agree with BinaryDataByteOrderMSB");

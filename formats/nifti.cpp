@@ -31,7 +31,7 @@ class NiftiFile {
 
     VolumeGeometry geometry;
     read_size(geometry);
-    const VoxelType type = read_type();
+    const NumberType type = read_type();
     const bool has_frame = read_axes(geometry);
     skip_extensions();
     ImportedVolume found{.volume = volume_of(geometry, type, source_, name_), .has_frame = has_frame};
@@ -46,12 +46,7 @@ class NiftiFile {
 
   template <class Number>
   Number at(std::size_t byte) const {
-    char own[sizeof(Number)];
-    std::memcpy(own, header_ + byte, sizeof own);
-    if (swaps_bytes_) std::reverse(own, own + sizeof own);
-    Number number;
-    std::memcpy(&number, own, sizeof own);
-    return number;
+    return number_at<Number>(header_ + byte, swaps_bytes_);
   }
   int whole(std::size_t byte) const { return at<std::int16_t>(byte); }
   double real(std::size_t byte, const std::string& field) const {
@@ -82,12 +77,12 @@ class NiftiFile {
   }
 
   /// A slope of 0, or one that is no number, stands for none.
-  VoxelType read_type() const {
+  NumberType read_type() const {
     const double slope = at<float>(112), intercept = at<float>(116);
     if (std::isfinite(slope) && slope != 0 && (slope != 1 || intercept != 0))
       refuse("scl_slope", fmt::format("values are scaled by {:g} and moved by {:g}: labels must be stored as they are",
                                       slope, intercept));
-    static const std::map<int, VoxelType> kTypes{
+    static const std::map<int, NumberType> kTypes{
         {256, {1, true}},  {2, {1, false}},   {4, {2, true}},     {512, {2, false}},     {8, {4, true}},
         {768, {4, false}}, {1024, {8, true}}, {1280, {8, false}}, {16, {4, true, true}}, {64, {8, true, true}}};
     const auto found = kTypes.find(whole(70));
@@ -96,7 +91,7 @@ class NiftiFile {
              fmt::format("{}, must be 2, 4, 8, 256, 512, 768, 1024, 1280, 16 or 64: whole numbers of 8 to 64 bits, or "
                          "real ones of 32 or 64",
                          whole(70)));
-    VoxelType type = found->second;
+    NumberType type = found->second;
     if (whole(72) != static_cast<int>(8 * type.bytes))
       refuse("bitpix", fmt::format("{}, must be {} for datatype {}", whole(72), 8 * type.bytes, whole(70)));
     type.swaps_bytes = swaps_bytes_;

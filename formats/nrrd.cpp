@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "hexaplast/base/error.hpp"
-#include "mesh_source.hpp"
 #include "volume_source.hpp"
 
 // NRRD: a magic word, lines "field: value" and "key:=value", an empty line, and the data.
@@ -14,10 +13,10 @@
 namespace hexaplast {
 namespace {
 
-const std::map<std::string, VoxelType>& nrrd_types() {
+const std::map<std::string, NumberType>& nrrd_types() {
   static const auto all = [] {
-    std::map<std::string, VoxelType> types;
-    const auto add = [&](const VoxelType& type, std::initializer_list<const char*> names) {
+    std::map<std::string, NumberType> types;
+    const auto add = [&](const NumberType& type, std::initializer_list<const char*> names) {
       for (const char* name : names) types[name] = type;
     };
     add({1, true}, {"signed char", "int8", "int8_t"});
@@ -85,7 +84,7 @@ class NrrdFile {
     require_one_layer();
     for (const char* skip : {"byte skip", "byteskip", "line skip", "lineskip"}) header_.expect(skip, "0");
 
-    VoxelType type = header_.one_of("type", nrrd_types());
+    NumberType type = header_.one_of("type", nrrd_types());
     if (type.bytes > 1) {
       header_.value("endian");
       static const std::map<std::string, std::endian> kOrders{{"little", std::endian::little},

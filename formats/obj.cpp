@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "exported_cells.hpp"
+#include "hexaplast/formats/mesh_export.hpp"
 #include "mesh_source.hpp"
 
 namespace hexaplast {
@@ -63,9 +63,16 @@ std::string obj_text(const ExportedMesh& mesh) {
   std::string text;
   for (std::size_t i = 0; i + 2 < mesh.points.size(); i += 3)
     text += fmt::format("v {} {} {}\n", mesh.points[i], mesh.points[i + 1], mesh.points[i + 2]);
-  for (const Edge& edge : mesh.edges) text += fmt::format("l {}\n", joined_from_1(edge, " "));
-  for (const Triangle& triangle : mesh.triangles) text += fmt::format("f {}\n", joined_from_1(triangle, " "));
-  for (const Quad& quad : mesh.quads) text += fmt::format("f {}\n", joined_from_1(quad, " "));
+  const auto add = [&](char kind, const auto& cells) {
+    for (const auto& cell : cells) {
+      text += kind;
+      for (const int node : cell) text += fmt::format(" {}", node + 1);
+      text += '\n';
+    }
+  };
+  add('l', mesh.edges);
+  add('f', mesh.triangles);
+  add('f', mesh.quads);
   return text;
 }
 

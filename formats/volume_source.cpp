@@ -12,7 +12,6 @@
 
 #include "formats/text.hpp"
 #include "hexaplast/base/error.hpp"
-#include "mesh_source.hpp"
 
 namespace hexaplast {
 namespace {
@@ -29,17 +28,12 @@ std::string quoted_value(std::string_view value) {
 
 template <class Number>
 double label_at(const char* bytes, bool swaps_bytes) {
-  char own[sizeof(Number)];
-  std::memcpy(own, bytes, sizeof own);
-  if (swaps_bytes) std::reverse(own, own + sizeof own);
-  Number number;
-  std::memcpy(&number, own, sizeof own);
-  return static_cast<double>(number);
+  return static_cast<double>(number_at<Number>(bytes, swaps_bytes));
 }
 
 using LabelAt = double (*)(const char*, bool);
 
-LabelAt reader_of(const VoxelType& type) {
+LabelAt reader_of(const NumberType& type) {
   if (type.bytes == 1) return type.is_signed ? label_at<std::int8_t> : label_at<std::uint8_t>;
   if (type.bytes == 2) return type.is_signed ? label_at<std::int16_t> : label_at<std::uint16_t>;
   if (type.is_real) return type.bytes == 4 ? label_at<float> : label_at<double>;
@@ -127,7 +121,7 @@ void ByteSource::expect_end() {
 
 bool is_gzip(std::string_view content) { return content.starts_with("\x1f\x8b"); }
 
-void read_voxels(ByteSource& source, const VoxelType& type, const std::string& name, const VoxelCells& planned,
+void read_voxels(ByteSource& source, const NumberType& type, const std::string& name, const VoxelCells& planned,
                  LabelledVolume& volume) {
   const LabelAt label_at = reader_of(type);
   std::vector<char> buffer(kBuffer);
@@ -157,7 +151,7 @@ void read_voxels(ByteSource& source, const VoxelType& type, const std::string& n
   source.expect_end();
 }
 
-LabelledVolume volume_of(const VolumeGeometry& geometry, const VoxelType& type, const ByteSource& source,
+LabelledVolume volume_of(const VolumeGeometry& geometry, const NumberType& type, const ByteSource& source,
                          const std::string& name) {
   const auto& [nx, ny, nz] = geometry.size;
   const double count = static_cast<double>(nx) * static_cast<double>(ny) * static_cast<double>(nz);

@@ -10,16 +10,9 @@
 #include <vector>
 
 #include "hexaplast/formats/volume_import.hpp"
+#include "mesh_source.hpp"
 
 namespace hexaplast {
-
-/// How the voxels of a volume are stored.
-struct VoxelType {
-  std::size_t bytes = 1;
-  bool is_signed = false;
-  bool is_real = false;
-  bool swaps_bytes = false;
-};
 
 /// Bytes of a file, as they are or unpacked while they are read (gzip and zlib).
 class ByteSource {
@@ -48,7 +41,7 @@ class ByteSource {
 bool is_gzip(std::string_view content);
 
 /// All voxels of the volume, and then the end of the data.
-void read_voxels(ByteSource& source, const VoxelType& type, const std::string& name, const VoxelCells& planned,
+void read_voxels(ByteSource& source, const NumberType& type, const std::string& name, const VoxelCells& planned,
                  LabelledVolume& volume);
 
 /// Size, axes and origin of a volume, as a header describes them [mm].
@@ -60,7 +53,7 @@ struct VolumeGeometry {
 };
 
 /// The volume of a header, whose voxels are still to be read. The source must have room for them.
-LabelledVolume volume_of(const VolumeGeometry& geometry, const VoxelType& type, const ByteSource& source,
+LabelledVolume volume_of(const VolumeGeometry& geometry, const NumberType& type, const ByteSource& source,
                          const std::string& name);
 
 /// Changes coordinates to LPS: some of x, y and z change their sign.

@@ -14,21 +14,16 @@
 namespace hexaplast {
 namespace {
 
-/// What VTK calls a type of numbers.
-struct NumberType {
-  std::size_t bytes;
-  bool is_real, is_signed;
-};
-
+/// The type of numbers of that name.
 std::optional<NumberType> number_type(std::string_view name) {
   if (name == "double") return NumberType{8, true, true};
   if (name == "float") return NumberType{4, true, true};
-  if (name == "vtktypeint64" || name == "long") return NumberType{8, false, true};
-  if (name == "int" || name == "vtktypeint32") return NumberType{4, false, true};
+  if (name == "vtktypeint64" || name == "long") return NumberType{8, true, false};
+  if (name == "int" || name == "vtktypeint32") return NumberType{4, true, false};
   if (name == "unsigned_int") return NumberType{4, false, false};
-  if (name == "short") return NumberType{2, false, true};
+  if (name == "short") return NumberType{2, true, false};
   if (name == "unsigned_short") return NumberType{2, false, false};
-  if (name == "char") return NumberType{1, false, true};
+  if (name == "char") return NumberType{1, true, false};
   if (name == "unsigned_char") return NumberType{1, false, false};
   return std::nullopt;
 }
@@ -101,14 +96,14 @@ class LegacyVtkFile {
       connectivity_ = integers(size);
       if (offsets_.empty()) offsets_ = {0};
     } else {
-      begin_data(size, {4, false, true}, "the size of the cells");
+      begin_data(size, {4, true, false}, "the size of the cells");
       offsets_ = {0};
       std::size_t left = size;
       for (std::size_t e = 0; e < count; ++e) {
-        const std::int64_t num_points = left == 0 ? -1 : integer({4, false, true});
+        const std::int64_t num_points = left == 0 ? -1 : integer({4, true, false});
         if (num_points < 0 || static_cast<std::size_t>(num_points) > --left)
           refuse(fmt::format("cell {} does not fit into the size of the cells, which is {}", e, size));
-        for (std::int64_t a = 0; a < num_points; ++a) connectivity_.push_back(integer({4, false, true}));
+        for (std::int64_t a = 0; a < num_points; ++a) connectivity_.push_back(integer({4, true, false}));
         left -= static_cast<std::size_t>(num_points);
         offsets_.push_back(static_cast<std::int64_t>(connectivity_.size()));
       }
@@ -118,8 +113,8 @@ class LegacyVtkFile {
 
   void read_cell_types() {
     const std::size_t count = source_.count("the number of cell types", is_binary_ ? 4 : 1);
-    begin_data(count, {4, false, true}, "the number of cell types");
-    for (std::size_t e = 0; e < count; ++e) types_.push_back(integer({4, false, true}));
+    begin_data(count, {4, true, false}, "the number of cell types");
+    for (std::size_t e = 0; e < count; ++e) types_.push_back(integer({4, true, false}));
   }
 
   std::vector<std::int64_t> integers(std::size_t count) {
@@ -191,7 +186,7 @@ class LegacyVtkFile {
   double real(const NumberType& type) {
     if (!is_binary_) return source_.real("a coordinate");
     if (!type.is_real) return static_cast<double>(integer(type));
-    const double number = type.bytes == 8 ? source_.binary<double>() : source_.binary<float>();
+    const double number = source_.binary_real(type);
     if (!std::isfinite(number)) source_.refuse_at_byte(fmt::format("{} is not a coordinate: must be finite", number));
     return number;
   }
@@ -201,16 +196,7 @@ class LegacyVtkFile {
       return source_.integer("a whole number", std::numeric_limits<std::int64_t>::min(),
                              std::numeric_limits<std::int64_t>::max());
     if (type.is_real) source_.refuse_at_byte("real numbers stand where whole ones must be");
-    switch (type.bytes) {
-      case 8:
-        return source_.binary<std::int64_t>();
-      case 4:
-        return type.is_signed ? source_.binary<std::int32_t>() : std::int64_t{source_.binary<std::uint32_t>()};
-      case 2:
-        return type.is_signed ? source_.binary<std::int16_t>() : source_.binary<std::uint16_t>();
-      default:
-        return type.is_signed ? source_.binary<std::int8_t>() : source_.binary<std::uint8_t>();
-    }
+    return source_.binary_integer(type);
   }
 
   void skip_bytes(std::size_t bytes) {

@@ -4,21 +4,15 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
-#include <iterator>
 #include <limits>
+#include <map>
 #include <optional>
 
-#include "exported_cells.hpp"
 #include "formats/base64.hpp"
-#include "formats/vtu_grid.hpp"
 #include "formats/xml.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/mesh_export.hpp"
-#include "hexaplast/formats/whole_file.hpp"
 #include "mesh_source.hpp"
 
 // VTK's XML files of unstructured grids. A data array is text; or bytes in base64, in place or appended; or raw bytes,
@@ -41,11 +35,6 @@ std::string attribute(const XMLElement& element, const char* name) {
   const char* value = element.Attribute(name);
   return value ? value : "";
 }
-
-struct ArrayType {
-  char kind;  // f, i, u
-  std::size_t bytes;
-};
 
 class VtuFile {
  public:
@@ -160,7 +149,7 @@ class VtuFile {
         array.num_components = static_cast<int>(number);
       }
       const std::size_t size = count * static_cast<std::size_t>(array.num_components);
-      if (array_type(*at).kind == 'f') {
+      if (array_type(*at).is_real) {
         array.values = numbers<double>(*at, size);
       } else {
         const std::vector<std::int64_t> whole = numbers<std::int64_t>(*at, size);
@@ -211,7 +200,7 @@ class VtuFile {
     const std::string format = attribute(at, "format");
     if (format == "ascii") return numbers_of_text<Number>(at, count);
 
-    const ArrayType type = array_type(at);
+    const NumberType type = array_type(at);
     if (count > std::numeric_limits<std::size_t>::max() / type.bytes)
       refuse(at, "more values than the file has room for");
     const std::size_t size = count * type.bytes;
@@ -246,34 +235,18 @@ class VtuFile {
   }
 
   template <class Number>
-  std::vector<Number> numbers_of_bytes(const XMLElement& at, std::string_view bytes, const ArrayType& type) {
-    const bool is_real = type.kind == 'f';
-    if (is_real != std::is_floating_point_v<Number>) refuse(at, "real numbers and whole numbers are mixed up");
+  std::vector<Number> numbers_of_bytes(const XMLElement& at, std::string_view bytes, const NumberType& type) {
+    if (type.is_real != std::is_floating_point_v<Number>) refuse(at, "real numbers and whole numbers are mixed up");
     std::vector<Number> all(bytes.size() / type.bytes);
     MeshSource source(bytes, name_);
     source.swaps_bytes = swaps_bytes_;
     for (Number& number : all) {
       if constexpr (std::is_floating_point_v<Number>)
-        number = type.bytes == 8 ? source.binary<double>() : source.binary<float>();
+        number = source.binary_real(type);
       else
-        number = type.kind == 'u' ? whole<std::uint64_t, std::uint32_t, std::uint16_t, std::uint8_t>(source, type.bytes)
-                                  : whole<std::int64_t, std::int32_t, std::int16_t, std::int8_t>(source, type.bytes);
+        number = source.binary_integer(type);
     }
     return all;
-  }
-
-  template <class Eight, class Four, class Two, class One>
-  static std::int64_t whole(MeshSource& source, std::size_t bytes) {
-    switch (bytes) {
-      case 8:
-        return static_cast<std::int64_t>(source.binary<Eight>());
-      case 4:
-        return source.binary<Four>();
-      case 2:
-        return source.binary<Two>();
-      default:
-        return source.binary<One>();
-    }
   }
 
   /// The `size` bytes that data stand for.
@@ -358,9 +331,8 @@ class VtuFile {
   }
 
   std::uint64_t header(std::string_view bytes, std::size_t entry) const {
-    MeshSource source(bytes.substr(entry * header_bytes_), name_);
-    source.swaps_bytes = swaps_bytes_;
-    return header_bytes_ == 8 ? source.binary<std::uint64_t>() : source.binary<std::uint32_t>();
+    const char* at = bytes.data() + entry * header_bytes_;
+    return header_bytes_ == 8 ? number_at<std::uint64_t>(at, swaps_bytes_) : number_at<std::uint32_t>(at, swaps_bytes_);
   }
 
   static std::string_view trimmed(const char* text) {
@@ -393,19 +365,19 @@ class VtuFile {
     refuse(cells, fmt::format("holds no array '{}'", name));
   }
 
-  ArrayType array_type(const XMLElement& at) const {
+  NumberType array_type(const XMLElement& at) const {
     const std::string type = attribute(at, "type");
-    for (const auto& [name, known] : std::initializer_list<std::pair<const char*, ArrayType>>{{"Float64", {'f', 8}},
-                                                                                              {"Float32", {'f', 4}},
-                                                                                              {"Int64", {'i', 8}},
-                                                                                              {"Int32", {'i', 4}},
-                                                                                              {"Int16", {'i', 2}},
-                                                                                              {"Int8", {'i', 1}},
-                                                                                              {"UInt64", {'u', 8}},
-                                                                                              {"UInt32", {'u', 4}},
-                                                                                              {"UInt16", {'u', 2}},
-                                                                                              {"UInt8", {'u', 1}}})
-      if (type == name) return known;
+    static const std::map<std::string, NumberType> kTypes{{"Float64", {8, true, true}},
+                                                          {"Float32", {4, true, true}},
+                                                          {"Int64", {8, true}},
+                                                          {"Int32", {4, true}},
+                                                          {"Int16", {2, true}},
+                                                          {"Int8", {1, true}},
+                                                          {"UInt64", {8}},
+                                                          {"UInt32", {4}},
+                                                          {"UInt16", {2}},
+                                                          {"UInt8", {1}}};
+    if (const auto known = kTypes.find(type); known != kTypes.end()) return known->second;
     refuse(at, fmt::format("type '{}' of numbers is not known", type));
   }
 
@@ -439,163 +411,6 @@ ImportedState parse_vtu_state(std::string_view content, const std::string& name)
 
 ImportedState read_vtu_state(const std::filesystem::path& file) {
   return parse_vtu_state(whole_file(file), file.string());
-}
-
-// What is written.
-
-namespace {
-
-static_assert(std::endian::native == std::endian::little, "the files say LittleEndian and hold memory as it is");
-
-/// Points, topology, data of points and of cells.
-using Groups = std::array<std::vector<VtuArray>, 4>;
-
-Groups groups_of(const VtuGrid& grid) {
-  return {{{reals("Points", 3, grid.points)},
-           {{"Int32", "connectivity", 1, grid.connectivity},
-            scalars("Int64", "offsets", grid.ends),
-            scalars("UInt8", "types", grid.types)},
-           grid.point_data,
-           grid.cell_data}};
-}
-
-/// The elements of a file up to the end of its grid. describe(array) is the element of an array.
-template <class Describe>
-std::string xml_of(const VtuGrid& grid, const Groups& groups, const Describe& describe) {
-  const auto all = [&](const std::vector<VtuArray>& arrays) {
-    std::string text;
-    for (const VtuArray& array : arrays) {
-      const std::string shape = array.components > 1 ? fmt::format(" NumberOfComponents=\"{}\"", array.components) : "";
-      text += fmt::format("        <DataArray type=\"{}\" Name=\"{}\"{} {}\n", array.type, escaped(array.name), shape,
-                          describe(array));
-    }
-    return text;
-  };
-  std::string xml =
-      "<?xml version=\"1.0\"?>\n"
-      "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
-      "  <UnstructuredGrid>\n";
-  if (!grid.field_data.empty()) {
-    xml += "    <FieldData>\n";
-    for (const VtuNumber& number : grid.field_data)
-      xml += fmt::format(
-          "      <DataArray type=\"Int32\" Name=\"{}\" NumberOfTuples=\"1\" format=\"ascii\">{}</DataArray>\n",
-          escaped(number.name), number.value);
-    xml += "    </FieldData>\n";
-  }
-  xml +=
-      fmt::format("    <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", grid.points.size() / 3, grid.ends.size());
-  xml += "      <Points>\n" + all(groups[0]) + "      </Points>\n";
-  xml += "      <Cells>\n" + all(groups[1]) + "      </Cells>\n";
-  xml += "      <PointData>\n" + all(groups[2]) + "      </PointData>\n";
-  xml += grid.shown_first.empty() ? "      <CellData>\n"
-                                  : fmt::format("      <CellData Scalars=\"{}\">\n", escaped(grid.shown_first));
-  xml += all(groups[3]) + "      </CellData>\n";
-  return xml + "    </Piece>\n  </UnstructuredGrid>\n";
-}
-
-/// Hands out the offsets of the appended blocks: 8 bytes of length, then the data. The blocks lie backwards, the last
-/// array first: meshio looks arrays up by their offsets while it replaces these one by one in the order of the blocks,
-/// and would take one array for another where an old offset and a new one are equal.
-class Offsets {
- public:
-  explicit Offsets(const Groups& groups) {
-    for (const std::vector<VtuArray>& group : groups)
-      for (const VtuArray& array : group) rest_ += block_size(array);
-  }
-  std::uint64_t next(const VtuArray& array) { return rest_ -= block_size(array); }
-
- private:
-  static std::uint64_t block_size(const VtuArray& array) { return sizeof(std::uint64_t) + array.bytes.size(); }
-
-  std::uint64_t rest_ = 0;  // size of the blocks of arrays that have not been described
-};
-
-// The connectivity is on one line, with one blank between two numbers: SOFA's MeshVTKLoader counts its blanks.
-template <class Number>
-std::string numbers_in_text(const VtuArray& array) {
-  constexpr int kScalarsPerLine = 8;
-  const std::size_t count = array.bytes.size() / sizeof(Number);
-  const auto per_line = array.name == "connectivity"
-                            ? count
-                            : static_cast<std::size_t>(array.components > 1 ? array.components : kScalarsPerLine);
-  std::string text;
-  for (std::size_t i = 0; i < count; ++i) {
-    Number number;
-    std::memcpy(&number, array.bytes.data() + i * sizeof number, sizeof number);
-    fmt::format_to(std::back_inserter(text), "{}{}", number, (i + 1) % per_line == 0 || i + 1 == count ? '\n' : ' ');
-  }
-  return text;
-}
-
-std::string text_of(const VtuArray& array) {
-  if (array.type == "Float64") return numbers_in_text<double>(array);
-  if (array.type == "Int64") return numbers_in_text<std::int64_t>(array);
-  if (array.type == "Int32") return numbers_in_text<std::int32_t>(array);
-  return numbers_in_text<std::uint8_t>(array);
-}
-
-}  // namespace
-
-VtuArray reals(std::string_view name, int components, std::span<const double> values) {
-  return {"Float64", name, components, std::as_bytes(values)};
-}
-
-VtuArray vectors(std::string_view name, const PointArray& field) {
-  return reals(name, 3, {field.data(), static_cast<std::size_t>(field.size())});
-}
-
-void VtuGrid::add_cells(std::size_t count, std::uint8_t type, int corners) {
-  std::int64_t end = ends.empty() ? 0 : ends.back();
-  for (std::size_t cell = 0; cell < count; ++cell) ends.push_back(end += corners);
-  types.insert(types.end(), count, type);
-}
-
-void VtuGrid::write(const std::filesystem::path& file) const {
-  const Groups groups = groups_of(*this);
-  Offsets offsets(groups);
-  WholeFile out(file);
-  out.write(xml_of(*this, groups, [&](const VtuArray& array) {
-    return fmt::format("format=\"appended\" offset=\"{}\"/>", offsets.next(array));
-  }));
-  out.write("  <AppendedData encoding=\"raw\">\n_");
-  for (auto group = groups.rbegin(); group != groups.rend(); ++group)
-    for (auto array = group->rbegin(); array != group->rend(); ++array) {
-      const std::uint64_t bytes = array->bytes.size();
-      out.write(&bytes, sizeof bytes);
-      out.write(array->bytes.data(), array->bytes.size());
-    }
-  out.write("\n  </AppendedData>\n</VTKFile>\n");
-  out.commit();
-}
-
-std::string VtuGrid::text() const {
-  Groups groups = groups_of(*this);
-  std::vector<std::int32_t> short_ends;  // all that SOFA's MeshVTKLoader reads
-  if (ends.empty() || ends.back() <= std::numeric_limits<std::int32_t>::max()) {
-    short_ends.assign(ends.begin(), ends.end());
-    groups[1][1] = scalars("Int32", "offsets", short_ends);
-  }
-  // no blanks before the end of an array: see above
-  return xml_of(
-             *this, groups,
-             [](const VtuArray& array) { return fmt::format("format=\"ascii\">\n{}</DataArray>", text_of(array)); }) +
-         "</VTKFile>\n";
-}
-
-std::string vtu_text(const ExportedMesh& mesh) {
-  VtuGrid grid{.points = mesh.points};
-  std::vector<std::int32_t> connectivity;
-  for_each_kind(mesh, [&]<std::size_t N>(std::span<const std::array<int, N>> cells, std::uint8_t kind) {
-    grid.add_cells(cells.size(), kind, N);
-    for (const auto& cell : cells) connectivity.insert(connectivity.end(), cell.begin(), cell.end());
-  });
-  grid.connectivity = std::as_bytes(std::span(connectivity));
-  for (const ExportedField& field : mesh.point_fields)
-    grid.point_data.push_back(reals(field.name, field.components, field.values));
-  for (const ExportedField& field : mesh.cell_fields)
-    grid.cell_data.push_back(reals(field.name, field.components, field.values));
-  return grid.text();
 }
 
 }  // namespace hexaplast

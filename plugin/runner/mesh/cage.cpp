@@ -8,22 +8,21 @@
 
 #include "formats/text.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/mesh_export.hpp"
 #include "hexaplast/geometry/cage.hpp"
-#include "record/files.hpp"
-#include "runner/exit_code.hpp"
 #include "runner/mesh/file.hpp"
 
 namespace hexaplast::runner {
 namespace {
 
-std::string text_of(const Cage& cage) {
+void save_cage(const Cage& cage, const MeshCageOptions& options) {
   const HexMesh& mesh = cage.mesh;
   std::vector<double> enclosed(static_cast<std::size_t>(mesh.num_elements()), 1);
   std::fill_n(enclosed.begin(), cage.num_touched, 0);
-  return vtu_text({.points = {mesh.positions().data(), static_cast<std::size_t>(mesh.positions().size())},
-                   .hexahedra = mesh.hexahedra(),
-                   .cell_fields = {{.name = "enclosed", .components = 1, .values = enclosed}}});
+  save_mesh(options.out,
+            {.points = {mesh.positions().data(), static_cast<std::size_t>(mesh.positions().size())},
+             .hexahedra = mesh.hexahedra(),
+             .cell_fields = {{.name = "enclosed", .values = enclosed}}},
+            InputFiles({options.surface}));
 }
 
 void print_summary(const MeshCageOptions& options, const Cage& cage, const CageGrid& grid) {
@@ -38,8 +37,7 @@ void print_summary(const MeshCageOptions& options, const Cage& cage, const CageG
 }  // namespace
 
 void make_cage(const MeshCageOptions& options) {
-  if (options.out.extension() != ".vtu")
-    throw UsageError(fmt::format("--out {}: the name must end in .vtu", options.out.string()));
+  require_vtu(options.out);
   const ImportedMesh surface = load_mesh(options.surface);
   const CageGrid grid = cubes_around(surface.positions, options.cells);
   const Cage cage = cage_around(surface.positions, surface.triangles, surface.quads, grid);
@@ -50,9 +48,7 @@ void make_cage(const MeshCageOptions& options) {
     spdlog::warn("warning: hexahedra meet at {} nodes without sharing a face there: they fold freely about them",
                  cage.num_hinges);
 
-  output::WholeFile file(output_place(options.out, InputFiles({options.surface})));
-  file.write(text_of(cage));
-  file.commit();
+  save_cage(cage, options);
   print_summary(options, cage, grid);
 }
 

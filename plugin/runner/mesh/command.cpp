@@ -16,12 +16,12 @@
 namespace hexaplast::runner {
 namespace {
 
+constexpr const char* kOut = "File to write, .vtu; replaces an older one";
+
 void add_mesh_export(CLI::App& mesh, MeshExportOptions& options) {
   CLI::App* command = mesh.add_subcommand("export", "Write the scene's bodies for other programs");
   add_scene(*command, options.scene);
-  command->add_option("-o,--out", options.out, "File to write, .vtu; replaces an older one")
-      ->type_name("FILE")
-      ->required();
+  command->add_option("-o,--out", options.out, kOut)->type_name("FILE")->required();
 }
 
 void add_mesh_cage(CLI::App& mesh, MeshCageOptions& options) {
@@ -34,13 +34,10 @@ void add_mesh_cage(CLI::App& mesh, MeshCageOptions& options) {
       ->type_name("N")
       ->check(CLI::Range(1, 1'000'000))
       ->required();
-  command->add_option("-o,--out", options.out, "File to write, .vtu; replaces an older one")
-      ->type_name("FILE")
-      ->required();
+  command->add_option("-o,--out", options.out, kOut)->type_name("FILE")->required();
   command->add_flag("--allow-parts", options.allow_parts, "Accept a cage with unconnected parts");
 }
 
-constexpr const char* kMeshFormats = "File to write, .vtu or .msh; replaces an older one";
 constexpr int kMaxAlong = 1'000'000;  // hexahedra along one direction
 
 /// What every command that makes hexahedra along three directions takes.
@@ -52,7 +49,7 @@ CLI::App* add_shape(CLI::App& mesh, const char* name, const char* help, const ch
       ->type_name("N N N")
       ->check(CLI::Range(1, kMaxAlong))
       ->required();
-  command->add_option("-o,--out", out, kMeshFormats)->type_name("FILE")->required();
+  command->add_option("-o,--out", out, kOut)->type_name("FILE")->required();
   return command;
 }
 
@@ -137,7 +134,7 @@ void add_mesh_offset(CLI::App& mesh, MeshOffsetOptions& options) {
       ->type_name("inward|outward|both")
       ->check(CLI::IsMember({"inward", "outward", "both"}))
       ->capture_default_str();
-  command->add_option("-o,--out", options.out, kMeshFormats)->type_name("FILE")->required();
+  command->add_option("-o,--out", options.out, kOut)->type_name("FILE")->required();
 }
 
 void add_mesh_voxels(CLI::App& mesh, MeshVoxelsOptions& options) {
@@ -147,9 +144,7 @@ void add_mesh_voxels(CLI::App& mesh, MeshVoxelsOptions& options) {
       ->add_option("segmentation", options.segmentation, "Volume of labels: .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd")
       ->type_name("SEGMENTATION")
       ->required();
-  command->add_option("-o,--out", options.out, "File to write, .vtu; replaces an older one")
-      ->type_name("FILE")
-      ->required();
+  command->add_option("-o,--out", options.out, kOut)->type_name("FILE")->required();
   command->add_option("--labels", options.labels, "Labels that become hexahedra. Default: all but 0, the background")
       ->type_name("L,L,...")
       ->delimiter(',');
@@ -180,10 +175,10 @@ void add_mesh_info(CLI::App& mesh, MeshInfoOptions& options) {
 }
 
 void add_mesh_convert(CLI::App& mesh, MeshConvertOptions& options) {
-  CLI::App* command = mesh.add_subcommand("convert", "Write the cells of a mesh file in another format");
+  CLI::App* command = mesh.add_subcommand("convert", "Write the cells of a mesh file as .vtu");
   command->footer(kExitCodes);
   command->add_option("file", options.file, "Mesh file: .vtu, .vtk, .msh, .obj or .stl")->type_name("FILE")->required();
-  command->add_option("-o,--out", options.out, kMeshFormats)->type_name("FILE")->required();
+  command->add_option("-o,--out", options.out, kOut)->type_name("FILE")->required();
 }
 
 }  // namespace

@@ -5,14 +5,13 @@
 
 #include "hexaplast/body.hpp"
 #include "record/vtu.hpp"
-#include "runner/exit_code.hpp"
+#include "runner/mesh/file.hpp"
 #include "runner/run/scene_file.hpp"
 
 namespace hexaplast::runner {
 
 void export_mesh(const MeshExportOptions& options) {
-  if (options.out.extension() != ".vtu")
-    throw UsageError(fmt::format("--out {}: the name must end in .vtu", options.out.string()));
+  require_vtu(options.out);
   scene::Scene scene = load_scene(options.scene);
   const std::filesystem::path out = output_place(options.out, scene.root().files().inputs);
   std::vector<output::Bodies::Entry> entries;

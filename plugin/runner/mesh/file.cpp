@@ -9,18 +9,6 @@
 #include "scene/reader.hpp"
 
 namespace hexaplast::runner {
-namespace {
-
-using Write = std::string (*)(const ExportedMesh&);
-
-Write writer_of(const std::filesystem::path& file) {
-  const std::string ending = file.extension().string();
-  if (ending == ".vtu") return vtu_text;
-  if (ending == ".msh") return gmsh_text;
-  throw UsageError(fmt::format("--out {}: the name must end in .vtu or .msh", file.string()));
-}
-
-}  // namespace
 
 ImportedMesh load_mesh(const std::filesystem::path& file) {
   scene::require_readable(file);
@@ -31,12 +19,13 @@ ImportedMesh load_mesh(const std::filesystem::path& file) {
   }
 }
 
-void require_writable_format(const std::filesystem::path& file) { writer_of(file); }
+void require_vtu(const std::filesystem::path& file) {
+  if (file.extension() != ".vtu") throw UsageError(fmt::format("--out {}: the name must end in .vtu", file.string()));
+}
 
 void save_mesh(const std::filesystem::path& file, const ExportedMesh& mesh, const InputFiles& inputs) {
-  const std::string text = writer_of(file)(mesh);
   output::WholeFile out(output_place(file, inputs));
-  out.write(text);
+  out.write(vtu_text(mesh));
   out.commit();
 }
 

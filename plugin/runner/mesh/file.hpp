@@ -11,10 +11,10 @@ namespace hexaplast::runner {
 /// the place in the file where its content is wrong.
 ImportedMesh load_mesh(const std::filesystem::path& file);
 
-/// Throws UsageError unless the file's name ends in .vtu or .msh: to be asked before anything is computed.
-void require_writable_format(const std::filesystem::path& file);
+/// Throws UsageError unless the name of the file to write ends in .vtu: to be asked before anything is computed.
+void require_vtu(const std::filesystem::path& file);
 
-/// Writes a mesh in the format that the name stands for; an older file stays until the new one is whole. Throws
+/// Writes a mesh as .vtu; an older file stays until the new one is whole. Throws
 /// OutputError, also where the file is one of `inputs`.
 void save_mesh(const std::filesystem::path& file, const ExportedMesh& mesh, const InputFiles& inputs = {});
 

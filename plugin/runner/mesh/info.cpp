@@ -143,7 +143,7 @@ void print_info(const MeshInfoOptions& options) {
 }
 
 void convert(const MeshConvertOptions& options) {
-  require_writable_format(options.out);
+  require_vtu(options.out);
   const ImportedMesh mesh = load_mesh(options.file);
   warn_of_skipped(options.file, mesh);
   save_mesh(options.out,

@@ -38,7 +38,7 @@ void save(const std::filesystem::path& out, const HexMesh& mesh, const InputFile
 template <class Make>
 void write_shape(const std::filesystem::path& out, const std::array<int, 3>& cells, const Make& make,
                  const InputFiles& inputs = {}) {
-  require_writable_format(out);
+  require_vtu(out);
   require_feasible(static_cast<double>(cells[0]) * cells[1] * cells[2]);
   const HexMesh mesh = make();
   save(out, mesh, inputs);
@@ -97,7 +97,7 @@ void make_sphere_patch(const MeshSpherePatchOptions& options) {
 }
 
 void make_shell(const MeshOffsetOptions& options) {
-  require_writable_format(options.out);
+  require_vtu(options.out);
   const QuadSurface surface = load_surface(options.surface);
   require_feasible(static_cast<double>(surface.num_quads()) * options.layers);
   const Shell shell = offset(surface, thickness_of(options));

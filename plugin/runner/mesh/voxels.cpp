@@ -16,7 +16,7 @@
 #include "hexaplast/formats/volume_import.hpp"
 #include "hexaplast/formats/whole_file.hpp"
 #include "hexaplast/geometry/voxels.hpp"
-#include "runner/exit_code.hpp"
+#include "runner/mesh/file.hpp"
 #include "runner/standard_output.hpp"
 #include "scene/reader.hpp"
 
@@ -113,8 +113,7 @@ void warn_of_lost_labels(const MeshVoxelsOptions& options, const LabelledVolume&
 }  // namespace
 
 void make_voxels(const MeshVoxelsOptions& options) {
-  if (options.out.extension() != ".vtu")
-    throw UsageError(fmt::format("--out {}: the name must end in .vtu", options.out.string()));
+  require_vtu(options.out);
   const VoxelCells cells{.labels = options.labels,
                          .coarsening = options.coarsening,
                          .largest_part = options.largest_part,

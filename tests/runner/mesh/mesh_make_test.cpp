@@ -61,7 +61,7 @@ TEST_F(MeshMake, OffsetRefusesWhatFoldsOrIsNoSurface) {
   write("corner.obj", kCorner);
   write("mixed.obj", kCorner + "f 5 6 1\n");
   write("broken.obj", kCorner + "f 2 5 66 3\n");
-  made("grid --cells 1 1 1 --size 1 1 1 -o cube.msh");
+  made("grid --cells 1 1 1 --size 1 1 1 -o cube.vtu");
   expect_none_made({{"offset corner.obj --thickness 1.5 --direction inward", 3,
                      "corner.obj: error: 2 quads fold when offset by 1.5 inward and 0 outward: 0, 1; the worst is "},
                     {"offset mixed.obj --thickness 0.1", 3, "mixed.obj: error: 1 triangles, or parts of polygons"},
@@ -71,7 +71,7 @@ TEST_F(MeshMake, OffsetRefusesWhatFoldsOrIsNoSurface) {
                     {"offset corner.obj --thickness 0.1 --layers 0", 2, "--layers"},
                     {"offset corner.obj --thickness 0.1 --direction up", 2, "--direction"},
                     {"offset corner.obj", 2, "--thickness is required"},
-                    {"offset cube.msh --thickness 0.1", 3, "1 hexahedra, must be a surface of quads"}});
+                    {"offset cube.vtu --thickness 0.1", 3, "1 hexahedra, must be a surface of quads"}});
 }
 
 TEST_F(MeshMake, OffsetLeavesOutVerticesWithoutFaceAndSaysSo) {
@@ -91,11 +91,11 @@ TEST_F(MeshMake, MakesShapes) {
   made("grid --cells 3 2 4 --size 0.3 0.2 0.8 --origin -1 0 2 -o grid.vtu");
   EXPECT_EQ(read_mesh(directory_ / "grid.vtu").positions.row(0), Eigen::RowVector3d(-1, 0, 2));
   EXPECT_NEAR(info("grid.vtu")["body"]["volume"].get<double>(), 0.048, 1e-15);
-  made("sheet --cells 8 4 2 --size 0.2 0.1 --thickness 0.01 --curvature 4 -o sheet.msh");
-  EXPECT_NEAR(info("sheet.msh")["body"]["volume"].get<double>(), 2e-4 * std::sin(0.1) / 0.1, 1e-15);
-  made("tube --cells 2 12 5 --inner 0.1 --outer 0.15 --length 0.7 -o tube.msh");
-  EXPECT_NEAR(info("tube.msh")["body"]["volume"].get<double>(), 3 * (0.0225 - 0.01) * 0.7, 1e-12);
-  EXPECT_EQ(info("tube.msh")["body"]["boundary_faces"], 2 * 12 * 5 + 2 * 12 * 2);
+  made("sheet --cells 8 4 2 --size 0.2 0.1 --thickness 0.01 --curvature 4 -o sheet.vtu");
+  EXPECT_NEAR(info("sheet.vtu")["body"]["volume"].get<double>(), 2e-4 * std::sin(0.1) / 0.1, 1e-15);
+  made("tube --cells 2 12 5 --inner 0.1 --outer 0.15 --length 0.7 -o tube.vtu");
+  EXPECT_NEAR(info("tube.vtu")["body"]["volume"].get<double>(), 3 * (0.0225 - 0.01) * 0.7, 1e-12);
+  EXPECT_EQ(info("tube.vtu")["body"]["boundary_faces"], 2 * 12 * 5 + 2 * 12 * 2);
   made("sphere-patch --cells 4 4 2 --inner 0.1 --outer 0.12 --angle 60 -o patch.vtu");
   EXPECT_EQ(info("patch.vtu")["hexahedra"], 32);
 }

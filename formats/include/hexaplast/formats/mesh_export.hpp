@@ -9,10 +9,9 @@
 
 namespace hexaplast {
 
-/// Numbers that belong to the points or cells of a mesh, `components` of them to each.
+/// A number for each cell of a mesh.
 struct ExportedField {
   std::string name;
-  int components = 1;
   std::span<const double> values;
 };
 
@@ -23,16 +22,12 @@ struct ExportedMesh {
   std::span<const Triangle> triangles = {};
   std::span<const Quad> quads = {};
   std::span<const Hexahedron> hexahedra = {};
-  std::vector<ExportedField> point_fields = {}, cell_fields = {};
+  std::vector<ExportedField> cell_fields = {};
 };
 
 /// The mesh as a VTK unstructured grid (.vtu), as text, every number with as many digits as it takes to read it back.
 /// Names of fields are escaped where XML demands it.
 std::string vtu_text(const ExportedMesh& mesh);
-
-/// The same points and cells, without fields, as a Gmsh file of version 2.2 (.msh), every number with as many digits as
-/// it takes to read it back.
-std::string gmsh_text(const ExportedMesh& mesh);
 
 /// The points, edges and faces as Wavefront OBJ, without hexahedra and fields.
 std::string obj_text(const ExportedMesh& mesh);

@@ -51,7 +51,7 @@ struct ImportedGroup {
   std::vector<int> hexahedra;  ///< their numbers in the mesh
 };
 
-/// Gmsh, version 1 (text), and 2 and 4.1, text or binary of either byte order.
+/// Gmsh, versions 2 and 4.1, text or binary of either byte order.
 ImportedMesh read_gmsh(const std::filesystem::path& file);
 
 /// The physical groups of volumes in such a file.
