@@ -80,8 +80,7 @@ struct Attribute {
   std::string_view initial = {};  ///< default, as text; empty: none (numbers) or empty (lists, text)
   std::string_view unit = {};
   Range range = {};
-  std::string_view words = {};    ///< of a kWord, separated by blanks
-  std::string_view aliases = {};  ///< further names, separated by blanks
+  std::string_view words = {};  ///< of a kWord, separated by blanks
   Access access = Access::kInput;
   std::string_view help = {};
 };

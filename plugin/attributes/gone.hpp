@@ -9,7 +9,7 @@
 namespace hexaplast::attributes {
 
 struct Gone {
-  std::string_view names = {};  ///< of components, or CLASS.attribute; separated by blanks
+  std::string_view names = {};  ///< of components, CLASS.attribute, or .attribute of any class; separated by blanks
   std::string_view instead = {};
 };
 
@@ -96,6 +96,43 @@ inline constexpr Gone kGone[] = {
     {"MechanicalObject.rx MechanicalObject.ry MechanicalObject.rz", "take rotation"},
     {"MechanicalObject.dx MechanicalObject.dy MechanicalObject.dz", "take translation"},
 
+    // other names of attributes that are there
+    {"HexahedronElastoplasticFEMForceField.gradient", "take bending"},
+    {"HexahedronElastoplasticFEMForceField.blendShare", "take blendWeight"},
+    {"HexahedronElastoplasticFEMForceField.mooneyShare", "take mooneyFraction"},
+    {"HexahedronElastoplasticFEMForceField.materialPositions", "take plasticRestPositions"},
+    {"HexahedronElastoplasticFEMForceField.drawMaterialShape", "take drawPlasticRestShape"},
+    {"InstrumentContactForceField.skinPositions", "take embeddedPositions"},
+    {"InstrumentContactForceField.skinTriangles", "take embeddedTriangles"},
+    {"BoxROI.rest_position SphereROI.rest_position PlaneROI.rest_position MeshROI.rest_position OglModel.vertices "
+     "MeshTopology.points RegularGridTopology.points SparseGridTopology.points TubeGridTopology.points "
+     "SheetGridTopology.points SpherePatchGridTopology.points HexahedronSetTopologyContainer.points "
+     "QuadSetTopologyContainer.points TriangleSetTopologyContainer.points",
+     "take position"},
+    {"BoxROI.pointIndices SphereROI.pointIndices PlaneROI.pointIndices MeshROI.pointIndices", "take indices"},
+    {".hexas", "take hexahedra"},
+    {".lines", "take edges"},
+    {"SparseGridTopology.filename", "take fileTopology"},
+    {"SpringForceField.length", "take lengths"},
+    {"RestShapeSpringsForceField.indices", "take points"},
+    {"FixedProjectiveConstraint.projectVelocity", "take activate_projectVelocity"},
+    {"PartialFixedProjectiveConstraint.activate_projectVelocity", "take projectVelocity"},
+
+    // attributes of SOFA that no scene of ours has
+    {"AttachProjectiveConstraint.constraintFactor AttachProjectiveConstraint.positionFactor "
+     "AttachProjectiveConstraint.velocityFactor AttachProjectiveConstraint.minDistance "
+     "AttachProjectiveConstraint.endTime SurfacePressureForceField.mainDirection SurfacePressureForceField.pulseMode "
+     "SurfacePressureForceField.volumeConservationMode SurfacePressureForceField.pressureLowerBound "
+     "SurfacePressureForceField.pressureSpeed SurfacePressureForceField.defaultVolume",
+     "leave it out; the scene with it runs in SOFA, with the plugin Hexaplast"},
+    {"MechanicalObject.translation2 MechanicalObject.rotation2", "take rest_position, and position or translation"},
+    {"MeshVTKLoader.transformation MeshGmshLoader.transformation MeshOBJLoader.transformation "
+     "MeshSTLLoader.transformation",
+     "take scale3d, rotation and translation"},
+    {"Node.activated", "make the node a comment"},
+    {"ConstantForceField.indexFromEnd", "take indices from the beginning"},
+    {"LinearMovementProjectiveConstraint.relativeMovements", "take movements from where the nodes begin"},
+
     {"VTKExporter", "leave it out: a run writes mesh.pvd and its .vtu files"},
     {"WriteState", "leave it out: a run writes states with --data, and its last one with --final"},
 
@@ -129,7 +166,7 @@ inline constexpr Gone kGone[] = {
      "in SOFA alone"},
 };
 
-/// What to write instead of a component, or of CLASS.attribute; empty: there never was one of that name.
+/// What to write instead of a component, CLASS.attribute or .attribute; empty: there never was one of that name.
 inline std::string_view instead_of(std::string_view name) {
   std::string_view instead;
   for (const Gone& gone : kGone)

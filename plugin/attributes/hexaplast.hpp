@@ -43,7 +43,6 @@ inline constexpr Attribute kBodyAttributes[] = {
     {.name = "plasticRestPositions",
      .type = Type::kVectors3,
      .unit = "m",
-     .aliases = "materialPositions",
      .access = Access::kOutput,
      .help = "Plastic rest positions of the nodes: where they would be without load, up to a rigid motion."},
     {.name = "removed",

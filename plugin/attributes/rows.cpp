@@ -47,7 +47,6 @@ Attribute attribute_of(const Row<Options>& row) {
           .unit = row.unit,
           .range = row.range,
           .words = kept(fmt::format("{}", fmt::join(row.words, " "))),
-          .aliases = row.alias,
           .help = row.may_vary ? kept(help_of_list(row.help)) : row.help};
 }
 

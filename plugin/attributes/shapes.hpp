@@ -11,12 +11,10 @@ inline constexpr Range kShapeCells{.min = 1, .max = 1000000};
 inline constexpr Attribute kShapePosition{.name = "position",
                                           .type = Type::kVectors3,
                                           .unit = "m",
-                                          .aliases = "points",
                                           .access = Access::kOutput,
                                           .help = "Nodes, the first direction fastest."};
 inline constexpr Attribute kShapeHexahedra{.name = "hexahedra",
                                            .type = Type::kHexahedra,
-                                           .aliases = "hexas",
                                            .access = Access::kOutput,
                                            .help = "Cells, the first direction fastest."};
 inline constexpr Attribute kShapeQuads{.name = "quads",
@@ -25,7 +23,6 @@ inline constexpr Attribute kShapeQuads{.name = "quads",
                                        .help = "Faces of the cells, each once: groups of four nodes."};
 inline constexpr Attribute kShapeEdges{.name = "edges",
                                        .type = Type::kIntegers,
-                                       .aliases = "lines",
                                        .access = Access::kOutput,
                                        .help = "Edges of the cells, each once: pairs of nodes."};
 inline constexpr Attribute kInnerRadius{

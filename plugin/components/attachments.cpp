@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <optional>
 #include <set>
-#include <utility>
+#include <vector>
 
 #include "attributes/stock.hpp"
 #include "components/between_states.hpp"
 #include "components/components.hpp"
 #include "components/system_solver.hpp"
-#include "hexaplast/base/error.hpp"
 #include "scene/interfaces.hpp"
 #include "scene/visuals.hpp"
 
@@ -34,7 +33,6 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
     if (states_[0] == states_[1])
       reject("object2", fmt::format("leads to '{}', as object1 does: must lead to another state", states_[1]->name()));
     is_two_way_ = boolean("twoWay");
-    read_factors();
   }
 
   // Its time integrator, which may stand before it, has asked for its pairs already.
@@ -47,93 +45,53 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
   // checks.
   void refresh() override {
     if (boolean("twoWay") != is_two_way_) reject("twoWay", "cannot change during a run");
-    read_factors();
     has_pairs_ = has_failed_ = false;
     pairs();
     if (integrator_) integrator_->constraints_changed();
   }
 
-  void serialize(Archive& archive) override {
-    pairs();
-    std::vector<unsigned char> saved = is_released_;
-    archive(saved);
-    if (saved.size() != pairs_.size())
-      throw InputError(fmt::format("{} tied nodes are saved, there are {}", saved.size(), pairs_.size()));
-    is_released_ = std::move(saved);
-  }
-
   void project(OfTwo<Points> field) const override {
-    pairs();
-    if (!is_active()) return;
-    for (std::size_t i = 0; i < pairs_.size(); ++i) {
-      const auto& [first, second, factor] = pairs_[i];
-      if (is_released_[i]) continue;
+    for (const auto& [first, second] : pairs()) {
       if (is_two_way_)
-        draw_together(field.first.row(first), field.second.row(second), .5 * factor);
+        draw_together(field.first.row(first), field.second.row(second));
       else
         field.second.row(second).setZero();
     }
   }
 
   void pin(BlockMatrix& A) const override {
-    if (!is_active()) return;
-    for (std::size_t i = 0; i < pairs_.size(); ++i)
-      for (int axis = 0; axis < 3; ++axis)
-        if (!is_released_[i]) A.pin(pairs_[i].second, axis);
+    for (const Pair& pair : pairs())
+      for (int axis = 0; axis < 3; ++axis) A.pin(pair.second, axis);
   }
 
   // The first node keeps its position, but not its velocity, in both ways.
   void project_motion(double, OfTwo<Points> x, OfTwo<Points> v) const override {
-    pairs();
-    if (!is_active()) return;
-    for (std::size_t i = 0; i < pairs_.size(); ++i) {
-      const auto& [first, second, factor] = pairs_[i];
-      const Eigen::RowVector3d apart = x.second.row(second) - x.first.row(first);
-      is_released_[i] = min_distance_ != -1 && apart.norm() > min_distance_;
-      if (!is_released_[i]) x.second.row(second) -= .5 * position_factor_ * factor * apart;
-    }
-    for (std::size_t i = 0; i < pairs_.size(); ++i) {
-      const auto& [first, second, factor] = pairs_[i];
-      if (!is_released_[i]) draw_together(v.first.row(first), v.second.row(second), .5 * velocity_factor_ * factor);
-    }
+    for (const auto& [first, second] : pairs())
+      x.second.row(second) -= .5 * (x.second.row(second) - x.first.row(first));
+    for (const auto& [first, second] : pairs()) draw_together(v.first.row(first), v.second.row(second));
   }
 
   std::vector<scene::SpringLine> spring_lines() const override {
     std::vector<scene::SpringLine> lines;
-    if (!is_active()) return lines;
     const SpringEnds first(*states_[0]), second(*states_[1]);
-    for (std::size_t i = 0; i < pairs_.size(); ++i) {
-      const std::optional from = first.at(pairs_[i].first), to = second.at(pairs_[i].second);
-      if (from && to && !is_released_[i]) lines.push_back({*from, *to});
+    for (const Pair& pair : pairs_) {
+      const std::optional from = first.at(pair.first), to = second.at(pair.second);
+      if (from && to) lines.push_back({*from, *to});
     }
     return lines;
   }
 
  private:
-  void read_factors() {
-    position_factor_ = real("positionFactor");
-    velocity_factor_ = real("velocityFactor");
-    min_distance_ = real("minDistance");
-    end_time_ = real("endTime");
-  }
-
   struct Pair {
     int first = 0, second = 0;
-    double factor = 1;
   };
 
+  /// To the very same place: a projection leaves what it has made as it is.
   template <class Row>
-  static void draw_together(Row&& first, Row&& second, double fraction) {
-    const Eigen::RowVector3d correction = fraction * (second - first);
-    first += correction;
-    // by half of it to the very same place: a projection leaves what it has made as it is
-    if (fraction == .5)
-      second = first;
-    else
-      second -= correction;
+  static void draw_together(Row&& first, Row&& second) {
+    first += .5 * (second - first);
+    second = first;
   }
-
-  bool is_active() const { return end_time_ < 0 || end_time_ > node().clock().time; }
 
   /// Made when they are first asked for: both states have their nodes by then.
   const std::vector<Pair>& pairs() const {
@@ -149,22 +107,10 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
     if (first.size() != second.size())
       reject("indices2",
              fmt::format("{} nodes given for {} of indices1, must be as many", second.size(), first.size()));
-    std::vector<double> factors = reals("constraintFactor");
-    if (factors.empty()) factors.assign(first.size(), 1);
-    if (factors.size() != first.size())
-      reject("constraintFactor",
-             fmt::format("{} values given for {} pairs, must be as many", factors.size(), first.size()));
-    if (is_two_way_) {
-      require_once("indices1", first);
-      for (const double factor : factors)
-        if (factor != 0 && factor != 1)
-          reject("constraintFactor", fmt::format("{} must be 0 or 1 with twoWay", factor));
-    }
+    if (is_two_way_) require_once("indices1", first);
     require_once("indices2", second);
-    const std::vector<Pair> before = std::exchange(pairs_, {});
-    for (std::size_t i = 0; i < first.size(); ++i) pairs_.push_back({first[i], second[i], factors[i]});
-    const auto same_nodes = [](const Pair& a, const Pair& b) { return a.first == b.first && a.second == b.second; };
-    if (!std::ranges::equal(before, pairs_, same_nodes)) is_released_.assign(pairs_.size(), 0);
+    pairs_.clear();
+    for (std::size_t i = 0; i < first.size(); ++i) pairs_.push_back({first[i], second[i]});
     has_pairs_ = true;
     has_failed_ = false;
   }
@@ -178,12 +124,8 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
   std::array<scene::MechanicalState*, 2> states_ = {};
   SystemSolver* integrator_ = nullptr;
   bool is_two_way_ = false;
-  double position_factor_ = 1, velocity_factor_ = 1;
-  double min_distance_ = -1;  // [m] -1: any
-  double end_time_ = -1;      // [s] below 0: never
   bool has_pairs_ = false, has_failed_ = false;
   std::vector<Pair> pairs_;
-  mutable std::vector<unsigned char> is_released_;  // per pair: its nodes were too far apart
 };
 
 }  // namespace

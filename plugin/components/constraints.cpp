@@ -95,8 +95,9 @@ class FixedConstraint final : public NodeConstraint {
 
   void init() override {
     take_nodes_or_all();
-    if (find_data("fixedDirections")) take_directions("fixedDirections");
-    takes_velocity_ = boolean("activate_projectVelocity");
+    const bool is_partial = find_data("fixedDirections");
+    if (is_partial) take_directions("fixedDirections");
+    takes_velocity_ = boolean(is_partial ? "projectVelocity" : "activate_projectVelocity");
   }
   void project_motion(double, Points, Points v) const override {
     if (takes_velocity_) clear(v);
@@ -160,7 +161,7 @@ class KeyedMotion final : public NodeConstraint {
     for (const int node : nodes_)
       for (int axis = 0; axis < 3; ++axis) {
         if (!held_[axis]) continue;
-        x(node, axis) = (is_relative_ ? anchors_(node, axis) : 0) + movement[axis];
+        x(node, axis) = anchors_(node, axis) + movement[axis];
         v(node, axis) = velocity[axis];
       }
   }
@@ -173,7 +174,6 @@ class KeyedMotion final : public NodeConstraint {
 
   void read() {
     if (find_data("movedDirections")) take_directions("movedDirections");
-    is_relative_ = !find_data("relativeMovements") || boolean("relativeMovements");
     movements_ = vectors3("movements");
     times_ = key_times(*this, "keyTimes", "movements", static_cast<std::size_t>(movements_.rows()));
     take_nodes();
@@ -193,7 +193,7 @@ class KeyedMotion final : public NodeConstraint {
   PointArray movements_;       // [m] one row per time
   PointArray anchors_;         // [m] per node: its position without the movement
   std::vector<int> joined_;    // nodes whose anchors are not their first positions
-  bool is_relative_ = true, is_running_ = false;
+  bool is_running_ = false;
 };
 
 }  // namespace

@@ -74,20 +74,11 @@ class MeshLoader : public scene::Component {
       const bool is_missing = !std::filesystem::exists(file);
       reject("filename", error.what(), is_missing ? node().files().search.places_of(text("filename")) : "");
     }
-    transform(mesh.positions);
+    hexaplast::place(mesh.positions, real("scale") * vector3("scale3d"), vector3("rotation"), vector3("translation"));
     if (boolean("triangulate")) triangulate(mesh);
     if (boolean("createSubelements")) add_boundaries_of_cells(mesh);
     if (boolean("onlyAttachedPoints")) remove_unused_nodes(mesh);
     return mesh;
-  }
-
-  void transform(PointArray& points) {
-    const std::vector<double>& rows = reals("transformation");
-    if (rows.empty())
-      return hexaplast::place(points, real("scale") * vector3("scale3d"), vector3("rotation"), vector3("translation"));
-    if (rows.size() != 16) reject("transformation", fmt::format("{} numbers given, must be sixteen", rows.size()));
-    const Eigen::Matrix4d matrix = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(rows.data());
-    points = (points * matrix.topLeftCorner<3, 3>().transpose()).rowwise() + matrix.topRightCorner<3, 1>().transpose();
   }
 
   Read read_;

@@ -51,8 +51,6 @@ class ConstantForceField final : public PrescribedLoad {
   void init() override {
     const int count = num_nodes();
     nodes_ = indices("indices", count);
-    if (boolean("indexFromEnd"))
-      for (int& node : nodes_) node = count - 1 - node;
     if (nodes_.empty()) {
       nodes_.resize(count);
       std::iota(nodes_.begin(), nodes_.end(), 0);
@@ -201,7 +199,6 @@ class SurfacePressureForceField final : public FaceLoad {
     quads_depend_on_box_ = box_ && !chooses_quads;
     triangles_depend_on_box_ = box_ && !chooses_triangles;
     pressure_ = real("pressure");
-    direction_ = vector3("mainDirection");
     note_faces();
   }
 
@@ -209,8 +206,7 @@ class SurfacePressureForceField final : public FaceLoad {
     for (const Quad& face : quads_)
       if (!quads_depend_on_box_ || lies_in_box(face, x)) add_pressure(face, pressure_, x, f);
     for (const Triangle& face : triangles_)
-      if (!triangles_depend_on_box_ || lies_in_box(face, x))
-        add_pressure(face, pressure_ * fraction_along(face, direction_, x), x, f);
+      if (!triangles_depend_on_box_ || lies_in_box(face, x)) add_pressure(face, pressure_, x, f);
   }
 
  private:
@@ -242,7 +238,6 @@ class SurfacePressureForceField final : public FaceLoad {
   std::optional<Eigen::AlignedBox3d> box_;
   bool quads_depend_on_box_ = false, triangles_depend_on_box_ = false;
   double pressure_ = 0;  // [Pa]
-  Vec3 direction_ = Vec3::Zero();
 };
 
 class PlaneForceField final : public scene::ForceField, public scene::Load {

@@ -21,7 +21,6 @@ class MechanicalObject final : public scene::MechanicalState {
     hexaplast::place(first_positions_, real("scale") * vector3("scale3d"), vector3("rotation"), vector3("translation"));
     rest_positions_ = is_given("rest_position") ? one_row_per_node("rest_position") : first_positions_;
     if (real("restScale") != 1) rest_positions_ *= real("restScale");
-    hexaplast::place(first_positions_, Vec3::Ones(), vector3("rotation2"), vector3("translation2"));
     first_velocities_ = one_row_per_node("velocity");
     external_force_ = one_row_per_node("externalForce");
     positions_ = first_positions_;

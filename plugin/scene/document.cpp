@@ -90,8 +90,11 @@ class Importer {
     const auto refuse = [&](const Place& at, const std::string& what) {
       diagnostics_.error(at, "include.href: " + what);
     };
-    const ElementAttribute* href = directive.find("href");
+    const ElementAttribute *href = directive.find("href"), *name = directive.find("name");
     if (!href || href->value.empty()) return refuse(directive.place, "is not given, must be a file");
+    for (const ElementAttribute& given : directive.attributes)
+      if (&given != href && &given != name)
+        diagnostics_.error(given.place, fmt::format("include.{}: unknown attribute, must be href or name", given.name));
     if (!directive.children.empty() || directive.text)
       diagnostics_.error(directive.place, "include: holds elements or text, must be empty");
 
@@ -125,91 +128,16 @@ class Importer {
     const bool is_beside = file == (folder / href->value).lexically_normal();
     const fs::path shown = is_beside ? fs::path(open_files_.back().origin.file).parent_path() / href->value : file;
     Element root = import(text, file, {shown.string(), 0, std::make_shared<const Place>(href->place)});
-    replace_attributes(directive, root);
-    splice(std::move(root), into);
-  }
-
-  void replace_attributes(const Element& directive, Element& root) {
-    for (const ElementAttribute& given : directive.attributes) {
-      if (given.name == "href" || is_switched_off(given.name)) continue;
-      if (given.name == "name") {
-        std::erase_if(root.attributes, [](const ElementAttribute& own) { return own.name == "name"; });
-        root.attributes.push_back(given);
-        continue;
-      }
-      const std::size_t separator = given.name.find("__");
-      const bool is_for_one = separator != given.name.npos;
-      const std::string owner = is_for_one ? given.name.substr(0, separator) : "";
-      const std::string attribute = is_for_one ? given.name.substr(separator + 2) : given.name;
-      if (replace(root, owner, attribute, given) > 0) continue;
-      diagnostics_.error(
-          given.place,
-          fmt::format("include.{}: replaces nothing: '{}' is given in no {} of '{}'", given.name, attribute,
-                      is_for_one ? fmt::format("element named '{}'", owner) : "element", root.place.file));
-    }
-  }
-
-  /// Number of attributes replaced in an element and below. `owner`: name of the elements meant; empty: all.
-  static int replace(Element& element, const std::string& owner, const std::string& attribute,
-                     const ElementAttribute& given) {
-    int count = 0;
-    const ElementAttribute* name = element.find("name");
-    if (owner.empty() || (name && name->value == owner)) {
-      for (ElementAttribute& own : element.attributes) {
-        if (own.name != attribute) continue;
-        own.value = given.value;
-        own.place = given.place;
-        ++count;
-      }
-    }
-    for (Element& child : element.children) count += replace(child, owner, attribute, given);
-    return count;
-  }
-
-  static void splice(Element root, Element& into) {
-    const ElementAttribute* name = root.find("name");
-    if (name && (name->value == "Group" || name->value == "_Group_")) {
+    const ElementAttribute* own_name = root.find("name");
+    if (name) {
+      std::erase_if(root.attributes, [](const ElementAttribute& own) { return own.name == "name"; });
+      root.attributes.push_back(*name);
+    } else if (own_name && own_name->value == "Group") {
       std::ranges::move(root.children, std::back_inserter(into.children));
       if (!into.text) into.text = root.text;
-    } else if (name && name->value == "_Merge_") {
-      merge(std::move(root), into);
-    } else {
-      into.children.push_back(std::move(root));
+      return;
     }
-  }
-
-  static void merge(Element from, Element& into) {
-    for (ElementAttribute& lent : from.attributes) {
-      if (lent.name == "name") continue;
-      const auto own = std::ranges::find(into.attributes, lent.name, &ElementAttribute::name);
-      if (own == into.attributes.end()) {
-        into.attributes.push_back(std::move(lent));
-      } else {
-        *own = std::move(lent);
-      }
-    }
-    if (!into.text) into.text = from.text;
-    const std::size_t num_before = into.children.size();
-    for (Element& child : from.children) {
-      const auto end = into.children.begin() + static_cast<std::ptrdiff_t>(num_before);
-      const auto twin =
-          std::find_if(into.children.begin(), end, [&](const Element& own) { return is_twin(own, child); });
-      if (twin == end) {
-        into.children.push_back(std::move(child));
-      } else {
-        merge(std::move(child), *twin);
-      }
-    }
-  }
-
-  static std::string class_of(const Element& element) {
-    const ElementAttribute* type = element.tag == "Object" ? element.find("type") : nullptr;
-    return type ? type->value : element.tag;
-  }
-
-  static bool is_twin(const Element& a, const Element& b) {
-    const ElementAttribute *name_a = a.find("name"), *name_b = b.find("name");
-    return name_a && name_b && name_a->value == name_b->value && class_of(a) == class_of(b);
+    into.children.push_back(std::move(root));
   }
 
   Diagnostics& diagnostics_;
@@ -235,8 +163,6 @@ const ElementAttribute* Element::find(std::string_view name) const {
   const auto found = std::ranges::find(attributes, name, &ElementAttribute::name);
   return found == attributes.end() ? nullptr : &*found;
 }
-
-bool is_switched_off(std::string_view attribute) { return attribute.starts_with("_") || attribute.starts_with("NO"); }
 
 std::string read_scene_file(const fs::path& file) {
   if (std::string reason = why_unreadable(file); !reason.empty()) throw InputError(std::move(reason));

@@ -31,9 +31,6 @@ struct Element {
   const ElementAttribute* find(std::string_view name) const;  ///< null: not given
 };
 
-/// Attributes whose name begins with `_` or `NO` are switched off.
-bool is_switched_off(std::string_view attribute);
-
 inline constexpr std::uintmax_t kLargestSceneFile = 64 * 1024 * 1024;  // [byte]; larger meshes belong into mesh files
 inline constexpr int kMaxIncludeLevels = 16;
 inline constexpr int kMaxIncludes = 1000;  // in all: files that include one another twice would double at each level
@@ -44,11 +41,8 @@ std::string read_scene_file(const std::filesystem::path& file);
 /// The root element of a scene, from the text of `file`, all includes carried out. UTF-8 without NUL, one root, no
 /// document type, no entities but XML's five; numbers of elements, attributes and levels as above.
 ///
-/// `<include href="FILE" name="N" attribute="V" X__attribute="V"/>` stands for the root element of FILE, a path
-/// relative to the including file, or in a directory of `search`. `name` renames that root; the other attributes
-/// replace those of the same name that are given in FILE, in every element or in those named X. A root named Group or
-/// _Group_ is replaced by its children. A root named _Merge_ is merged into the including element: what has the class
-/// and name of something that stands before it there lends it its attributes and children, the rest is added.
+/// `<include href="FILE" name="N"/>` stands for the root element of FILE, a path relative to the including file, or in
+/// a directory of `search`. `name` renames that root. A root named Group is replaced by its children.
 ///
 /// Includes that cannot be carried out are left out and added to `diagnostics`; a file that is not well-formed is a
 /// SceneError. The files that are included are added to `inputs`.

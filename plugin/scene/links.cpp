@@ -162,7 +162,7 @@ class Resolver {
   void follow_all(Data& src, Object& loader) {
     static constexpr std::string_view kOwnOfLoaders[] = {
         "filename", "flipNormals", "triangulate", "createSubelements", "onlyAttachedPoints", "translation",
-        "rotation", "scale3d",     "scale",       "transformation"};
+        "rotation", "scale3d",     "scale"};
     bool has_common = false;
     for (const auto& source : loader.all_data()) {
       const attributes::Attribute& offered = source->attribute();
@@ -179,17 +179,12 @@ class Resolver {
       refuse(src, fmt::format("leads to {}, which has no attribute that belongs here", describe(loader)));
   }
 
-  // The attribute that the scene may set and that shares a name or an alias with `offered`; null: none.
+  // The attribute that the scene may set and that has the name of `offered`; null: none.
   static Data* namesake(Object& object, const attributes::Attribute& offered) {
-    std::vector<std::string_view> names = split_words(offered.aliases);
-    names.insert(names.begin(), offered.name);
-    for (const std::string_view name : names) {
-      Data* data = object.find_data(name);
-      const bool may_be_set = data && (data->attribute().access == attributes::Access::kInput ||
-                                       data->attribute().access == attributes::Access::kState);
-      if (may_be_set) return data;
-    }
-    return nullptr;
+    Data* data = object.find_data(offered.name);
+    const bool may_be_set = data && (data->attribute().access == attributes::Access::kInput ||
+                                     data->attribute().access == attributes::Access::kState);
+    return may_be_set ? data : nullptr;
   }
 
   static constexpr std::string_view kSource = "src";
@@ -256,7 +251,8 @@ PathResult resolve_path(Node& from, Component* self, std::string_view path) {
 }
 
 std::string hint_of(const Object& object, std::string_view name, const std::vector<std::string_view>& names) {
-  const std::string_view instead = attributes::instead_of(fmt::format("{}.{}", object.class_name(), name));
+  std::string_view instead = attributes::instead_of(fmt::format("{}.{}", object.class_name(), name));
+  if (instead.empty()) instead = attributes::instead_of(fmt::format(".{}", name));
   return instead.empty() ? did_you_mean(name, names) : std::string(instead);
 }
 

@@ -153,18 +153,14 @@ void Object::introduce(std::string name, Place place, Diagnostics& diagnostics) 
 }
 
 Data* Object::find_data(std::string_view name) {
-  const auto is_named = [&](const Attribute& attribute) {
-    if (attribute.name == name) return true;
-    return std::ranges::count(split_words(attribute.aliases), name) > 0;
-  };
-  const auto found = std::ranges::find_if(data_, [&](const auto& data) { return is_named(data->attribute()); });
+  const auto found = std::ranges::find_if(data_, [&](const auto& data) { return data->attribute().name == name; });
   return found == data_.end() ? nullptr : found->get();
 }
 
 Data& Object::data(std::string_view name) {
-  const auto found = std::ranges::find_if(data_, [&](const auto& data) { return data->attribute().name == name; });
-  if (found == data_.end()) throw std::logic_error(fmt::format("{} has no attribute {}", class_name(), name));
-  return **found;
+  Data* found = find_data(name);
+  if (!found) throw std::logic_error(fmt::format("{} has no attribute {}", class_name(), name));
+  return *found;
 }
 
 template <class T>

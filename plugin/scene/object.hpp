@@ -118,7 +118,7 @@ class Object {
   /// Set once, when the object is made.
   void introduce(std::string name, Place place, Diagnostics& diagnostics);
 
-  /// By name or alias; null: there is none.
+  /// By name; null: there is none.
   Data* find_data(std::string_view name);
   const std::vector<std::unique_ptr<Data>>& all_data() const { return data_; }
 

@@ -52,23 +52,12 @@ class Placeholder final : private ForeignClass, public Component {
   }
 };
 
-// What cannot be read is reported where the attributes of the node are.
-bool is_active(const Element& node) {
-  const ElementAttribute* given = node.find("activated");
-  const auto described = std::ranges::find(attributes::kNodeAttributes, "activated", &attributes::Attribute::name);
-  try {
-    return !given || std::get<bool>(read_value(*described, given->value));
-  } catch (const InputError&) {
-    return true;
-  }
-}
-
 void visit_elements(Node& node, Element& element, const std::function<void(Object&, Element&)>& visit) {
   std::size_t num_components = 0, num_children = 0;
   for (Element& child : element.children)
     if (child.tag != "Node")
       visit(*node.components().at(num_components++), child);
-    else if (is_active(child))
+    else
       visit_elements(*node.children().at(num_children++), child, visit);
   visit(node, element);
 }
@@ -84,8 +73,6 @@ class Reader {
       diagnostics_.error(root.place, fmt::format("the root element is <{}>, must be <Node>", root.tag));
       return;
     }
-    if (!is_active(root))
-      diagnostics_.error(root.place, "Node.activated: the root is left out, nothing remains to run");
     read_node(root, scene_.root());
     add_animation_loop(scene_.root());
   }
@@ -105,22 +92,13 @@ class Reader {
 
   void read_member(const Element& element, Node& node) {
     if (element.tag == "Node") {
-      read_child(element, node);
+      read_node(element, node.add_child());
     } else if (element.tag != "Object") {
       read_component(element, element.tag, node);
     } else if (const ElementAttribute* type = element.find("type")) {
       read_component(element, type->value, node);
     } else {
       diagnostics_.error(element.place, "Object.type: is not given, must be the class of a component");
-    }
-  }
-
-  // A node that is not active takes no part in anything.
-  void read_child(const Element& element, Node& parent) {
-    if (is_active(element)) {
-      read_node(element, parent.add_child());
-    } else {
-      diagnostics_.add(Severity::kNote, element.place, "Node.activated: the node is left out, with everything in it");
     }
   }
 
@@ -179,8 +157,7 @@ class Reader {
 
   void read_attributes(const Element& element, Object& object, std::array<std::string_view, 3> taken) {
     for (const ElementAttribute& attribute : element.attributes)
-      if (std::ranges::count(taken, attribute.name) == 0 && !is_switched_off(attribute.name))
-        read_attribute(attribute, object);
+      if (std::ranges::count(taken, attribute.name) == 0) read_attribute(attribute, object);
   }
 
   void read_attribute(const ElementAttribute& attribute, Object& object) {
@@ -194,10 +171,6 @@ class Reader {
       diagnostics_.error(
           attribute.place, where + ": unknown attribute",
           similar.empty() ? fmt::format("'hexaplast list {}' shows its attributes", object.class_name()) : similar);
-      return;
-    }
-    if (data->is_given()) {
-      diagnostics_.error(attribute.place, where + ": is given twice, the other time under another name");
       return;
     }
     try {

@@ -20,10 +20,9 @@ void require_readable(const std::filesystem::path& file);
 
 /// Reads a scene file in SOFA's XML grammar (document.hpp). Plugins that it requires are loaded at once.
 ///
-/// The root is a Node; nodes hold nodes and components (`<Class/>` or `<Object type="Class"/>`). Attributes whose name
-/// begins with `_` or `NO` are switched off; nodes with activated="false" are left out. Mistakes are collected in the
-/// scene's diagnostics: call init() to have them thrown together. Throws FileError, PluginError, and SceneError for a
-/// file that is not well-formed.
+/// The root is a Node; nodes hold nodes and components (`<Class/>` or `<Object type="Class"/>`). Mistakes are collected
+/// in the scene's diagnostics: call init() to have them thrown together. Throws FileError, PluginError, and SceneError
+/// for a file that is not well-formed.
 ///
 /// Files that it names and that do not lie beside it are looked for in the directories of `search`.
 Scene read_scene(const std::filesystem::path& file, const Factory& factory, PluginLoader& plugins,

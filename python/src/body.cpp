@@ -9,7 +9,6 @@
 #include <sstream>
 #include <string_view>
 
-#include "deprecated.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/hash.hpp"
 #include "rows.hpp"
@@ -108,12 +107,6 @@ void add_options(py::module_& module, const char* name, const char* help, std::s
              for (const auto& [key, value] : given) {
                const auto* row = find_row(rows, std::string(py::str(key)), Names::kMembers);
                if (!row) throw py::type_error(fmt::format("{}() has no argument {}", name, std::string(py::str(key))));
-               if (row->old_member == std::string(py::str(key))) {
-                 if (given.contains(row->member.data()))
-                   throw py::type_error(fmt::format("{}() got {} twice, the other time by its older name {}", name,
-                                                    row->member, row->old_member));
-                 warn_deprecated(row->old_member.data(), row->member.data());
-               }
                assign(*row, value, options);
              }
              return options;
@@ -123,34 +116,10 @@ void add_options(py::module_& module, const char* name, const char* help, std::s
     type.def_property(
         row.member.data(), [&row](const Options& options) { return value_of(row, options); },
         [&row](Options& options, py::handle value) { assign(row, value, options); }, help_of(row).c_str());
-    if (row.old_member.empty()) continue;
-    type.def_property(
-        row.old_member.data(),
-        [&row](const Options& options) {
-          warn_deprecated(row.old_member.data(), row.member.data());
-          return value_of(row, options);
-        },
-        [&row](Options& options, py::handle value) {
-          warn_deprecated(row.old_member.data(), row.member.data());
-          assign(row, value, options);
-        },
-        fmt::format("Deprecated: {}", row.member).c_str());
   }
   type.def("__repr__", [name, rows](const Options& options) { return repr(name, rows, options); });
   if constexpr (std::equality_comparable<Options>)
     type.def("__eq__", [](const Options& options, const Options& other) { return options == other; });
-}
-
-/// The older name of a property, with a DeprecationWarning.
-template <class... Options>
-void add_old_name(py::class_<Options...>& type, const char* old_name, const char* name) {
-  type.def_property_readonly(
-      old_name,
-      [old_name, name](const py::object& self) {
-        warn_deprecated(old_name, name);
-        return py::object(self.attr(name));
-      },
-      fmt::format("Deprecated: {}", name).c_str());
 }
 
 void add_reports(py::module_& module) {
@@ -167,7 +136,6 @@ void add_reports(py::module_& module) {
       .def_property_readonly(
           "averaging_converged", [](const FlowReport& r) { return r.averaging.converged; },
           "False: the averaging stopped before its tolerance");
-  add_old_name(report, "guarded", "skipped");
 
   py::class_<ElementFields>(module, "Fields",
                             "One value per hexahedron, shape (m,). Removed ones: 0 but for the first two.")
@@ -290,9 +258,6 @@ void add_body_state(py::module_& module) {
             return hash.text();
           },
           "16 hexadecimal digits: equal where the plastic histories are equal to the last bit");
-  add_old_name(type, "original_positions", "initial_positions");
-  add_old_name(type, "material_positions", "plastic_rest_positions");
-  add_old_name(type, "original_volume", "initial_volume");
 }
 
 void add_owned_body(py::module_& module) {

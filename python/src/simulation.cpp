@@ -3,7 +3,6 @@
 #include <pybind11/stl.h>
 
 #include "body.hpp"
-#include "deprecated.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
@@ -222,13 +221,6 @@ void add_simulation(py::module_& module) {
           py::arg("nodes"), py::arg("positions"),
           "Nodes (numbers, or a mask) move to positions (one row [m] per node) in the next step, and stand still after "
           "it")
-      .def(
-          "lead",
-          [](const py::object& self, py::handle nodes, py::handle places) {
-            warn_deprecated("lead", "prescribe");
-            self.attr("prescribe")(nodes, places);
-          },
-          py::arg("nodes"), py::arg("places"), "Deprecated: prescribe")
       .def(
           "release",
           [](Simulation& s, py::handle nodes) {

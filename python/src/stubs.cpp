@@ -15,9 +15,6 @@ template <class Options>
 std::string stub(const char* name, std::span<const Row<Options>> rows) {
   std::string text = fmt::format("class {}:\n", name);
   for (const Row<Options>& row : rows) text += fmt::format("    {}: {}\n", row.member, python_type(row));
-  for (const Row<Options>& row : rows)
-    if (!row.old_member.empty())
-      text += fmt::format("    {}: {}  # deprecated: {}\n", row.old_member, python_type(row), row.member);
   text += "    def __init__(\n        self,\n        *,\n";
   for (const std::string& keyword : keywords(rows)) text += fmt::format("        {},\n", keyword);
   return text + "    ) -> None: ...";

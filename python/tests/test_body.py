@@ -177,7 +177,7 @@ def test_what_the_library_refuses_is_a_value_error_with_its_message():
 def test_members_are_keywords_of_the_constructor(options):
     keywords = re.findall(r"(\w+): (float|int|Literal\[.*?\]) = ", options.__init__.__doc__)
     members = {name: of.__doc__ for name, of in vars(options).items() if isinstance(of, property)}
-    assert [name for name, _ in keywords] == [name for name, doc in members.items() if not doc.startswith("Deprecated")]
+    assert [name for name, _ in keywords] == list(members)
     for name, kind in keywords:
         first = getattr(options(), name)
         words = re.findall(r'"(\w+)"', kind)
@@ -197,20 +197,6 @@ def test_hexahedra_on_the_same_nodes_are_named():
     positions, hexahedra = hexaplast.grid((2, 1, 1), (0, 0, 0), (2, 1, 1))
     with pytest.raises(ValueError, match="same eight nodes as another one: 2 as 1"):
         hexaplast.Body(positions, np.vstack((hexahedra, hexahedra[1:])), hexaplast.Material())
-
-
-def test_the_older_name_of_a_member_warns():
-    with pytest.warns(DeprecationWarning, match="gradient is deprecated: use bending"):
-        settings = hexaplast.Settings(gradient="vertex")
-    assert settings.bending == "vertex"
-    with pytest.warns(DeprecationWarning, match="use bending"):
-        assert settings.gradient == "vertex"
-    with pytest.warns(DeprecationWarning, match="use bending"):
-        settings.gradient = "centre"
-    assert settings.bending == "centre"
-    for both in {"gradient": "vertex", "bending": "centre"}, {"bending": "centre", "gradient": "vertex"}:
-        with pytest.raises(TypeError, match="got bending twice, the other time by its older name gradient"):
-            hexaplast.Settings(**both)
 
 
 def test_settings_and_materials_are_plain_data():

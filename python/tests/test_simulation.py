@@ -274,22 +274,3 @@ def test_results_do_not_depend_on_the_number_of_threads():
     assert len(hashes) == 1
     with pytest.raises(ValueError):
         hexaplast.set_num_threads(0)
-
-
-def test_older_names_work_with_a_warning():
-    simulation = hexaplast.Simulation(bar(), gravity=(0, 0, 0))
-    body = simulation.body
-    for old, name in (
-        ("original_positions", "initial_positions"),
-        ("material_positions", "plastic_rest_positions"),
-        ("original_volume", "initial_volume"),
-    ):
-        with pytest.deprecated_call(match=f"{old} is deprecated: use {name}"):
-            assert np.array_equal(getattr(body, old), getattr(body, name))
-    target = body.initial_positions[:1] + [0, 0, 0.001]
-    with pytest.deprecated_call(match="use prescribe"):
-        simulation.lead([0], target)
-    report = simulation.step()
-    assert simulation.positions[:1] == pytest.approx(target, abs=1e-14)
-    with pytest.deprecated_call(match="use skipped"):
-        assert report.flow.guarded == report.flow.skipped == 0

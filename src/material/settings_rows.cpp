@@ -20,18 +20,14 @@ constexpr std::string_view kImplementations[] = {"fast", "plain"};
 
 constexpr Row<Settings> kSettingsRows[] = {
     {.member = "bending",
-     .old_member = "gradient",
      .name = "bending",
-     .alias = "gradient",
      .group = kNumerics,
      .words = kBendings,
      .help = "Strain at the quadrature points. assumedCorner: bends freely; blended: between corners and centre, stiff "
              "in bending, as published; for comparison vertex (too stiff) and centre (hourglass modes).",
      .at = kMember<&Settings::bending>},
     {.member = "blend_weight",
-     .old_member = "blend_share",
      .name = "blendWeight",
-     .alias = "blendShare",
      .group = kNumerics,
      .range = {.min = 0, .max = 1, .exclusive_min = true, .exclusive_max = true},
      .help = "Weight of the corner for bending=\"blended\".",
@@ -51,9 +47,7 @@ constexpr Row<Settings> kSettingsRows[] = {
              "volumetric=\"volumeRatio\"; the others are hyperelastic. All agree at small strains.",
      .at = kMember<&Settings::law>},
     {.member = "mooney_fraction",
-     .old_member = "mooney_share",
      .name = "mooneyFraction",
-     .alias = "mooneyShare",
      .group = kElasticity,
      .range = {.min = 0, .max = 1},
      .help = "Fraction of the shear modulus that is the second constant of law=\"mooneyRivlin\".",

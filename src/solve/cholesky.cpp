@@ -17,7 +17,6 @@ struct CholeskySolver::Factor {
   cholmod_dense* right_hand_side = nullptr;
   cholmod_dense *solution = nullptr, *work_y = nullptr, *work_e = nullptr;  // kept by cholmod_l_solve2 between calls
   long pattern_version = -1;
-  bool is_set_up = false;                 // for the system of the latest setup
   Eigen::MatrixXd columns, solved;        // U and A^-1 U of the terms U D U^T beside A
   Eigen::LDLT<Eigen::MatrixXd> capacity;  // D^-1 + U^T A^-1 U
 
@@ -43,7 +42,6 @@ struct CholeskySolver::Factor {
     cholmod_l_free_factor(&factor, &common);
     for (cholmod_dense** dense : {&right_hand_side, &solution, &work_y, &work_e}) cholmod_l_free_dense(dense, &common);
     pattern_version = -1;
-    is_set_up = false;
   }
 
   /// The lower triangle's pattern and its fill-reducing order.
@@ -125,8 +123,7 @@ CholeskySolver::CholeskySolver() : factor_(std::make_unique<Factor>()) {}
 CholeskySolver::~CholeskySolver() = default;
 
 // The order of elimination, and with it the last bits, comes from the pattern: it is that of the present system alone.
-void CholeskySolver::setup(const LinearSystem& A) {
-  factor_->is_set_up = false;  // where it throws, there is no factor of an earlier system
+void CholeskySolver::factorise(const LinearSystem& A) {
   if (matrix_.num_nodes() != A.num_nodes()) {
     matrix_ = BlockMatrix(A.num_nodes());
     factor_->pattern_version = -1;
@@ -146,7 +143,6 @@ void CholeskySolver::setup(const LinearSystem& A) {
   const bool is_finite = is_definite && cholmod_l_rcond(f.factor, &f.common) > 0;  // no pivot stands out of all numbers
   if (is_finite) {
     f.set_rank_ones(matrix_.rank_ones());
-    f.is_set_up = true;
     return;
   }
 
@@ -162,23 +158,16 @@ void CholeskySolver::setup(const LinearSystem& A) {
   throw NumericalError(fmt::format("Cholesky: factorisation failed ({})", status));
 }
 
-SolveReport CholeskySolver::solve_again(const LinearSystem& A, ConstPoints b, Points x) {
+SolveReport CholeskySolver::solve(const LinearSystem& A, ConstPoints b, Points x) {
   require_sizes(A, b, x);
+  factorise(A);
   Factor& f = *factor_;
-  if (!f.is_set_up || matrix_.num_nodes() != A.num_nodes())
-    throw InputError("Cholesky: setup must come before solve_again");
   if (!b.allFinite()) throw NumericalError("Cholesky: the right-hand side is not finite");
   x = b;
   Eigen::Map<Eigen::VectorXd> values(x.data(), x.size());
   f.solve_in_place(values);
   if (f.columns.cols() > 0) values -= f.solved * f.capacity.solve(f.columns.transpose() * values);
   return {.iterations = 1, .residual = 0, .converged = true, .preconditioner = PreconditionedBy::kFactorisation};
-}
-
-SolveReport CholeskySolver::solve(const LinearSystem& A, ConstPoints b, Points x) {
-  require_sizes(A, b, x);
-  setup(A);
-  return solve_again(A, b, x);
 }
 
 }  // namespace hexaplast

@@ -28,12 +28,6 @@ void add_pressure(const Quad& face, double pressure, ConstPoints x, Points f) {
   add_pressure(Triangle{face[0], face[2], face[3]}, pressure, x, f);
 }
 
-double fraction_along(const Triangle& face, const Vec3& direction, ConstPoints x) {
-  require_nodes("fraction_along", face, x.rows());
-  if (direction.isZero(0)) return 1;
-  return std::abs(doubled_area(x, face[0], face[1], face[2]).normalized().dot(direction));
-}
-
 double area(const Quad& face, ConstPoints x) {
   require_nodes("area", face, x.rows());
   return (doubled_area(x, face[0], face[1], face[2]).norm() + doubled_area(x, face[0], face[2], face[3]).norm()) / 2;

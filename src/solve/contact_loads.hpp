@@ -18,10 +18,6 @@ namespace hexaplast {
 void add_pressure(const Triangle& face, double pressure, ConstPoints x, Points f);
 void add_pressure(const Quad& face, double pressure, ConstPoints x, Points f);
 
-/// |n.direction| for the unit normal n of a face: by how much a pressure along one direction acts on it. 1 where
-/// `direction` is zero.
-double fraction_along(const Triangle& face, const Vec3& direction, ConstPoints x);
-
 /// Area [m^2] of a quad, as the two triangles on either side of its first diagonal.
 double area(const Quad& face, ConstPoints x);
 

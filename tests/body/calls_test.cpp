@@ -265,7 +265,6 @@ TEST_F(SizesOfCalls, OfEverySolver) {
                      {"solve", "b", 4, [&](PointArray& wrong) { solver->solve_from_guess(A, wrong, y); }},
                      {"solve", "x", 4, [&](PointArray& wrong) { solver->solve_from_guess(A, b, wrong); }}});
   }
-  EXPECT_TRUE(refuses<InputError>([&] { CholeskySolver().solve_again(A, b, y); }, {"setup", "solve_again"}));
 }
 
 TEST_F(SizesOfCalls, OfGripsLoadsAndObstacles) {
@@ -321,10 +320,6 @@ TEST_F(SizesOfCalls, OfGripsLoadsAndObstacles) {
       {"add_pressure",
        [&] {
          add_pressure(Quad{-1, 1, 2, 3}, 1, few, few_f);
-       }},
-      {"fraction_along",
-       [&] {
-         fraction_along({0, 1, 30}, Vec3::UnitX(), few);
        }},
       {"area",
        [&] {

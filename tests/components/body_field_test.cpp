@@ -61,7 +61,6 @@ TEST(BodyField, ShowsItsPlasticState) {
   EXPECT_GT(field.reals("presentYieldStress")[0], 5);
   EXPECT_NEAR(field.reals("volumeRatio")[0], 1, 1e-3);
   EXPECT_EQ(PointArray(field.vectors3("plasticRestPositions")), history.plastic_rest_positions);
-  EXPECT_EQ(field.find_data("materialPositions"), field.find_data("plasticRestPositions")) << "the older name";
   EXPECT_TRUE(field.integers("removed").empty());
   field.remove_elements(std::vector<int>{1});
   EXPECT_EQ(field.integers("removed"), std::vector<std::int64_t>{1});

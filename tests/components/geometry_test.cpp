@@ -35,7 +35,7 @@ TEST(MeshTopology, HoldsWhatIsGivenAndTheFacesOfItsHexahedra) {
     EXPECT_EQ(mesh.edges().size(), 20u);
   }
   scene::Scene given =
-      read_and_init("<Node><MeshTopology name='mesh' " + kTwoCells + " quads='0 1 4 3' lines='0 1  1 2'/></Node>");
+      read_and_init("<Node><MeshTopology name='mesh' " + kTwoCells + " quads='0 1 4 3' edges='0 1  1 2'/></Node>");
   EXPECT_EQ(at<scene::Topology>(given, "mesh").quads(), (std::vector<Quad>{{0, 1, 4, 3}}));
   EXPECT_EQ(at<scene::Topology>(given, "mesh").edges(), (std::vector<Edge>{{0, 1}, {1, 2}}));
 }
@@ -123,16 +123,6 @@ TEST(State, FieldsHaveOneRowPerNode) {
             "test.scn:1: error: MechanicalObject.velocity: 1 vectors given for 2 nodes");
   EXPECT_EQ(errors_of(in_root("", "<MechanicalObject/><UniformMass totalMass='1'/>")),
             "test.scn:1: error: MechanicalObject: has no nodes: needs position or a topology");
-}
-
-TEST(State, SecondTransformationLeavesTheRestShapeAlone) {
-  scene::Scene scene = read_and_init(in_root(
-      "",
-      "<MechanicalObject name='nodes' position='1 0 0  0 2 0' scale='2' rotation2='0 0 90' translation2='5 0 0' "
-      "restScale='0.5'/><UniformMass totalMass='1'/>"));
-  auto& state = at<scene::MechanicalState>(scene, "nodes");
-  EXPECT_TRUE(state.rest_positions().isApprox(rows({{1, 0, 0}, {0, 2, 0}}), 1e-15));
-  EXPECT_TRUE(state.positions().isApprox(rows({{5, 2, 0}, {1, 0, 0}}), 1e-15));
 }
 
 }  // namespace

@@ -51,9 +51,6 @@ TEST(MeshLoader, PlacesAndCleans) {
   EXPECT_EQ(at<scene::Topology>(scene, "mesh").positions().rows(), 12);
   // (1.25, 0, .1) -> (5, 0, .2) -> (0, 5, .2) -> (0, 5, 7.2)
   EXPECT_TRUE(at<scene::Topology>(scene, "mesh").positions().row(1).isApprox(Eigen::RowVector3d(0, 5, 7.2), 1e-14));
-  scene::Scene matrix =
-      loaded("MeshVTKLoader", "two_ascii.vtu", "transformation='0 0 1 5  1 0 0 6  0 1 0 7  0 0 0 1' scale='9'");
-  EXPECT_TRUE(at<scene::Topology>(matrix, "mesh").positions().row(1).isApprox(Eigen::RowVector3d(5.1, 7.25, 7), 1e-14));
 }
 
 // Files of meshio: both hexahedra are in group 1 of volume 1, which has no name.
@@ -128,8 +125,6 @@ TEST(MeshLoader, RefusesWhereTheSceneNamesTheFile) {
   for (const std::string loader : {"MeshVTKLoader", "MeshGmshLoader"})
     EXPECT_EQ(errors_of("<Node><" + loader + "/></Node>"),
               "test.scn:1: error: " + loader + ".filename: is not given, must name a mesh file");
-  EXPECT_EQ(errors_of("<Node><MeshVTKLoader filename='" + kFolder + "two_ascii.vtu' transformation='1 0 0'/></Node>"),
-            "test.scn:1: error: MeshVTKLoader.transformation: 3 numbers given, must be sixteen");
   // of the file, and not of the labels that are not there then
   const auto asks_for_a_label = [](const std::string& loader) {
     return errors_of(in_root("", loader + "<RegularGridTopology/><MechanicalObject/><UniformMass totalMass='1'/>"
@@ -198,7 +193,7 @@ TEST(SparseGrid, HalfFullHexahedraCarryHalf) {
     const auto times = [&](double value) { return std::to_string(factor * value); };
     scene::Scene scene = read_and_init(
         in_root("dt='0.1'", kOrgan + "n='3 3 3' " + attributes +
-                                "/><MechanicalObject name='nodes' translation2='0 0 0'/><UniformMass totalMass='1'/>"
+                                "/><MechanicalObject name='nodes'/><UniformMass totalMass='1'/>"
                                 "<HexahedronElastoplasticFEMForceField name='body' youngModulus='" +
                                 times(1000) + "' yieldStress='" + times(50) + "' fractureStress='" + times(52) +
                                 "' plasticFlowRate='5' hardening='1' volumeRestitution='0'/>"));

@@ -19,13 +19,11 @@ TEST(ConstantForce, OneForceForAllOrOneEachOrATotal) {
       read_and_init(four_nodes("<ConstantForceField name='same' indices='3 1' forces='1 2 3'/>"
                                "<ConstantForceField name='each' indices='3 1' forces='1 0 0  0 1 0'/>"
                                "<ConstantForceField name='total' indices='3 1' totalForce='4 0 -2'/>"
-                               "<ConstantForceField name='all' totalForce='4 0 0'/>"
-                               "<ConstantForceField name='from_end' indices='0 2' indexFromEnd='1' forces='1 2 3'/>"));
+                               "<ConstantForceField name='all' totalForce='4 0 0'/>"));
   EXPECT_EQ(force_of(scene, "same", 7), rows({kNone, {1, 2, 3}, kNone, {1, 2, 3}}));
   EXPECT_EQ(force_of(scene, "each", 0), rows({kNone, {0, 1, 0}, kNone, {1, 0, 0}}));
   EXPECT_EQ(force_of(scene, "total", 0), rows({kNone, {2, 0, -1}, kNone, {2, 0, -1}}));
   EXPECT_EQ(force_of(scene, "all", 0), rows({{1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 0}}));
-  EXPECT_EQ(force_of(scene, "from_end", 0), rows({kNone, {1, 2, 3}, kNone, {1, 2, 3}}));
   EXPECT_EQ(at<scene::ForceField>(scene, "each").loaded_nodes()[0], 1);
 }
 

@@ -87,10 +87,9 @@ TEST(LinearMovement, LagsByOneStepAndReleasesAtTheLastKey) {
   }
 }
 
-TEST(LinearMovement, BeginsWithItsFirstKeyAndMayBeAbsolute) {
+TEST(LinearMovement, BeginsWithItsFirstKey) {
   scene::Scene scene = read_and_init(
-      four_nodes("<LinearMovementProjectiveConstraint indices='0' keyTimes='0.5 9.5' movements='5 5 5  14 5 5' "
-                 "relativeMovements='false'/>"));
+      four_nodes("<LinearMovementProjectiveConstraint indices='0' keyTimes='0.5 9.5' movements='4 5 5  13 5 5'/>"));
   scene.step();  // ends with what holds at t = 0: nothing
   EXPECT_EQ(positions(scene).row(0), Eigen::RowVector3d(1, 0, 0));
   scene.step();

@@ -20,7 +20,7 @@ TEST(SpringForceField, TakesWholeSpringsOrLists) {
   const double tension = 10 * (std::sqrt(5) - 2);
   const Eigen::RowVector3d force = tension / std::sqrt(5) * Eigen::RowVector3d(-1, 2, 0);
   for (const char* springs :
-       {"spring='0 1 10 0 2'", "indices1='0' indices2='1' stiffness='10' damping='0' length='2'"}) {
+       {"spring='0 1 10 0 2'", "indices1='0' indices2='1' stiffness='10' damping='0' lengths='2'"}) {
     scene::Scene scene = read_and_init(four_nodes(std::string("<SpringForceField name='s' ") + springs + "/>"));
     const PointArray f = force_of(scene, "s", 0);
     EXPECT_LT((f.row(0) - force).norm(), 1e-14) << springs;
@@ -79,8 +79,8 @@ TEST(SpringForceField, WarnsOfDampingThatThrowsNodesBack) {
                             "<FixedProjectiveConstraint indices='0-44'/><SpringForceField " +
                                 springs + "/>");
   };
-  const std::string one = "indices1='120' indices2='95' stiffness='5' length='.0360555128' damping='",
-                    layer = "indices1='90-134' indices2='0-44' stiffness='0' length='.02' damping='";
+  const std::string one = "indices1='120' indices2='95' stiffness='5' lengths='.0360555128' damping='",
+                    layer = "indices1='90-134' indices2='0-44' stiffness='0' lengths='.02' damping='";
   bool has_grown = false, has_not = false;
   for (const std::string& springs : {one, layer})
     for (const char* damping : {".02", ".05", ".1", ".15", ".2", ".3", "5"}) {

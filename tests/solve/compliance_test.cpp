@@ -57,14 +57,13 @@ PointArray transposed(const Slab& slab, const std::vector<ConstraintRow>& rows, 
 
 Eigen::MatrixXd factorised(const Slab& slab, const std::vector<ConstraintRow>& rows) {
   CholeskySolver cholesky;
-  cholesky.setup(slab);
   const auto count = static_cast<Eigen::Index>(rows.size());
   Eigen::MatrixXd W = Eigen::MatrixXd::Zero(count, count);
   PointArray x(slab.num_nodes(), 3);
   for (Eigen::Index j = 0; j < count; ++j) {
     PointArray b = transposed(slab, rows, Eigen::VectorXd::Unit(count, j));
     slab.project(b);
-    cholesky.solve_again(slab, b, x);
+    cholesky.solve(slab, b, x);
     for (Eigen::Index i = 0; i < count; ++i)
       for (const auto& [node, direction] : rows[static_cast<std::size_t>(i)]) W(i, j) += x.row(node).dot(direction);
   }

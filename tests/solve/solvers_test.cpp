@@ -34,7 +34,6 @@ class DenseSystem final : public LinearSystem {
   int num_nodes() const override { return static_cast<int>(A_.rows()) / 3; }
   void apply(ConstPoints p, Points Ap) const override { Ap = unstacked(A_ * stacked(p)); }
   void assemble(BlockMatrix& A) const override {
-    ++num_assemblies;
     for (int n = 0; n < num_nodes(); ++n) {
       for (int m = 0; m < num_nodes(); ++m) {
         const Mat3 block = A_.block<3, 3>(3 * n, 3 * m);
@@ -52,7 +51,6 @@ class DenseSystem final : public LinearSystem {
   const Eigen::MatrixXd& matrix() const { return A_; }
 
   std::vector<BlockMatrix::RankOne> rank_ones;
-  mutable int num_assemblies = 0;
 
  private:
   Eigen::MatrixXd A_;
@@ -262,7 +260,6 @@ TEST_F(Solvers, CholeskySolvesWithTermsOfRankOne) {
   EXPECT_TRUE(agrees(unstacked(full * stacked(x)), b, 1e-11));
   system.rank_ones = {{-100, random.field(kNodes, 1)}, {0.3, random.field(kNodes, 1)}};
   EXPECT_TRUE(refuses<NumericalError>([&] { cholesky.solve(system, b, x); }, {"rank one", "not positive definite"}));
-  EXPECT_TRUE(refuses<InputError>([&] { cholesky.solve_again(system, b, x); }, {"setup must come before"}));
   cholesky.solve(DenseSystem(A), b, x);  // and forgets them
   EXPECT_TRUE(agrees(x, exact, 1e-10));
 }
@@ -312,18 +309,6 @@ TEST_F(Solvers, DirectOnesRememberNothingThatAResultDependsOn) {
     EXPECT_EQ(x, expected);
   }
   EXPECT_TRUE(agrees(of_smaller, unstacked(smaller.ldlt().solve(stacked(b.topRows(5)))), 1e-10));
-}
-
-TEST_F(Solvers, FactoriseOncePerSetup) {
-  const DenseSystem system(A);
-  PointArray x(kNodes, 3);
-  CholeskySolver by_hand;
-  by_hand.setup(system);
-  for (const double factor : {1.0, -3.0}) {
-    by_hand.solve_again(system, factor * b, x);
-    EXPECT_TRUE(agrees(x, factor * exact, 1e-10));
-  }
-  EXPECT_EQ(system.num_assemblies, 1);
 }
 
 class Definiteness : public Solvers {

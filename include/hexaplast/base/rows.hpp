@@ -79,11 +79,9 @@ std::string alternatives(std::span<const std::string_view> words);
 /// through its rows and names none of them.
 template <class Options>
 struct Row {
-  std::string_view member = {};      ///< its name in C++ and Python
-  std::string_view old_member = {};  ///< an older name in Python
-  std::string_view name = {};        ///< its name in scenes
-  std::string_view alias = {};       ///< an older name in scenes
-  std::string_view group = {};       ///< hosts show members of one group together
+  std::string_view member = {};  ///< its name in C++ and Python
+  std::string_view name = {};    ///< its name in scenes
+  std::string_view group = {};   ///< hosts show members of one group together
   std::string_view unit = {};
   Range range = {};
   std::span<const std::string_view> words = {};  ///< of a kWord, in the order of its enumerators
@@ -94,7 +92,6 @@ struct Row {
   Member<Options> at = {};
 
   std::string_view called(Names names) const { return names == Names::kScenes ? name : member; }
-  std::string_view once_called(Names names) const { return names == Names::kScenes ? alias : old_member; }
 
   /// Whether an infinite value means that there is no such limit: the default then is infinite.
   bool may_be_infinite() const { return std::isinf(at.get(Options{})); }
@@ -112,12 +109,10 @@ struct Row {
   }
 };
 
-/// The row of that name or older name; null: there is none.
+/// The row of that name; null: there is none.
 template <class Options>
 const Row<Options>* find_row(std::span<const Row<Options>> rows, std::string_view name, Names names) {
-  const auto found = std::ranges::find_if(rows, [&](const Row<Options>& row) {
-    return !name.empty() && (row.called(names) == name || row.once_called(names) == name);
-  });
+  const auto found = std::ranges::find_if(rows, [&](const Row<Options>& row) { return row.called(names) == name; });
   return found == rows.end() ? nullptr : &*found;
 }
 

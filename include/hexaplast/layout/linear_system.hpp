@@ -278,12 +278,6 @@ class LinearSolver {
     return solve(A, b, x);
   }
 
-  /// Prepares what solves with one A and several b share, such as a factorisation: once, before solve_again.
-  virtual void setup(const LinearSystem& /*A*/) {}
-
-  /// solve for the A of the latest setup, which is as it was then.
-  virtual SolveReport solve_again(const LinearSystem& A, ConstPoints b, Points x) { return solve(A, b, x); }
-
   /// The same for an x that arrives near the solution; the tolerance still refers to b.
   virtual SolveReport solve_from_guess(const LinearSystem& A, ConstPoints b, Points x) { return solve(A, b, x); }
 };

@@ -13,11 +13,11 @@ class CholeskySolver final : public LinearSolver {
  public:
   CholeskySolver();
   ~CholeskySolver() override;
-  void setup(const LinearSystem& A) override;
   SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
-  SolveReport solve_again(const LinearSystem& A, ConstPoints b, Points x) override;
 
  private:
+  void factorise(const LinearSystem& A);
+
   struct Factor;
   std::unique_ptr<Factor> factor_;
   BlockMatrix matrix_;

@@ -14,11 +14,12 @@ inline constexpr Attribute kFixedIndices{.name = "indices",
                                          .help = "Nodes that receive no acceleration."};
 inline constexpr Attribute kFixAll{
     .name = "fixAll", .type = Type::kBool, .initial = "false", .help = "Fixes every node."};
-inline constexpr Attribute kProjectVelocity{.name = "activate_projectVelocity",
-                                            .type = Type::kBool,
-                                            .initial = "false",
-                                            .aliases = "projectVelocity",
-                                            .help = "Also takes away the velocity that a node begins with."};
+constexpr Attribute project_velocity(std::string_view name) {
+  return {.name = name,
+          .type = Type::kBool,
+          .initial = "false",
+          .help = "Also takes away the velocity that a node begins with."};
+}
 // Outputs that SOFA's constraints do not have.
 inline constexpr Attribute kReaction{
     .name = "reaction",
@@ -39,7 +40,7 @@ inline constexpr Attribute kConstraintTopology =
 inline constexpr Attribute kFixedProjectiveConstraintAttributes[] = {
     kFixedIndices,
     kFixAll,
-    kProjectVelocity,
+    project_velocity("activate_projectVelocity"),
     kConstraintTopology,
     kReaction,
     kReactionTorque,
@@ -61,7 +62,7 @@ inline constexpr Attribute kPartialFixedProjectiveConstraintAttributes[] = {
      .initial = "1 1 1",
      .range = {.min = 0, .max = 1},
      .help = "1 for each of x, y, z that is held, 0 where nodes move freely."},
-    kProjectVelocity,
+    project_velocity("projectVelocity"),
     kConstraintTopology,
     kReaction,
     kReactionTorque,
@@ -92,10 +93,6 @@ inline constexpr Attribute kLinearMovementProjectiveConstraintAttributes[] = {
     kMovedIndices,
     kKeyTimes,
     kMovements,
-    {.name = "relativeMovements",
-     .type = Type::kBool,
-     .initial = "true",
-     .help = "Movements count from the first position of each node; otherwise they are the position itself."},
     kConstraintTopology,
     kReaction,
     kReactionTorque,
@@ -151,32 +148,6 @@ inline constexpr Attribute kAttachProjectiveConstraintAttributes[] = {
      .initial = "false",
      .help = "Both nodes of a pair have the mean of their accelerations, and forces pass between the states; not with "
              "direct solvers. Otherwise the second node does not accelerate, and no force passes."},
-    {.name = "constraintFactor",
-     .type = Type::kReals,
-     .range = {.min = 0, .max = 1},
-     .help = "One value per pair; default: 1. A factor of the corrections of position and velocity; with twoWay 0 (not "
-             "tied) or 1."},
-    {.name = "positionFactor",
-     .type = Type::kReal,
-     .initial = "1",
-     .range = {.min = 0, .max = 1},
-     .help =
-         "Fraction of half the distance by which the second node of a pair moves to the first one after every step."},
-    {.name = "velocityFactor",
-     .type = Type::kReal,
-     .initial = "1",
-     .range = {.min = 0, .max = 1},
-     .help = "Fraction of half the difference by which both velocities change after every step."},
-    {.name = "minDistance",
-     .type = Type::kReal,
-     .initial = "-1",
-     .unit = "m",
-     .help = "Pairs further apart than this are not tied, until they are nearer; -1: all are."},
-    {.name = "endTime",
-     .type = Type::kReal,
-     .initial = "-1",
-     .unit = "s",
-     .help = "From then on nothing is tied; below 0: never."},
     ignored_attribute("freeRotations", "Ignored here: nodes do not turn."),
     ignored_attribute("lastFreeRotation", "Ignored here: nodes do not turn."),
     ignored_attribute("restRotations", "Ignored here: nodes do not turn."),

@@ -44,7 +44,6 @@ inline constexpr Attribute kSpringForceFieldAttributes[] = {
      .initial = "0",
      .unit = "m",
      .range = kNotNegative,
-     .aliases = "length",
      .help = "At rest: one value, or one per spring."},
     {.name = "elongationOnly",
      .type = Type::kBool,
@@ -64,7 +63,7 @@ inline constexpr Description kSpringForceField{
     .attributes = kSpringForceFieldAttributes};
 
 inline constexpr Attribute kRestShapeSpringsAttributes[] = {
-    {.name = "points", .type = Type::kIntegers, .range = kIndex, .aliases = "indices", .help = "Nodes; default: all."},
+    {.name = "points", .type = Type::kIntegers, .range = kIndex, .help = "Nodes; default: all."},
     {.name = "stiffness",
      .type = Type::kReals,
      .initial = "100",

@@ -11,7 +11,6 @@ inline constexpr Attribute kOglModelAttributes[] = {
     {.name = "position",
      .type = Type::kVectors3,
      .unit = "m",
-     .aliases = "vertices",
      .help = "Points; default: those of the state that it follows by an IdentityMapping in its node."},
     {.name = "triangles", .type = Type::kIntegers, .range = kIndex, .help = "Groups of three points."},
     {.name = "quads", .type = Type::kIntegers, .range = kIndex, .help = "Groups of four points."},

@@ -38,7 +38,7 @@ animation loop or RunSettings replaces the one that is there.
 
 **Values.** Numbers are separated by blanks, with a decimal point; `nan`, `inf` and numbers out of range are refused. Among
 whole numbers `3-7` stands for 3 4 5 6 7, `7-3` for 7 6 5 4 3, and `0-10-5` for 0 5 10. Numbers of nodes and cells count
-from 0. Attributes whose name begins with `_` or `NO` are ignored.
+from 0.
 
 **Links.** `@path` refers to a node or component, `@path.attribute` to an attribute, whose changes are followed. The target
 may be anywhere in the file. A path is a name, which is searched in the node and then in the nodes above; or it begins with
@@ -47,10 +47,8 @@ may be anywhere in the file. A path is a name, which is searched in the node and
 Components without a name are named by their class and a number: `BoxROI1`, `BoxROI2`. The *nearest* component is the first
 one of the node, or of the nearest node above that has one.
 
-**Includes.** `<include href="part.xml"/>` is replaced by the root element of another file. `name="..."` renames it; any
-other attribute replaces the one of that name wherever the file gives it, and `X__attribute` only in elements named X. A
-root named `Group` is replaced by its members; one named `_Merge_` is merged into the including node, class by class and
-name by name. At most 16 levels.
+**Includes.** `<include href="part.xml"/>` is replaced by the root element of another file. `name="..."` renames it. A root
+named `Group` is replaced by its members. At most 16 levels.
 
 **Files.** The name of a mesh or of an included file counts from the file that names it. If nothing is there, it is looked
 for in the directories of `--mesh-path`. Names with `..` and absolute names are not searched for.
@@ -95,16 +93,10 @@ std::string kind_cell(const Attribute& attribute) {
 
 using Rows = std::vector<const Attribute*>;
 
-std::string all_names(const Attribute& attribute) {
-  std::string names = fmt::format("`{}`", attribute.name);
-  for (const std::string_view alias : scene::split_words(attribute.aliases)) names += fmt::format(", `{}`", alias);
-  return names;
-}
-
 std::string attribute_table(const Rows& rows) {
   std::string table = "| attribute | holds | default | meaning |\n| --- | --- | --- | --- |\n";
   for (const Attribute* row : rows)
-    table += fmt::format("| {} | {} | {} | {} |\n", all_names(*row), cell(kind_cell(*row)), default_cell(*row),
+    table += fmt::format("| `{}` | {} | {} | {} |\n", row->name, cell(kind_cell(*row)), default_cell(*row),
                          cell(row->help));
   return table;
 }
@@ -124,7 +116,7 @@ struct Described {
 
 // Regions have no defaults, and say nothing of bodies without a value.
 bool says_nothing_new(const Attribute& row, const Attribute& earlier) {
-  return all_names(row) == all_names(earlier) && kind_cell(row) == kind_cell(earlier) && row.access == earlier.access &&
+  return row.name == earlier.name && kind_cell(row) == kind_cell(earlier) && row.access == earlier.access &&
          (row.initial == earlier.initial || row.initial.empty()) && earlier.help.starts_with(row.help);
 }
 

@@ -49,7 +49,6 @@ Json json_of(const attributes::Range& range) {
 
 Json json_of(const Attribute& attribute) {
   Json json = {{"name", attribute.name}, {"type", attributes::describe(attribute.type)}};
-  if (!attribute.aliases.empty()) json["aliases"] = words(attribute.aliases);
   if (!attribute.words.empty()) json["words"] = words(attribute.words);
   if (!attribute.unit.empty()) json["unit"] = attribute.unit;
   if (!attribute.initial.empty()) json["default"] = attribute.initial;
@@ -86,9 +85,7 @@ void print(const Description& component) {
   fmt::print("{}: {}\n", component.class_name, component.help);
   if (!component.templates.empty()) fmt::print("templates: {}\n", component.templates);
   for (const Attribute& attribute : component.attributes) {
-    fmt::print("\n  {}", attribute.name);
-    for (const std::string_view alias : scene::split_words(attribute.aliases)) fmt::print(", {}", alias);
-    fmt::print(": {}", attributes::describe(attribute.type));
+    fmt::print("\n  {}: {}", attribute.name, attributes::describe(attribute.type));
     if (!attribute.words.empty()) fmt::print(" of {}", attribute.words);
     if (!attribute.unit.empty()) fmt::print(" [{}]", attribute.unit);
     if (const std::string range = attributes::describe(attribute.range); !range.empty()) fmt::print(", {}", range);

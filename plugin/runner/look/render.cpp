@@ -328,11 +328,11 @@ CLI::App* add_render(CLI::App& app, RenderOptions& options) {
                               ->excludes(view)
                               ->excludes(camera);
   command->add_option("--shape", options.shape, "The current shape of the body, or its rest shape, without loads")
-      ->check(CLI::IsMember({"current", "rest", "world"}))  // world: the older name of current
+      ->check(CLI::IsMember({"current", "rest"}))
       ->type_name("current|rest")
       ->capture_default_str();
   command->add_option("--ghost", options.ghost, "Pale shape behind the body")
-      ->check(CLI::IsMember({"initial", "rest", "none", "original"}))  // original: the older name of initial
+      ->check(CLI::IsMember({"initial", "rest", "none"}))
       ->type_name("initial|rest|none")
       ->capture_default_str();
   command

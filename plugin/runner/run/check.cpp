@@ -197,8 +197,7 @@ Json json_of(const Findings& found) {
           {"body", found.bodies.size() == 1 ? json_of(found.bodies[0].model) : Json(nullptr)},
           {"bodies", bodies},
           {"regions", json_of(found.regions)},
-          {"warnings", warnings},
-          {"advice", warnings}};  // the older name
+          {"warnings", warnings}};
 }
 
 void print(const ModelCheck& body) {

@@ -25,15 +25,12 @@ using Json = nlohmann::ordered_json;
 
 // ---- input ----------------------------------------------------------------------------------------------------------
 
-/// Short keys of reference files, older keys, and the names they stand for.
-constexpr std::array<std::pair<const char*, const char*>, 21> kShortKeys{{
+/// Short keys of reference files and the names they stand for.
+constexpr std::array<std::pair<const char*, const char*>, 18> kShortKeys{{
     {"X0", "initial"},
-    {"original", "initial"},
     {"x", "plasticRest"},
-    {"material", "plasticRest"},
     {"y", "rest"},
     {"xh", "current"},
-    {"world", "current"},
     {"Pi", "rotationMap"},
     {"tau", "yieldStress"},
     {"tauR", "rotationYield"},
@@ -62,19 +59,13 @@ constexpr std::array<std::pair<const char*, const char*>, 8> kShortWords{{
     {"gn", "gaussNewton"},
 }};
 
-/// The name of today of a key in brief or of an older name.
-std::string present_name(const std::string& key) {
-  for (const auto& [brief, name] : kShortKeys)
-    if (key == brief) return name;
-  const Row<Settings>* row = find_row(settings_rows(), key, Names::kScenes);
-  return row ? std::string(row->name) : key;
-}
-
 /// Renames the keys of an object, so that the rest of the program knows one vocabulary.
-Json with_present_names(const Json& given) {
+Json with_full_names(const Json& given) {
   Json renamed = Json::object();
   for (const auto& [key, value] : given.items()) {
-    const std::string name = present_name(key);
+    std::string name = key;
+    for (const auto& [brief, full] : kShortKeys)
+      if (key == brief) name = full;
     if (renamed.contains(name))
       throw InputError(fmt::format("{}: is given twice, the other time under another name", key));
     renamed[name] = value;
@@ -184,7 +175,7 @@ void read_parameter(const std::string& key, const Json& value, Element& element)
 
 Element read_element(const Json& given) {
   if (!given.is_object()) throw InputError("the input must be one JSON object");
-  const Json json = with_present_names(given);
+  const Json json = with_full_names(given);
   if (!json.contains("initial")) throw InputError("\"initial\" (or X0) is missing: eight corners");
 
   Element element;
@@ -201,7 +192,7 @@ Element read_element(const Json& given) {
   };
   if (json.contains("parameters")) {
     if (!json["parameters"].is_object()) reject("parameters", json["parameters"], "an object");
-    const Json parameters = with_present_names(json["parameters"]);
+    const Json parameters = with_full_names(json["parameters"]);
     for (const auto& [key, value] : parameters.items()) read_parameter(key, value, element);
   }
   // one hexahedron by itself is computed exactly and with every option, whatever its body is

@@ -24,7 +24,6 @@ template <class TDataTypes>
 HexahedronElastoplasticFEMForceField<TDataTypes>::HexahedronElastoplasticFEMForceField()
     : Inherit(attributes::kHexahedronElastoplasticFEMForceField)
 {
-    this->addAlias(&d_drawPlasticRestShape, "drawMaterialShape");  // the older name
     m_outputs.addOutput(&d_plasticStrain);
     m_outputs.addOutput(&d_presentYieldStress);
     m_outputs.addOutput(&d_volumeRatio);

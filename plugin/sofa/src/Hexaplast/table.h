@@ -91,7 +91,7 @@ T initial_value(const Attribute& attribute)
     }
 }
 
-/// What a Data of a component is made from. The component knows it by its older names too.
+/// What a Data of a component is made from.
 template <class T>
 typename Data<T>::InitData from_table(SofaComponent& owner, Data<T>& data, const Attribute& attribute,
                                       const char* group)
@@ -100,8 +100,6 @@ typename Data<T>::InitData from_table(SofaComponent& owner, Data<T>& data, const
     auto init = owner.initData(&data, initial_value<T>(attribute), std::string(attribute.name).c_str(),
                                help_of(attribute).c_str(), true, is_output);
     init.group = is_output ? "Outputs" : group;
-    for (const std::string_view alias : attributes::split_words(attribute.aliases))
-        owner.addAlias(&data, std::string(alias).c_str());
     return init;
 }
 
