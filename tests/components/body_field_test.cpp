@@ -80,7 +80,7 @@ TEST(BodyField, MayBecomeOfAnotherMaterialDuringTheRun) {
 
   EXPECT_THROW(field.find_data("youngModulus")->set(std::vector<double>{-1}, {}), InputError);
   EXPECT_THROW(field.find_data("removed")->set(std::vector<std::int64_t>{1}, {}), InputError);
-  field.find_data("gradient")->set(std::string("vertex"), {});
+  field.find_data("bending")->set(std::string("vertex"), {});
   EXPECT_THROW(scene.step(), scene::SceneError);
 }
 

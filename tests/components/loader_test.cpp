@@ -225,7 +225,7 @@ TEST(SparseGrid, SaysWhatIsWrong) {
   const std::string made = "<Node><SparseGridTopology name='cage' ";
   EXPECT_EQ(errors_of(made + "/></Node>"),
             "test.scn:1: error: SparseGridTopology.fileTopology: is not given, must name a mesh file");
-  EXPECT_EQ(errors_of(made + "filename='none.obj'/></Node>"),
+  EXPECT_EQ(errors_of(made + "fileTopology='none.obj'/></Node>"),
             "test.scn:1: error: SparseGridTopology.fileTopology: none.obj: no such file");
   EXPECT_EQ(errors_of("<Node>" + kOrgan + "n='3 3'/></Node>"),
             "test.scn:1: error: SparseGridTopology.n: 2 numbers given, must be three");

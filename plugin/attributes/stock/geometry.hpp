@@ -204,7 +204,7 @@ inline constexpr Description kQuadSetTopologyContainer = container("QuadSetTopol
 inline constexpr Description kTriangleSetTopologyContainer = container("TriangleSetTopologyContainer");
 
 /// What every mesh loader takes; they differ in `createSubelements` alone.
-constexpr std::array<Attribute, 19> loader_attributes(std::string_view creates_subelements) {
+constexpr std::array<Attribute, 18> loader_attributes(std::string_view creates_subelements) {
   return {{
       {.name = "filename", .type = Type::kText, .help = "The mesh file."},
       {.name = "scale3d", .type = Type::kVector3, .initial = "1 1 1", .help = "Applied first."},

@@ -96,8 +96,8 @@ using Rows = std::vector<const Attribute*>;
 std::string attribute_table(const Rows& rows) {
   std::string table = "| attribute | holds | default | meaning |\n| --- | --- | --- | --- |\n";
   for (const Attribute* row : rows)
-    table += fmt::format("| `{}` | {} | {} | {} |\n", row->name, cell(kind_cell(*row)), default_cell(*row),
-                         cell(row->help));
+    table +=
+        fmt::format("| `{}` | {} | {} | {} |\n", row->name, cell(kind_cell(*row)), default_cell(*row), cell(row->help));
   return table;
 }
 

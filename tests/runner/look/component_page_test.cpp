@@ -85,8 +85,8 @@ TEST_F(Command, TheComponentPageNamesEveryAttributeWithItsComponent) {
 TEST_F(Command, ListPrintsOneComponent) {
   const Outcome text = hexaplast("list BoxROI");
   EXPECT_EQ(text.code, 0);
-  for (const char* part : {"BoxROI: ", "box: groups of six numbers [m]; default 0 0 0 1 1 1",
-                           "indices, pointIndices: whole numbers; computed"})
+  for (const char* part :
+       {"BoxROI: ", "box: groups of six numbers [m]; default 0 0 0 1 1 1", "indices: whole numbers; computed"})
     EXPECT_NE(text.out.find(part), std::string::npos) << part;
 
   const Json json = Json::parse(hexaplast("list HexahedronElastoplasticFEMForceField --json").out);
