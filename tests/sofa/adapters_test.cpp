@@ -120,8 +120,6 @@ TEST(SofaPlugin, GroupsTheDataOfABodyAsTheRowsAre) {
                                                 {"TissueContactForceField", "friction", "Contact"},
                                                 {"SheetGridTopology", "thickness", "Shape"}})
     EXPECT_EQ(make(class_name)->findData(data)->getGroup(), group) << class_name;
-  const auto body = make("HexahedronElastoplasticFEMForceField");
-  EXPECT_EQ(body->findData("drawMaterialShape"), body->findData("drawPlasticRestShape"));
 }
 
 // Those that are made from their Data alone.
