@@ -18,7 +18,9 @@ namespace {
 /// Pairs of nodes, one of each state, as SOFA ties them. The second one is free to accelerate in no direction, or has
 /// half the acceleration of both; after a step half of the distance is taken back, and both have half of the
 /// velocities.
-class AttachProjectiveConstraint final : public scene::InteractionProjectiveConstraint, public scene::ShowsSprings {
+class AttachProjectiveConstraint final : public scene::InteractionProjectiveConstraint,
+                                         public scene::Changeable,
+                                         public scene::ShowsSprings {
  public:
   AttachProjectiveConstraint() : InteractionProjectiveConstraint(attributes::kAttachProjectiveConstraint) {}
 
@@ -43,12 +45,15 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
 
   // What the matrix and the order of the states are made by stays; whether others hold its nodes too, the integrator
   // checks.
-  void refresh() override {
-    if (boolean("twoWay") != is_two_way_) reject("twoWay", "cannot change during a run");
+  void refresh(std::span<const std::string_view> changed) override {
+    for (const std::string_view attribute : changed)
+      if (!may_change(attribute)) reject(attribute, "cannot change during a run");
     has_pairs_ = has_failed_ = false;
     pairs();
     if (integrator_) integrator_->constraints_changed();
   }
+
+  bool may_change(std::string_view attribute) const override { return attribute != "twoWay"; }
 
   void project(OfTwo<Points> field) const override {
     for (const auto& [first, second] : pairs()) {

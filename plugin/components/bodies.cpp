@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <algorithm>
 #include <optional>
 
 #include "attributes/hexaplast.hpp"
@@ -16,7 +17,7 @@ namespace hexaplast::components {
 namespace {
 
 /// A body as a force field.
-class HexahedronElastoplasticFEMForceField final : public BodyField, public scene::Potential {
+class HexahedronElastoplasticFEMForceField final : public BodyField, public scene::Stateful, public scene::Potential {
  public:
   HexahedronElastoplasticFEMForceField() : BodyField(attributes::kHexahedronElastoplasticFEMForceField) {}
 
@@ -32,7 +33,7 @@ class HexahedronElastoplasticFEMForceField final : public BodyField, public scen
   }
 
   // The material may change during a run: what flowed stays.
-  void refresh() override {
+  void refresh(std::span<const std::string_view>) override {
     try {
       accepted(*this, [&] { part_->set_options(options(), node().clock().dt); });
     } catch (const InputError& error) {
@@ -40,6 +41,10 @@ class HexahedronElastoplasticFEMForceField final : public BodyField, public scen
     }
     pass_on(*this, part_->take_warnings());
     rayleigh_stiffness_ = real("rayleighStiffness");
+  }
+
+  bool may_change(std::string_view attribute) const override {
+    return std::ranges::none_of(settings_rows(), [&](const auto& row) { return row.name == attribute; });
   }
 
   void end_step(double dt) override {

@@ -27,7 +27,7 @@ std::optional<std::vector<double>> values_of(scene::Object& owner, const Row<Opt
 }
 
 /// A body as a force field, for the regions that it has.
-class BodyField : public scene::ForceField {
+class BodyField : public scene::ForceField, public scene::Changeable {
  public:
   using ForceField::ForceField;
 

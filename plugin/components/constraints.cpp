@@ -19,11 +19,11 @@ namespace hexaplast::components {
 namespace {
 
 /// Some nodes, held in some directions while it is active.
-class NodeConstraint : public scene::ProjectiveConstraint {
+class NodeConstraint : public scene::ProjectiveConstraint, public scene::Changeable {
  public:
   using ProjectiveConstraint::ProjectiveConstraint;
 
-  void refresh() override {
+  void refresh(std::span<const std::string_view>) override {
     init();
     constraints_changed();
   }
@@ -109,7 +109,7 @@ class FixedConstraint final : public NodeConstraint {
 
 /// Linear and PartialLinear: motion along a history. From the last key time on the nodes are free, whichever linear
 /// solver is used (in SOFA assembled matrices keep them).
-class KeyedMotion final : public NodeConstraint {
+class KeyedMotion final : public NodeConstraint, public scene::Stateful {
  public:
   using NodeConstraint::NodeConstraint;
 
@@ -120,7 +120,7 @@ class KeyedMotion final : public NodeConstraint {
   }
 
   // It goes on from where the nodes began. Those that join in a run begin where they are then.
-  void refresh() override {
+  void refresh(std::span<const std::string_view>) override {
     std::vector<int> before = nodes_;
     read();
     std::ranges::sort(before);

@@ -15,7 +15,11 @@
 namespace hexaplast::components {
 namespace {
 
-class InstrumentContactForceField final : public scene::ForceField, public scene::Load, public scene::Instrument {
+class InstrumentContactForceField final : public scene::ForceField,
+                                          public scene::Changeable,
+                                          public scene::Stateful,
+                                          public scene::Load,
+                                          public scene::Instrument {
  public:
   InstrumentContactForceField() : ForceField(attributes::kInstrumentContactForceField) {}
 
@@ -40,7 +44,7 @@ class InstrumentContactForceField final : public scene::ForceField, public scene
     pass_on(*this, instrument_->take_warnings());
   }
 
-  void refresh() override {
+  void refresh(std::span<const std::string_view>) override {
     accepted(*this, [&] { instrument_->set_options(options()); });
     shape_ = parts::shape_of(instrument_->options());
     pass_on(*this, instrument_->take_warnings());

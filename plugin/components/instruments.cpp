@@ -12,6 +12,8 @@ namespace hexaplast::components {
 namespace {
 
 class GraspForceField final : public scene::ForceField,
+                              public scene::Changeable,
+                              public scene::Stateful,
                               public scene::Load,
                               public scene::Instrument,
                               public scene::Potential {
@@ -22,7 +24,7 @@ class GraspForceField final : public scene::ForceField,
     state_ = &needed_ready<scene::MechanicalState>();
     grasp_.emplace(accepted(*this, [&] { return parts::Grasp(options(), state_->num_nodes()); }));
   }
-  void refresh() override {
+  void refresh(std::span<const std::string_view>) override {
     accepted(*this, [&] { grasp_->set_options(options()); });
   }
   void begin_step() override { pass_on(*this, grasp_->begin_step(node().clock().time, state_->positions())); }

@@ -22,14 +22,14 @@ namespace hexaplast::components {
 namespace {
 
 /// Prescribed forces: they do not depend on velocity and have no stiffness.
-class PrescribedLoad : public scene::ForceField, public scene::Load {
+class PrescribedLoad : public scene::ForceField, public scene::Changeable, public scene::Load {
  public:
   using ForceField::ForceField;
 
   void add_force(double time, ConstPoints x, ConstPoints v, Points f) final { add_load(time, x, v, f); }
   std::span<const int> loaded_nodes() const override { return loaded_; }
   bool is_in_matrix() const override { return false; }
-  void refresh() override { init(); }
+  void refresh(std::span<const std::string_view>) override { init(); }
 
  protected:
   void note_loaded(std::vector<int> nodes) {
@@ -128,7 +128,7 @@ class TangentialForceField final : public PrescribedLoad {
 
 /// Faces of a topology with a load on them, until they go with torn hexahedra: a load on nothing would drive off the
 /// nodes that are left of it.
-class FaceLoad : public PrescribedLoad {
+class FaceLoad : public PrescribedLoad, public scene::Stateful {
  public:
   using PrescribedLoad::PrescribedLoad;
 
@@ -136,7 +136,7 @@ class FaceLoad : public PrescribedLoad {
     has_lost_faces_ = true;
     leave_out(scene::SurvivingCells(needed_ready<scene::MechanicalState>()));
   }
-  void refresh() override {
+  void refresh(std::span<const std::string_view>) override {
     init();
     if (has_lost_faces_) leave_out(scene::SurvivingCells(needed_ready<scene::MechanicalState>()));
   }
@@ -240,7 +240,7 @@ class SurfacePressureForceField final : public FaceLoad {
   double pressure_ = 0;  // [Pa]
 };
 
-class PlaneForceField final : public scene::ForceField, public scene::Load {
+class PlaneForceField final : public scene::ForceField, public scene::Changeable, public scene::Load {
  public:
   PlaneForceField() : ForceField(attributes::kPlaneForceField) {}
 
@@ -259,7 +259,7 @@ class PlaneForceField final : public scene::ForceField, public scene::Load {
           scene::Severity::kWarning, "normal",
           fmt::format("has length {:.6g}: it is taken as it is, and scales depth and force", obstacle_.normal.norm()));
   }
-  void refresh() override { init(); }
+  void refresh(std::span<const std::string_view>) override { init(); }
 
   void add_force(double, ConstPoints x, ConstPoints v, Points f) override {
     obstacle_.touching_at(x, touching_);

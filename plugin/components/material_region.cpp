@@ -54,7 +54,7 @@ void MaterialRegion::bwd_init() {
 }
 
 // The body takes what all of its regions give.
-void MaterialRegion::refresh() { find_body()->refresh(); }
+void MaterialRegion::refresh(std::span<const std::string_view> changed) { find_body()->refresh(changed); }
 
 void add_regions(scene::Factory& factory) { factory.add<MaterialRegion>(attributes::kMaterialRegion); }
 

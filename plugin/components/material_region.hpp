@@ -9,7 +9,7 @@
 
 namespace hexaplast::components {
 
-class MaterialRegion final : public scene::MaterialRegion {
+class MaterialRegion final : public scene::MaterialRegion, public scene::Changeable {
  public:
   MaterialRegion();
 
@@ -22,7 +22,7 @@ class MaterialRegion final : public scene::MaterialRegion {
 
   void init() override;
   void bwd_init() override;
-  void refresh() override;
+  void refresh(std::span<const std::string_view> changed) override;
 
   std::span<const int> hexahedra() const override { return present_.hexahedra; }
   const scene::ForceField* field() override { return find_body(); }

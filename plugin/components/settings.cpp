@@ -22,7 +22,7 @@ class RunSettings final : public scene::Component {
 
 /// Changes an attribute of another component between two steps. The component stands behind it, and so looks at all its
 /// inputs together, when it begins the step itself.
-class AttributeChange final : public scene::Component {
+class AttributeChange final : public scene::Component, public scene::Stateful {
  public:
   AttributeChange() : Component(attributes::kAttributeChange) {}
 
@@ -34,19 +34,19 @@ class AttributeChange final : public scene::Component {
       reject("component",
              fmt::format("leads to {} '{}', must lead to a component", target->class_name(), target->name()));
     require_order();
-    if (std::ranges::count(kReadOnce, component_->description().category) > 0)
+    changeable_ = dynamic_cast<const scene::Changeable*>(component_);
+    std::vector<std::string_view> known;
+    for (const auto& data : component_->all_data())
+      if (may_change(*data)) known.push_back(data->attribute().name);
+    if (known.empty())
       reject("component", fmt::format("leads to {} '{}', which reads its attributes once, when the scene begins",
                                       component_->class_name(), component_->name()));
-    data_ = component_->find_data(text("attribute"));
-    if (!data_ || !may_change(*data_)) {
-      std::vector<std::string_view> known;
-      for (const auto& data : component_->all_data())
-        if (may_change(*data)) known.push_back(data->attribute().name);
+    if (std::ranges::count(known, text("attribute")) == 0)
       reject("attribute",
              fmt::format("{} '{}' has no attribute '{}' that may change", component_->class_name(), component_->name(),
                          text("attribute")),
              scene::did_you_mean(text("attribute"), known));
-    }
+    data_ = component_->find_data(text("attribute"));
     values_ = values();
     times_ = key_times(*this, "keyTimes", "values", values_.size());
     before_ = data_->given();
@@ -91,15 +91,11 @@ class AttributeChange final : public scene::Component {
 
   using Change = std::optional<scene::Value>;  // none: not given
 
-  /// Categories whose components take no changes.
-  static constexpr std::string_view kReadOnce[] = {
-      "AnimationLoop",       "LinearSolver", "Mapping",  "Mass",     "MechanicalState", "MeshLoader",
-      "NewtonRaphsonSolver", "OdeSolver",    "Settings", "Topology", "Visual"};
-
-  static bool may_change(const scene::Data& data) {
+  bool may_change(const scene::Data& data) const {
     const attributes::Attribute& attribute = data.attribute();
     return attribute.access == attributes::Access::kInput && attribute.type != attributes::Type::kLink &&
-           attribute.name != "name";
+           attribute.name != "name" &&
+           (changeable_ ? changeable_->may_change(attribute.name) : component_->looks_by_itself());
   }
 
   std::vector<Change> values() {
@@ -134,6 +130,7 @@ class AttributeChange final : public scene::Component {
   }
 
   scene::Component* component_ = nullptr;
+  const scene::Changeable* changeable_ = nullptr;  // the same; null: it is not told of changes
   scene::Data* data_ = nullptr;
   std::vector<Change> values_;
   std::vector<double> times_;  // [s]
@@ -142,14 +139,14 @@ class AttributeChange final : public scene::Component {
 };
 
 /// Accepted so that scenes can be read, and without effect.
-class Ignored final : public scene::Component {
+class Ignored final : public scene::Component, public scene::Changeable {
  public:
   using Component::Component;
 
   void init() override {
     if (description().category == "Visual") remark(scene::Severity::kNote, {}, std::string(description().help));
   }
-  void refresh() override {}
+  void refresh(std::span<const std::string_view>) override {}
 };
 
 }  // namespace

@@ -67,7 +67,10 @@ double greatest_quotient(const ProductB& B, const ProductA& A, const Inverse& in
 }
 
 /// Springs between nodes of its state, or of two states of which not both are it.
-class SpringForceField final : public scene::ForceField, public scene::Interaction, public scene::ShowsSprings {
+class SpringForceField final : public scene::ForceField,
+                               public scene::Interaction,
+                               public scene::Changeable,
+                               public scene::ShowsSprings {
  public:
   SpringForceField() : ForceField(attributes::kSpringForceField) {}
 
@@ -92,7 +95,7 @@ class SpringForceField final : public scene::ForceField, public scene::Interacti
     warn_of_damping();
   }
 
-  void refresh() override {
+  void refresh(std::span<const std::string_view>) override {
     rayleigh_stiffness_ = real("rayleighStiffness");
     make_springs();
     warn_of_damping();
@@ -281,7 +284,9 @@ class SpringForceField final : public scene::ForceField, public scene::Interacti
 };
 
 /// To the rest positions, or to where another state is at the moment.
-class RestShapeSpringsForceField final : public scene::ForceField, public scene::ShowsSprings {
+class RestShapeSpringsForceField final : public scene::ForceField,
+                                         public scene::Changeable,
+                                         public scene::ShowsSprings {
  public:
   RestShapeSpringsForceField() : ForceField(attributes::kRestShapeSpringsForceField) {}
 
@@ -319,7 +324,7 @@ class RestShapeSpringsForceField final : public scene::ForceField, public scene:
     rest_ = state_->rest_positions();
   }
 
-  void refresh() override {
+  void refresh(std::span<const std::string_view>) override {
     init();
     bwd_init();
   }

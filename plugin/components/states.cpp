@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "attributes/stock.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
@@ -11,7 +13,7 @@
 namespace hexaplast::components {
 namespace {
 
-class MechanicalObject final : public scene::MechanicalState {
+class MechanicalObject final : public scene::MechanicalState, public scene::Changeable, public scene::Stateful {
  public:
   MechanicalObject() : MechanicalState(attributes::kMechanicalObject) {}
 
@@ -29,9 +31,11 @@ class MechanicalObject final : public scene::MechanicalState {
 
   // A link gives the first positions and velocities, and what becomes of its source later does not matter; the forces
   // would have to follow theirs.
-  void refresh() override {
-    if (find_data("externalForce")->source()) MechanicalState::refresh();
+  void refresh(std::span<const std::string_view> changed) override {
+    if (std::ranges::count(changed, "externalForce") > 0)
+      reject("externalForce", "follows a link to something that changes during the run, which it cannot do");
   }
+  bool may_change(std::string_view) const override { return false; }
 
   void reset() override {
     positions_ = first_positions_;

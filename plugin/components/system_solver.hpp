@@ -12,7 +12,7 @@
 namespace hexaplast::components {
 
 /// Moves everything of its node and below, by linear systems of a LinearSolver.
-class SystemSolver : public scene::OdeSolver {
+class SystemSolver : public scene::OdeSolver, public scene::Stateful {
  public:
   using OdeSolver::OdeSolver;
 

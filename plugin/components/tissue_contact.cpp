@@ -14,7 +14,9 @@
 namespace hexaplast::components {
 namespace {
 
-class TissueContactForceField final : public scene::OneSidedInteraction {
+class TissueContactForceField final : public scene::OneSidedInteraction,
+                                      public scene::Changeable,
+                                      public scene::Stateful {
  public:
   TissueContactForceField() : OneSidedInteraction(attributes::kTissueContactForceField) {}
 
@@ -55,7 +57,7 @@ class TissueContactForceField final : public scene::OneSidedInteraction {
     warn_of_same_pair();
   }
 
-  void refresh() override {
+  void refresh(std::span<const std::string_view>) override {
     accepted(*this, [&] { tissues_->set_options(options()); });
     warn_of_same_pair();
   }

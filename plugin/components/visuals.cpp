@@ -8,7 +8,7 @@
 namespace hexaplast::components {
 namespace {
 
-class OglModel final : public scene::VisualModel {
+class OglModel final : public scene::VisualModel, public scene::Changeable {
  public:
   OglModel() : VisualModel(attributes::kOglModel) {}
 
@@ -21,7 +21,8 @@ class OglModel final : public scene::VisualModel {
     triangles_ = cells_of<3>(*this, "triangles", num_points);
     quads_ = cells_of<4>(*this, "quads", num_points);
   }
-  void refresh() override {}  // its points follow the hexahedra from where they are in the beginning
+  void refresh(std::span<const std::string_view>) override {
+  }  // its points follow the hexahedra from where they are in the beginning
 
   const PointArray& points() const override { return points_; }
   const std::vector<Triangle>& triangles() const override { return triangles_; }
@@ -33,7 +34,7 @@ class OglModel final : public scene::VisualModel {
   std::vector<Quad> quads_;
 };
 
-class VisualStyle final : public scene::VisualStyle {
+class VisualStyle final : public scene::VisualStyle, public scene::Changeable {
  public:
   VisualStyle() : scene::VisualStyle(attributes::kVisualStyle) {}
 
@@ -47,7 +48,7 @@ class VisualStyle final : public scene::VisualStyle {
       if (flag == "hideWireframe" || flag == "hideAll") wireframe_ = false;
     }
   }
-  void refresh() override { init(); }
+  void refresh(std::span<const std::string_view>) override { init(); }
 
   std::optional<bool> shows_visual_models() const override { return visual_models_; }
   std::optional<bool> shows_behaviour_models() const override { return behaviour_models_; }
@@ -58,7 +59,7 @@ class VisualStyle final : public scene::VisualStyle {
   bool wireframe_ = false;
 };
 
-class InteractiveCamera final : public scene::Camera {
+class InteractiveCamera final : public scene::Camera, public scene::Changeable {
  public:
   InteractiveCamera() : Camera(attributes::kInteractiveCamera) {}
 
@@ -76,7 +77,7 @@ class InteractiveCamera final : public scene::Camera {
       if (has_position) viewpoint_->eye = eye(position, position - real("distance") * towards);
     }
   }
-  void refresh() override { init(); }
+  void refresh(std::span<const std::string_view>) override { init(); }
 
   const std::optional<scene::Viewpoint>& viewpoint() const override { return viewpoint_; }
 

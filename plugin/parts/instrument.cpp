@@ -19,6 +19,11 @@ namespace {
 constexpr double kPerRadius = 0.5;  // distance of samples, in smallest radii of the instrument
 constexpr double kDeep = 0.1;       // of that radius: an instrument may touch at the beginning
 
+/// Eigen compares only what has as many rows.
+bool are_same(const PointArray& first, const PointArray& second) {
+  return first.rows() == second.rows() && first == second;
+}
+
 /// The number of keys that a path has, one of which is there always.
 void check_path(OptionRanges& ranges, const InstrumentOptions& options) {
   if (options.is_prescribed) {
@@ -116,8 +121,8 @@ void Instrument::set_options(InstrumentOptions options) {
                               options.contact.max_subdivision == options_.contact.max_subdivision &&
                               options.surface_triangles == options_.surface_triangles &&
                               options.embedded_triangles == options_.embedded_triangles &&
-                              options.embedded_positions == options_.embedded_positions &&
-                              options.surface_positions == options_.surface_positions;
+                              are_same(options.embedded_positions, options_.embedded_positions) &&
+                              are_same(options.surface_positions, options_.surface_positions);
   if (has_same_shape) {
     options_ = std::move(options);
     default_stiffness_ = stiffness;

@@ -10,14 +10,15 @@
 
 namespace hexaplast::scene {
 
-void Component::refresh() { reject("follows a link to something that changes during the run, which it cannot do"); }
-
 void Component::follow_inputs() {
   if (looks_by_itself()) return;
-  const long inputs = inputs_version();
-  if (inputs == seen_inputs_) return;
-  refresh();
-  seen_inputs_ = inputs;
+  const std::span<const std::string_view> changed = new_inputs();
+  if (changed.empty()) return;
+  auto* changeable = dynamic_cast<Changeable*>(this);
+  if (!changeable)
+    reject(changed.front(), "follows a link to something that changes during the run, which it cannot do");
+  changeable->refresh(changed);
+  accept_inputs();
 }
 
 void Component::reject_missing(std::string_view category) {

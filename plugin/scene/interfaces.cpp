@@ -85,9 +85,8 @@ void Engine::provide(Data& output) {
     bool& on;
   } const guard(is_computing_);
 
-  const long inputs = inputs_version();
-  if (inputs != computed_from_) computed_.clear();
-  computed_from_ = inputs;
+  if (!new_inputs().empty()) computed_.clear();
+  accept_inputs();
   if (!computed_.contains(&output)) compute(output.attribute().name);
 }
 

@@ -275,7 +275,7 @@ class Engine : public Component {
   static constexpr std::string_view kCategory = "Engine";
   using Component::Component;
 
-  void refresh() final {}
+  bool looks_by_itself() const final { return true; }
   void provide(Data& output) final;
 
  protected:
@@ -287,8 +287,7 @@ class Engine : public Component {
 
  private:
   bool is_computing_ = false;
-  long computed_from_ = 0;          // version of the inputs
-  std::set<const Data*> computed_;  // outputs that were found from these
+  std::set<const Data*> computed_;  // outputs that were found from the inputs as they are
 };
 
 /// Lists of numbers at one moment: each output is computed once, however many follow it.

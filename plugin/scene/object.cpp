@@ -28,6 +28,8 @@ bool is_computed(const Attribute& attribute) {
   return attribute.access == Access::kOutput || attribute.access == Access::kState;
 }
 
+bool is_input(const Data& data) { return data.source() || !is_computed(data.attribute()); }
+
 /// Where its value comes from.
 const Data& end_of(const Data& data) {
   const Data* end = &data;
@@ -233,12 +235,16 @@ void Object::remark(Severity severity, std::string_view attribute, const std::st
                                       : fmt::format("{}.{}: {}", class_name(), attribute, what));
 }
 
-long Object::inputs_version() {
-  long sum = 0;
-  for (const auto& data : data_) {
-    if (data->source() || !is_computed(data->attribute())) sum += data->version();
-  }
-  return sum;
+std::span<const std::string_view> Object::new_inputs() {
+  new_inputs_.clear();
+  for (const auto& data : data_)
+    if (is_input(*data) && data->is_new()) new_inputs_.push_back(data->attribute().name);
+  return new_inputs_;
+}
+
+void Object::accept_inputs() {
+  for (const auto& data : data_)
+    if (is_input(*data)) data->accept();
 }
 
 }  // namespace hexaplast::scene

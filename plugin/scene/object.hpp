@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -80,6 +81,11 @@ class Data {
   /// Grows whenever the value changes, also where it comes from somewhere else than before.
   long version();
 
+  /// For the owner: whether the value is another one than accept() was called for, and that it is known now.
+  bool is_new() { return version() != accepted_version_; }
+  void accept() { accepted_version_ = version(); }
+  void forget() { accepted_version_ = -1; }  ///< it is new again
+
   /// The present value. Throws InputError where it is that of a source and not admissible here.
   const Value& checked();
 
@@ -94,6 +100,7 @@ class Data {
   long version_ = 0;
   long source_version_ = -1;   // of the source, when it was last looked at
   long checked_version_ = -1;  // at which the source's value was admissible
+  long accepted_version_ = -1;
   bool is_given_ = false;
   bool is_made_ = false;  // by set_once
   std::string link_;
@@ -149,8 +156,9 @@ class Object {
   /// Called before an output or a state is read: brings it up to date with Data::set.
   virtual void provide(Data&) {}
 
-  /// Grows whenever an input changes.
-  long inputs_version();
+  /// Names of the inputs whose values are new since accept_inputs. Valid until the next call.
+  std::span<const std::string_view> new_inputs();
+  void accept_inputs();
 
  private:
   Data& data(std::string_view name);
@@ -162,6 +170,7 @@ class Object {
   Place place_;
   Diagnostics* diagnostics_ = nullptr;
   std::vector<std::unique_ptr<Data>> data_;
+  std::vector<std::string_view> new_inputs_;  // kept, so that a step does not allocate
 };
 
 /// Thrown by reject: one thing wrong with the scene, which whoever called the object adds to the others.

@@ -58,7 +58,7 @@ void Scene::init(Node& node) {
 void Scene::init(Component& component) {
   attempt(component, [&] {
     component.init();
-    component.mark_inputs_seen();
+    if (!component.looks_by_itself()) component.accept_inputs();
     component.stage_ = Component::Stage::kReady;
   });
 }
@@ -86,7 +86,7 @@ void Scene::reset() {
   trouble_ = "a reset has failed";
   root_->clock().time = 0;
   const auto reset_parts = [&] {
-    root_->for_each<Component>([](Component& component) {
+    root_->for_each<Stateful>([](Stateful& component) {
       if (!dynamic_cast<OdeSolver*>(&component)) component.reset();
     });
   };
@@ -95,7 +95,9 @@ void Scene::reset() {
   follow_all_inputs();
   reset_parts();
   // integrators last: they prescribe the motion of states, which have their first positions by then
-  root_->for_each<OdeSolver>([](OdeSolver& solver) { solver.reset(); });
+  root_->for_each<OdeSolver>([](OdeSolver& solver) {
+    if (auto* stateful = dynamic_cast<Stateful*>(&solver)) stateful->reset();
+  });
   trouble_ = nullptr;
 }
 
@@ -157,6 +159,11 @@ void Scene::restore_motion() {
 
 namespace {
 
+/// Names of the attributes whose change it follows in the next step.
+std::string changes_to_come(Component& component) {
+  return component.looks_by_itself() ? std::string() : fmt::format("{}", fmt::join(component.new_inputs(), " "));
+}
+
 std::string address(const Component& component) {
   const std::string path = component.node().path();
   return fmt::format("{}{}{} ({})", path, path == "/" ? "" : "/", component.name(), component.class_name());
@@ -169,36 +176,35 @@ void Scene::serialize(Archive& archive) {
   require_whole();
   archive(root_->clock().time);
   root_->for_each<Component>([&](Component& component) {
-    std::string own_address = address(component);
-    bool awaits_refresh = component.seen_inputs_ != component.inputs_version();
-    std::uint64_t size = serialized_size([&](Archive& counting) { component.serialize(counting); });
-    archive(own_address, awaits_refresh, size);
-    component.serialize(archive);
+    std::string own_address = address(component), changed = changes_to_come(component);
+    auto* stateful = dynamic_cast<Stateful*>(&component);
+    std::uint64_t size = stateful ? serialized_size([&](Archive& counting) { stateful->serialize(counting); }) : 0;
+    archive(own_address, changed, size);
+    if (stateful) stateful->serialize(archive);
   });
 }
 
 void Scene::restore(Archive& archive) {
   struct Saved {
     Component& component;
-    bool awaits_refresh;
+    std::string changed;  // attributes whose change it follows in the next step
     std::span<const std::byte> bytes;
   };
   std::vector<Saved> all;
   trouble_ = "a state could not be read";
   archive(root_->clock().time);
   root_->for_each<Component>([&](Component& component) {
-    std::string saved_address;
-    bool awaits_refresh = false;
+    std::string saved_address, changed;
     std::uint64_t size = 0;
-    archive(saved_address, awaits_refresh, size);
+    archive(saved_address, changed, size);
     if (saved_address != address(component))
       throw InputError(fmt::format("{} stands where {} was saved", address(component), saved_address));
-    all.push_back({component, awaits_refresh, archive.take(size)});
+    all.push_back({component, std::move(changed), archive.take(size)});
   });
 
   const auto read = [](const Saved& saved) {
     Archive own(saved.bytes);
-    saved.component.serialize(own);
+    if (auto* stateful = dynamic_cast<Stateful*>(&saved.component)) stateful->serialize(own);
     if (own.rest() != 0)
       throw InputError(
           fmt::format("{} keeps {} bytes, {} were saved", address(saved.component), own.size(), saved.bytes.size()));
@@ -224,14 +230,19 @@ void Scene::restore(Archive& archive) {
   try {
     for (const bool of_contacts : {false, true})
       for (const Saved& saved : all)
-        if (is_contact(saved.component) == of_contacts && !saved.awaits_refresh) saved.component.follow_inputs();
+        if (is_contact(saved.component) == of_contacts && saved.changed.empty()) saved.component.follow_inputs();
   } catch (const Rejection& rejection) {
     throw SceneError(rejection.what());
   }
   read_all();
   for (const Saved& saved : all) {
-    saved.component.mark_inputs_seen();
-    if (saved.awaits_refresh) saved.component.seen_inputs_ = -1;
+    if (saved.component.looks_by_itself()) continue;
+    saved.component.accept_inputs();
+    for (const std::string_view attribute : split_words(saved.changed)) {
+      Data* data = saved.component.find_data(attribute);
+      if (!data) throw InputError(fmt::format("{} has no attribute '{}'", address(saved.component), attribute));
+      data->forget();
+    }
   }
   trouble_ = nullptr;
 }

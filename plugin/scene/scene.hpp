@@ -41,7 +41,7 @@ class Scene {
   /// InputError, until reset or until a state is read; so it is after a state that could not be read.
   SolveReport step();
 
-  /// Time and all components (Component::serialize): into a checkpoint between two steps, or from one right after init.
+  /// Time and all components (Stateful::serialize): into a checkpoint between two steps, or from one right after init.
   /// Throws InputError when the components of the scene are not those that were written, or keep another state, and
   /// where a step has failed, of which no state is written.
   void serialize(Archive& archive);

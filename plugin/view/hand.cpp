@@ -265,7 +265,7 @@ void Hand::release() {
   }
   scene::Component& grip = *active_.front();
   change(grip, "graspTime", kNever, messages_);
-  grip.reset();
+  dynamic_cast<scene::Stateful&>(grip).reset();
   drop_motions_without_step();
   if (num_open_motions_ > 0) motions_.back().attributes.emplace_back("releaseTime", fmt::format("{}", scene_.time()));
   num_open_motions_ = 0;

@@ -86,10 +86,6 @@ void expect_to_go_on(const std::string& text) {
   EXPECT_EQ(support::nodes(straight), support::nodes(resumed));
 }
 
-TEST(AttributeChange, GoesOnFromACheckpoint) {
-  expect_to_go_on(change("attribute='youngModulus' keyTimes='0.2 0.5' values='900; 7000'"));
-}
-
 // The second one has not changed anything yet.
 TEST(AttributeChange, ACheckpointHasTheValueThatIsThere) {
   expect_to_go_on(

@@ -140,14 +140,15 @@ constexpr attributes::Description kFollower{.class_name = "Follower",
                                             .help = "Keeps the first value that it has seen after a change.",
                                             .attributes = kFollowerAttributes};
 
-class Follower final : public scene::Component {
+class Follower final : public scene::Component, public scene::Changeable, public scene::Stateful {
  public:
   Follower() : Component(kFollower) {}
   void init() override {
     latest_ = reals("field");
     ++num_looks_;
   }
-  void refresh() override { init(); }
+  void refresh(std::span<const std::string_view>) override { init(); }
+  void reset() override { num_looks_ = 1; }
   void serialize(Archive& archive) override { archive(num_looks_); }
   int num_looks() const { return num_looks_; }
   const std::vector<double>& latest() const { return latest_; }
@@ -177,11 +178,15 @@ constexpr attributes::Attribute kOvenAttributes[] = {
 constexpr attributes::Description kOven{
     .class_name = "Oven", .category = "Test", .help = "Softens what follows it.", .attributes = kOvenAttributes};
 
-class Oven final : public scene::Component {
+class Oven final : public scene::Component, public scene::Stateful {
  public:
   Oven() : Component(kOven) { show(); }
   void begin_step() override {
     yield_ *= 0.9;
+    show();
+  }
+  void reset() override {
+    yield_ = 300;
     show();
   }
   void serialize(Archive& archive) override {
@@ -284,9 +289,9 @@ std::vector<SavedPart> parts_of(const std::vector<std::byte>& bytes) {
   std::vector<SavedPart> parts;
   while (archive.rest() > 0) {
     SavedPart part;
-    bool awaits_refresh = false;
+    std::string changed;
     std::uint64_t size = 0;
-    archive(part.address, awaits_refresh);
+    archive(part.address, changed);
     part.size_at = archive.size();
     archive(size);
     part.begin = archive.size();

@@ -357,10 +357,10 @@ TEST(SceneLinks, WhatCannotFollowAChangeRefusesIt) {
     scene.step();
     FAIL() << "the constant force followed the velocity";
   } catch (const scene::SceneError& error) {
-    EXPECT_STREQ(
-        error.what(),
-        "test.scn:2: error: MechanicalObject: follows a link to something that changes during the run, which it "
-        "cannot do");
+    EXPECT_STREQ(error.what(),
+                 "test.scn:2: error: MechanicalObject.externalForce: follows a link to something that changes during "
+                 "the run, which it "
+                 "cannot do");
   }
 }
 
