@@ -89,7 +89,7 @@ def run(name, scene, settings=(), implementation="plain"):
     with open(out / "history.csv") as file:
         rows = list(csv.DictReader(file))
     history = {key: np.array([float(row[key]) for row in rows]) for key in rows[0]}
-    return Run(np.array(state["positions"]), np.array(state["material_positions"]),
+    return Run(np.array(state["positions"]), np.array(state["plastic_rest_positions"]),
                np.array(state["isolated_shapes"]), history, out, cpu_s)
 
 

@@ -46,7 +46,7 @@ def make():
     for column, load in enumerate(LOADS):
         hexahedra = run(f"fig2/hexahedra_{load}", f"bar_{load}_high")
         cases = [("hexahedra", grid.boundary_faces()[0], hexahedra.world_at(200), hexahedra.material, 1.0,
-                  hexahedra.history["material_volume_ratio"][-1])]
+                  hexahedra.history["plastic_rest_volume_ratio"][-1])]
         for splitting in SPLITTINGS:
             file = WORK / f"fig2/{splitting}_{load}.json"
             subprocess.run([BIN / "hexaplast_tetrahedra", splitting, load, file], check=True)

@@ -31,7 +31,7 @@ def make():
     rows = []
     for level in LEVELS:
         history = runs[level].history
-        volume = history["material_volume_ratio"] - 1
+        volume = history["plastic_rest_volume_ratio"] - 1
         halves = np.abs(slices[level] - slices[level][::-1]).max()
         rows.append([level, f"{100 * elongation(grid, runs[level].material):.2f}",
                      *(f"{100 * value:.2f}" for value in slices[level][5:]), f"{halves:.0e}",

@@ -40,7 +40,7 @@ def make():
     for level, mode in cases:
         this = runs[level, mode]
         determinant, scaled = corner_jacobians(grid, this.material)
-        volume = this.history["material_volume_ratio"] - 1
+        volume = this.history["plastic_rest_volume_ratio"] - 1
         rows.append([level, mode, f"{slices[level, mode].sum():.2f}",
                      f"{PROTOTYPE[mode][LEVELS.index(level)]:g}",
                      *(f"{value:.2f}" for value in slices[level, mode][5:]),

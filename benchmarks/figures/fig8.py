@@ -64,7 +64,7 @@ def make():
 
     rows = []
     for k, r in enumerate(REFINEMENTS):
-        volume = np.abs(ends[r].history["material_volume_ratio"] - 1)
+        volume = np.abs(ends[r].history["plastic_rest_volume_ratio"] - 1)
         rows.append([f"{hexahedra[k]}", f"{100 * elongation(grids[r], peaks[r]):.2f}",
                      f"{100 * elongation(grids[r], ends[r].material):.2f}", f"{100 * at_end[r][-r:].mean():.2f}",
                      f"{100 * volume.max():.3f}", f"{step_ms[k]:.2f}", f"{iterations[k]:.1f}",

@@ -99,7 +99,7 @@ void write_final(WholeFile& out, long step, double time, ConstPoints positions, 
   out.write(fmt::format("{{\n  \"time\": {},\n", exact(time)));
   write_points(out, "positions", positions);
   write_points(out, "velocities", velocities);
-  write_points(out, "material_positions", bodies.plastic_rest_positions());
+  write_points(out, "plastic_rest_positions", bodies.plastic_rest_positions());
   write_isolated_shapes(out, bodies);
   write_values(out, "volume_ratio", fields.volume_ratio);
   write_values(out, "yield_stress", fields.yield_stress);

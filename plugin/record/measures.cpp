@@ -15,11 +15,11 @@ Measures Measurement::measure(ConstPoints positions) const {
   Measures found;
   found.plastic_elongation = elongation(ends_, material);
   found.plastic_twist_deg = twist(bodies_.mesh(), ends_, material) * kDegrees;
-  found.world_elongation = elongation(ends_, positions);
-  found.world_twist_deg = twist(bodies_.mesh(), ends_, positions) * kDegrees;
+  found.current_elongation = elongation(ends_, positions);
+  found.current_twist_deg = twist(bodies_.mesh(), ends_, positions) * kDegrees;
   const double initial = bodies_.initial_volume();
-  found.material_volume_ratio = initial > 0 ? bodies_.volume(material) / initial : 0;
-  found.world_volume_ratio = initial > 0 ? bodies_.volume(positions) / initial : 0;
+  found.plastic_rest_volume_ratio = initial > 0 ? bodies_.volume(material) / initial : 0;
+  found.current_volume_ratio = initial > 0 ? bodies_.volume(positions) / initial : 0;
   return found;
 }
 

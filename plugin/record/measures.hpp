@@ -11,10 +11,10 @@ namespace hexaplast::output {
 struct Measures {
   double plastic_elongation = 0;  ///< [-] of the plastic rest shape along the longest axis of the initial bounding box
   double plastic_twist_deg = 0;   ///< of the plastic rest shape about that axis
-  double world_elongation = 0;
-  double world_twist_deg = 0;
-  double material_volume_ratio = 1;  ///< plastic volume / initial volume
-  double world_volume_ratio = 1;
+  double current_elongation = 0;
+  double current_twist_deg = 0;
+  double plastic_rest_volume_ratio = 1;  ///< plastic volume / initial volume
+  double current_volume_ratio = 1;
 };
 
 /// Measures bodies again and again, as if they were one. They must outlive it.

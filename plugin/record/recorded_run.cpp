@@ -141,7 +141,7 @@ RecordedRun::State RecordedRun::state(const Entry& entry, Quantity quantity) con
 
   State state;
   state.positions = read_state.mesh.positions;
-  state.plastic_rest = point_vectors(entry.file, read_state, "material_position");
+  state.plastic_rest = point_vectors(entry.file, read_state, "plastic_rest_position");
 
   const QuantityEntry& wanted = entry_of(quantity);
   if (wanted.of_nodes) {

@@ -27,9 +27,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view kHeader =
-    "step,time,kinetic_energy,elastic_energy,dissipated_energy,world_volume_ratio,material_volume_ratio";
+    "step,time,kinetic_energy,elastic_energy,dissipated_energy,current_volume_ratio,plastic_rest_volume_ratio";
 constexpr std::string_view kPlasticEndsHeader = ",plastic_elongation,plastic_twist_deg",
-                           kWorldEndsHeader = ",world_elongation,world_twist_deg";
+                           kWorldEndsHeader = ",current_elongation,current_twist_deg";
 constexpr std::string_view kStepHeader =
     ",end_displacement,yielded,inverted,removed,solver_iterations,residual,step_ms,rolled_back";
 constexpr std::string_view kBalanceHeader =
@@ -277,13 +277,13 @@ std::string Recorder::Files::row_of(const StepRecord& record, ConstPoints positi
   std::string row =
       fmt::format("{},{},{},{},{},{},{}", record.step, record.time, record.kinetic_energy,
                   record.energy ? record.energy->elastic : bodies.energy(positions), bodies.dissipated_energy(),
-                  measures.world_volume_ratio, measures.material_volume_ratio);
+                  measures.current_volume_ratio, measures.plastic_rest_volume_ratio);
   row += between_ends(measures.plastic_elongation, measures.plastic_twist_deg);
   row += fmt::format(",{},{},{},{},{},{},{},{}",
                      mean_displacement(plan.loaded_nodes, bodies.mesh().positions(), positions), record.flow.yielded,
                      record.flow.inverted, bodies.num_removed(), record.solver_iterations, record.residual,
                      record.step_ms, record.flow.rolled_back);
-  row += between_ends(measures.world_elongation, measures.world_twist_deg);
+  row += between_ends(measures.current_elongation, measures.current_twist_deg);
   if (plan.has_energy_balance) row += balance_columns(*record.energy);
   if (plan.has_energy_balance && plan.has_contact)
     row += fmt::format(",{},{},{}", record.instrument_work, record.contact_energy, record.friction_loss);

@@ -131,7 +131,7 @@ std::string probe_column(std::string_view probe);
 /// Throws InputError and OutputError.
 void require_saved_files(const std::filesystem::path& directory, Archive& saved);
 
-/// Writes `--final FILE.json`: time, positions, velocities, material_positions (num_nodes x 3), per hexahedron
+/// Writes `--final FILE.json`: time, positions, velocities, plastic_rest_positions (num_nodes x 3), per hexahedron
 /// isolated_shapes (8 x 3: the isolated rest shape in the material frame, about its mean), volume_ratio and
 /// yield_stress (null where infinite), removed (hexahedra in the order of their removal), state_hash; 17 significant
 /// digits. Of several bodies all lists hold those of one body behind those of another, `removed` too, and `bodies`

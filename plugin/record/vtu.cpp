@@ -43,7 +43,7 @@ void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoi
                .shown_first = "plastic_strain"};
   grid.add_cells(hexahedra.size(), kVtkHexahedron, kCorners);
   grid.point_data = {vectors("displacement", displacement),
-                     vectors("material_position", bodies.plastic_rest_positions()), vectors("velocity", velocity)};
+                     vectors("plastic_rest_position", bodies.plastic_rest_positions()), vectors("velocity", velocity)};
   if (!conditions.fixed.empty()) grid.point_data.push_back(scalars("UInt8", "fixed", conditions.fixed));
   if (conditions.loads.rows() > 0) grid.point_data.push_back(vectors("load", conditions.loads));
   grid.cell_data = {scalars("Int32", "id", ids),

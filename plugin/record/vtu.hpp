@@ -13,7 +13,8 @@ namespace hexaplast::output {
 /// Writes one state of bodies as a VTK unstructured grid of hexahedra (formats/vtu_grid.hpp). The points are the
 /// current positions [m].
 ///
-///   point data: displacement [m], material_position [m], velocity [m/s], and as far as they are given fixed (0 or 1)
+///   point data: displacement [m], plastic_rest_position [m], velocity [m/s], and as far as they are given fixed (0 or
+///   1)
 ///               and load [N] (BoundaryConditions)
 ///   cell data:  id, part, of several bodies also body, stress_norm [Pa], plastic_strain [-], yield_stress [Pa],
 ///               volume_ratio [-], strain [-] (ElementFields), and region where regions are given: the number of the

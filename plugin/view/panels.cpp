@@ -217,9 +217,10 @@ void draw_plots(const WindowState& window) {
       plot(title, unit, curves, begin, end, cursor);
   };
   draw("elongation", "%",
-       {{"current", kSteel, traces.world_elongation}, {"plastic", kRust, traces.plastic_elongation}});
+       {{"current", kSteel, traces.current_elongation}, {"plastic", kRust, traces.plastic_elongation}});
   draw("max plastic strain", "-", {{"", kRust, traces.plastic_strain}});
-  draw("volume error", "%", {{"current", kSteel, traces.world_volume}, {"plastic", kRust, traces.material_volume}});
+  draw("volume error", "%",
+       {{"current", kSteel, traces.current_volume}, {"plastic", kRust, traces.plastic_rest_volume}});
   draw("energy", "J",
        {{"kin", kLeaf, traces.kinetic}, {"el", kSteel, traces.elastic}, {"diss", kRust, traces.dissipated}});
   if (!traces.step_ms.empty()) {

@@ -43,11 +43,11 @@ double Trace::quantile(double fraction) const {
 }
 
 Traces::Traces(double span, double num_steps)
-    : world_elongation(span),
+    : current_elongation(span),
       plastic_elongation(span),
       plastic_strain(span),
-      world_volume(span),
-      material_volume(span),
+      current_volume(span),
+      plastic_rest_volume(span),
       kinetic(span),
       elastic(span),
       dissipated(span),
@@ -66,10 +66,10 @@ Traces traces_of(const std::filesystem::path& directory) {
   };
   std::vector<std::pair<int, Column>> columns;
   for (const Column& column :
-       {Column{"world_elongation", &traces.world_elongation, 100, 0},
+       {Column{"current_elongation", &traces.current_elongation, 100, 0},
         Column{"plastic_elongation", &traces.plastic_elongation, 100, 0},
-        Column{"world_volume_ratio", &traces.world_volume, 100, -1},
-        Column{"material_volume_ratio", &traces.material_volume, 100, -1},
+        Column{"current_volume_ratio", &traces.current_volume, 100, -1},
+        Column{"plastic_rest_volume_ratio", &traces.plastic_rest_volume, 100, -1},
         Column{"kinetic_energy", &traces.kinetic, 1, 0}, Column{"elastic_energy", &traces.elastic, 1, 0},
         Column{"dissipated_energy", &traces.dissipated, 1, 0}})
     if (const int number = table.find(column.name); number >= 0) columns.emplace_back(number, column);
@@ -88,17 +88,17 @@ Traces traces_of(const std::filesystem::path& directory) {
 void Traces::add(const Snapshot& snapshot) {
   const Sample& sample = snapshot.sample;
   if (!plastic_strain.empty() && sample.time < plastic_strain.latest_time()) {  // it went back
-    for (Trace* trace : {&world_elongation, &plastic_elongation, &plastic_strain, &world_volume, &material_volume,
-                         &kinetic, &elastic, &dissipated})
+    for (Trace* trace : {&current_elongation, &plastic_elongation, &plastic_strain, &current_volume,
+                         &plastic_rest_volume, &kinetic, &elastic, &dissipated})
       trace->forget_after(sample.time);
     step_ms.forget_after(static_cast<double>(snapshot.step) - static_cast<double>(snapshot.step_ms.size()));
   }
   const double time = sample.time;
-  world_elongation.add(time, 100 * sample.measures.world_elongation);
+  current_elongation.add(time, 100 * sample.measures.current_elongation);
   plastic_elongation.add(time, 100 * sample.measures.plastic_elongation);
   plastic_strain.add(time, sample.greatest_plastic_strain);
-  world_volume.add(time, 100 * (sample.measures.world_volume_ratio - 1));
-  material_volume.add(time, 100 * (sample.measures.material_volume_ratio - 1));
+  current_volume.add(time, 100 * (sample.measures.current_volume_ratio - 1));
+  plastic_rest_volume.add(time, 100 * (sample.measures.plastic_rest_volume_ratio - 1));
   kinetic.add(time, sample.kinetic_energy);
   elastic.add(time, sample.elastic_energy);
   dissipated.add(time, sample.dissipated_energy);

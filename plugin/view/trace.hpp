@@ -51,11 +51,11 @@ struct Traces {
 
   void add(const Snapshot& snapshot);
 
-  Trace world_elongation, plastic_elongation;  ///< [%]
-  Trace plastic_strain;                        ///< [-]
-  Trace world_volume, material_volume;         ///< error [%]
-  Trace kinetic, elastic, dissipated;          ///< [J]
-  Trace step_ms;                               ///< [ms], over the number of the step
+  Trace current_elongation, plastic_elongation;  ///< [%]
+  Trace plastic_strain;                          ///< [-]
+  Trace current_volume, plastic_rest_volume;     ///< error [%]
+  Trace kinetic, elastic, dissipated;            ///< [J]
+  Trace step_ms;                                 ///< [ms], over the number of the step
 };
 
 /// Those of a run, from its history.csv; empty where there is none. A column that it has not is an empty trace. Throws

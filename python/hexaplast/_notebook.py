@@ -73,7 +73,7 @@ def to_meshio(self):
         [("hexahedron", hexahedra[kept])],
         point_data={"displacement": self.positions - np.concatenate([body.initial_positions for body in bodies]),
                     "velocity": self.velocities.copy(),
-                    "material_position": np.concatenate([body.plastic_rest_positions for body in bodies])},
+                    "plastic_rest_position": np.concatenate([body.plastic_rest_positions for body in bodies])},
         cell_data={"id": [kept], **cell_data},
     )
 

@@ -11,7 +11,7 @@ QUANTITIES = {  # name: unit, label in pictures, factor from the unit to that of
     "elongation": ("", "elongation [%]", 100), "plastic_elongation": ("", "plastic elongation [%]", 100),
     "twist_deg": ("deg", "twist [°]", 1), "plastic_twist_deg": ("deg", "plastic twist [°]", 1),
     "force": ("N", "force [N]", 1)}
-OF_WORLD = ("elongation", "twist_deg")  # history.csv calls them world_...
+OF_CURRENT = ("elongation", "twist_deg")  # history.csv calls them current_...
 MIN_ROWS = 2
 SAME_MOMENT = 1e-6  # of a step: the running time is rounded
 SAME_FORCE = 1e-9  # of the largest
@@ -36,11 +36,11 @@ class Column:
     @property
     def measure(self):
         """Its name in streams of states."""
-        return f"world_{self.name}" if self.name in OF_WORLD else self.name
+        return f"current_{self.name}" if self.name in OF_CURRENT else self.name
 
 
 def column_named(text):
-    name = text.removeprefix("world_") if text.removeprefix("world_") in OF_WORLD else text
+    name = text.removeprefix("current_") if text.removeprefix("current_") in OF_CURRENT else text
     if name in QUANTITIES:
         unit, label, scale = QUANTITIES[name]
         return Column(name, False, unit, label, scale)

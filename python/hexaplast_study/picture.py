@@ -184,8 +184,8 @@ def draw_sweep(directory):
     file = directory.path / "sweep.svg"
     num_plots = grid.num_runs // len(along.values)
     names = directory.columns()
-    quantities = [("elongation [%]", 100, {"current": "world_elongation", "plastic": "plastic_elongation"})]
-    quantities.append(("twist [°]", 1, {"current": "world_twist_deg", "plastic": "plastic_twist_deg"}))
+    quantities = [("elongation [%]", 100, {"current": "current_elongation", "plastic": "plastic_elongation"})]
+    quantities.append(("twist [°]", 1, {"current": "current_twist_deg", "plastic": "plastic_twist_deg"}))
     quantities = [one for one in quantities if one[2]["current"] in names]
     if quantities and not any(abs(directory.result(run, name)) > NO_TWIST for run in directory.cases
                               for name in quantities[1][2].values()):

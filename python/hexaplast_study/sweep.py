@@ -26,7 +26,7 @@ from .options import Parser, add_jobs, add_scene, names, num_jobs, whole_number
 MAX_RUNS, MAX_VALUES, MAX_SHARDS = 100_000, 10_000, 100_000
 FORM = "must be PATH.attribute=a:b:n, PATH.attribute=a:b:n:log or PATH.attribute=v1,v2,..."
 FINAL_CODES = (0, 3, 4)  # of runs that would end in the same way again
-ENDS = ("plastic_elongation", "plastic_twist_deg", "world_elongation", "world_twist_deg")
+ENDS = ("plastic_elongation", "plastic_twist_deg", "current_elongation", "current_twist_deg")
 RESULTS = ("volume_error", "largest_plastic_strain", "elastic_energy", "kinetic_energy", "dissipated_energy", "removed",
            "state_hash")
 DATA = "states.h5"

@@ -53,7 +53,7 @@ def values_of(found):
 
 def test_what_made_a_curve_is_recovered(place):
     place.make_truth()
-    found = place.fit("bar.scn", "--target", "truth/history.csv", "--compare", "world_elongation", *BOTH)
+    found = place.fit("bar.scn", "--target", "truth/history.csv", "--compare", "current_elongation", *BOTH)
     assert "body." not in place.messages  # no value in doubt
     assert abs(values_of(found)[0] - 110) < 0.11 and abs(values_of(found)[1] - 1.3) < 0.0013
     assert found["relative_rms"] < 1e-4 and found["evaluations"] < 150 and found["converged"]
@@ -65,7 +65,7 @@ def test_what_made_a_curve_is_recovered(place):
     place.run("run", "bar.scn", "--quiet", "--steps", "40", "--frames", "0", "--out", "again", *found["set"].split())
     picture = (place.path / "found/fit.svg").read_text()
     assert all(text in picture for text in ("before", "target", "fitted", "elongation [%]", "time [s]"))
-    ended = place.run("fit", "bar.scn", "--target", "truth/history.csv", "--compare", "world_elongation", *BOTH, "--out",
+    ended = place.run("fit", "bar.scn", "--target", "truth/history.csv", "--compare", "current_elongation", *BOTH, "--out",
                       "found", code=5)
     assert "found: holds an earlier fit (fit.json); --force replaces it" in ended.stderr
 
@@ -110,7 +110,7 @@ def test_a_probe_is_compared(place):
 
 def test_the_result_does_not_depend_on_the_number_of_runs_at_a_time(place):
     place.make_truth(**{"body.yieldStress": 110})
-    words = ["bar.scn", "--target", "truth/history.csv", "--compare", "world_elongation"]
+    words = ["bar.scn", "--target", "truth/history.csv", "--compare", "current_elongation"]
     results = []
     for jobs in ("1", "2", "3"):
         place.fit(*words, *BOTH, "--jobs", jobs)
@@ -200,7 +200,7 @@ def test_an_experiment_has_columns_and_settings_of_its_own(place):
     ("elongation\n1\n2\n", "curve.csv:1: error: no column is called time or force"),
     ("time\n1\n2\n", "curve.csv:1: error: no column to compare"),
     ("time,lenght\n1,1\n2,2\n", "curve.csv:1: error: column 'lenght' is not known"),
-    ("time,elongation,world_elongation\n1,1,1\n2,2,2\n", "curve.csv:1: error: elongation is there twice"),
+    ("time,elongation,current_elongation\n1,1,1\n2,2,2\n", "curve.csv:1: error: elongation is there twice"),
     ("time,elongation\n0.1,0.1\n", "curve.csv: error: at least 2 rows are needed"),
     ("time,elongation\n0.1,0\n0.2,0\n", "curve.csv: error: elongation is zero in every row"),
     ("time,elongation\n0.1,0.1\n0.2\n", "curve.csv:3: error: 1 fields, must be 2"),
@@ -266,7 +266,7 @@ def noisy(truth, seed, noise, kept, plastic_noise):
     draw = random.Random(seed)
     rows, present = ["time,elongation,plastic_elongation"], draw.gauss(0, 1)
     for row in truth:
-        rows.append(f"{row['time']},{row['world_elongation'] + noise * present},"
+        rows.append(f"{row['time']},{row['current_elongation'] + noise * present},"
                     f"{row['plastic_elongation'] + plastic_noise * draw.gauss(0, 1)}")
         present = kept * present + math.sqrt(1 - kept**2) * draw.gauss(0, 1)
     return "\n".join(rows) + "\n"
@@ -321,7 +321,7 @@ def test_combinations_that_are_not_determined_are_named(place):
     assert "the curve does not determine " in place.messages and " together with " in place.messages
     # as many rows as values: any noise could be part of them
     truth = place.make_truth()
-    place.write(curve_csv="time,elongation\n" + "".join(f"{row['time']},{row['world_elongation']}\n" for row in truth
+    place.write(curve_csv="time,elongation\n" + "".join(f"{row['time']},{row['current_elongation']}\n" for row in truth
                                                         if row["step"] in (12, 25)))
     bare = place.fit("bar.scn", "--target", "curve.csv", *BOTH)
     assert "not more rows than parameters" in place.messages and bare["columns"][0]["noise"] is None

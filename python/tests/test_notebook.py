@@ -173,7 +173,7 @@ def test_meshio_has_the_present_state(tmp_path):
     assert np.array_equal(mesh.cell_data["id"][0], kept)
     assert np.array_equal(mesh.cell_data["plastic_strain"][0], fields.plastic_strain[kept])
     assert np.array_equal(mesh.point_data["displacement"], simulation.positions - simulation.body.initial_positions)
-    assert np.array_equal(mesh.point_data["material_position"], simulation.body.plastic_rest_positions)
+    assert np.array_equal(mesh.point_data["plastic_rest_position"], simulation.body.plastic_rest_positions)
 
 
 def test_a_mesh_of_meshio_keeps_its_state():

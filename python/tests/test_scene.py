@@ -31,7 +31,7 @@ def test_a_scene_has_the_bits_of_the_command(tmp_path):
     assert scene.state_hash() == state["state_hash"]
     assert scene.positions.tolist() == state["positions"]
     assert scene.velocities.tolist() == state["velocities"]
-    assert scene.body.plastic_rest_positions.tolist() == state["material_positions"]
+    assert scene.body.plastic_rest_positions.tolist() == state["plastic_rest_positions"]
     assert scene.body.fields(scene.positions).volume_ratio.tolist() == state["volume_ratio"]
     assert scene.time == pytest.approx(0.4) and scene.num_steps == 40 and scene.dt == 0.01
     assert scene.planned_steps == 500
@@ -217,7 +217,7 @@ def test_a_scene_of_several_bodies(tmp_path):
     assert views[0].tolist() == state["positions"] and views[1].tolist() == state["velocities"]
     assert (views[2] == views[0][:36]).all() and (views[3] == views[1][36:]).all()
     assert np.concatenate([liver.plastic_rest_positions, sac.plastic_rest_positions]).tolist() == (
-        state["material_positions"])
+        state["plastic_rest_positions"])
     assert scene.elastic_energy == pytest.approx(liver.energy(liver.positions) + sac.energy(sac.positions))
     with pytest.raises(ValueError, match=r"the scene has 2 bodies \(liver, sac\): use bodies"):
         scene.body

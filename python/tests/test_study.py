@@ -158,7 +158,7 @@ def test_an_executor_that_fails_ends_the_study(tmp_path, curve, monkeypatch, poo
         with pytest.raises(RuntimeError, match="a node died"):
             study.sweep(BAR, {FLOW: [1, 2]}, executor, out=tmp_path / "sweep", steps=2)
         with pytest.raises(RuntimeError, match="a node died"):
-            study.fit(BAR, curve, {YIELD: (50, 2000)}, executor, out=tmp_path / "fit", compare=["world_elongation"])
+            study.fit(BAR, curve, {YIELD: (50, 2000)}, executor, out=tmp_path / "fit", compare=["current_elongation"])
     assert not list((tmp_path / "fit").glob("*")) and not list((tmp_path / "sweep").glob("run_*"))
 
 
@@ -236,7 +236,7 @@ def curve(tmp_path_factory):
 @pytest.mark.parametrize("pool", [None, concurrent.futures.ThreadPoolExecutor, concurrent.futures.ProcessPoolExecutor])
 def test_a_fit_by_an_executor_is_that_of_the_command(tmp_path, curve, pool):
     free = {YIELD: (50, 2000)}
-    arguments = dict(compare=["world_elongation", "plastic_elongation"], evaluations=30)
+    arguments = dict(compare=["current_elongation", "plastic_elongation"], evaluations=30)
     if pool is None:
         found = study.fit(BAR, curve, free, out=tmp_path / "fit", **arguments)
     else:
@@ -244,7 +244,7 @@ def test_a_fit_by_an_executor_is_that_of_the_command(tmp_path, curve, pool):
             found = study.fit(BAR, curve, free, executor, out=tmp_path / "fit", **arguments)
     assert abs(found.values_found[YIELD] - 420) < 0.1
     assert found["parameters"][0]["confidence_from"] is not None and len(found["columns"]) == 2
-    ended = command("fit", BAR, "--target", curve, "--compare", "world_elongation,plastic_elongation", "--free",
+    ended = command("fit", BAR, "--target", curve, "--compare", "current_elongation,plastic_elongation", "--free",
                     f"{YIELD}=50:2000", "--evaluations", 30, "--out", tmp_path / "alone")
     assert ended.returncode == 0, ended.stderr
     assert json.loads((tmp_path / "alone" / "fit.json").read_text()) == found
@@ -256,11 +256,11 @@ def test_a_fit_of_several_experiments_is_that_of_the_command(tmp_path, curve):
             f"{YIELD}=420", "--set", "bar/material.plasticFlowRate=2")
     other = tmp_path / "other" / "history.csv"
     with concurrent.futures.ThreadPoolExecutor(2) as executor:
-        found = study.fit(BAR, curve, {YIELD: (50, 2000)}, executor, out=tmp_path / "fit", compare=["world_elongation"],
+        found = study.fit(BAR, curve, {YIELD: (50, 2000)}, executor, out=tmp_path / "fit", compare=["current_elongation"],
                           experiments=[dict(scene=BAR, target=other, compare=["plastic_elongation"], overrides=stronger)])
     assert abs(found.values_found[YIELD] - 420) < 0.1
     assert len(found["further_experiments"]) == 1 and [c["target"] for c in found["columns"]] == [str(curve), str(other)]
-    ended = command("fit", BAR, "--target", curve, "--compare", "world_elongation", "--free", f"{YIELD}=50:2000", "--out",
+    ended = command("fit", BAR, "--target", curve, "--compare", "current_elongation", "--free", f"{YIELD}=50:2000", "--out",
                     tmp_path / "alone", "--experiment", BAR, other, "plastic_elongation", "bar/material.plasticFlowRate=2")
     assert ended.returncode == 0, ended.stderr
     assert json.loads((tmp_path / "alone" / "fit.json").read_text()) == found

@@ -66,7 +66,7 @@ def test_every_combination_is_a_row_of_what_its_run_gave(place):
         assert row["run"] == str(number) and row["exit_code"] == "0"
         assert float(row["body.youngModulus"]) == modulus
         assert row["pull.forces"] == ("0 0 0 12.5 0 0" if force > 0 else "0 0 0 -5 0 0")
-        assert abs(float(row["world_elongation"]) - force / (modulus * SECTION)) < 1e-9
+        assert abs(float(row["current_elongation"]) - force / (modulus * SECTION)) < 1e-9
         # the work of a force that grows in proportion: F^2 L / (2 E A)
         assert abs(float(row["elastic_energy"]) - force**2 / (2 * modulus * SECTION)) < 1e-8
         assert row["plastic_elongation"] == "0.0"
@@ -86,7 +86,7 @@ def test_probes_are_columns_and_elongation_belongs_to_bars_that_are_pulled(place
     (place / "bar.scn").write_text(scene.replace("steps='11'", "steps='11' endSections='no'"))
     sweep(place, "sweep", "bar.scn", "--out", "found", "--vary", "body.youngModulus=1000,2000")
     rows = table(place / "found")
-    assert "world_elongation" not in rows[0] and "plastic_twist_deg" not in rows[0]
+    assert "current_elongation" not in rows[0] and "plastic_twist_deg" not in rows[0]
     assert [round(float(row["probe_tip"]), 9) for row in rows] == [1.2, 1.1]
     assert ">tip</text>" in (place / "found/sweep.svg").read_text()
 
@@ -97,7 +97,7 @@ def test_the_values_of_a_region_are_reached(place):
                                                   "<MaterialRegion name='tip' indices='1' youngModulus='700'/></Node>"))
     sweep(place, "sweep", "bar.scn", "--out", "found", "--vary", "tip.youngModulus=500:8000:2")
     for row, tip in zip(table(place / "found"), (500, 8000)):
-        assert abs(float(row["world_elongation"]) - 50 / SECTION / 2 * (1 / 2000 + 1 / tip)) < 1e-9
+        assert abs(float(row["current_elongation"]) - 50 / SECTION / 2 * (1 / 2000 + 1 / tip)) < 1e-9
 
 
 def test_an_interrupted_sweep_goes_on(place):

@@ -81,7 +81,7 @@ def check_pointer(browser, history):
     legend = browser.ask(CHARTS)[0]["legend"]
 
     row = history[len(history) // 2]
-    for name, column in (("current", "world_elongation"), ("plastic", "plastic_elongation")):
+    for name, column in (("current", "current_elongation"), ("plastic", "plastic_elongation")):
         value = float(f"{100 * float(row[column]):.5g}")
         if f"{name} {value:g} %" not in " ".join(legend.split()):
             yield f"under the pointer: '{legend}', must have {name} {value:g} % of step {row['step']}"

@@ -103,10 +103,10 @@ TEST(Report, HasTheNumbersOfTheHistory) {
     double scale, shift;
   };
   const std::string page = content(scratch / "run/report.html");
-  for (const Expected& expected : {Expected{"elongation", "current", "world_elongation", 100, 0},
+  for (const Expected& expected : {Expected{"elongation", "current", "current_elongation", 100, 0},
                                    {"elongation", "plastic", "plastic_elongation", 100, 0},
-                                   {"volume error", "current", "world_volume_ratio", 100, -1},
-                                   {"volume error", "plastic", "material_volume_ratio", 100, -1},
+                                   {"volume error", "current", "current_volume_ratio", 100, -1},
+                                   {"volume error", "plastic", "plastic_rest_volume_ratio", 100, -1},
                                    {"energy", "elastic", "elastic_energy", 1, 0},
                                    {"energy", "dissipated by flow", "dissipated_energy", 1, 0},
                                    {"energy", "kinetic", "kinetic_energy", 1, 0},
@@ -244,7 +244,7 @@ TEST(Report, LeavesOutChartsWithoutContent) {
   const Scratch scratch;
   fs::create_directories(scratch / "run");
   const std::string head =
-      "step,time,yielded,removed,world_elongation,plastic_elongation,world_twist_deg\n0,0,0,0,0,0,0\n";
+      "step,time,yielded,removed,current_elongation,plastic_elongation,current_twist_deg\n0,0,0,0,0,0,0\n";
   put(scratch / "run/history.csv", head + "1,0.1,0,0,0,0,30\n2,0.2,0,0,0,0,60\n");
   write_report(scratch / "run", some_run());
   std::string page = content(scratch / "run/report.html");
@@ -293,7 +293,7 @@ TEST(Report, OfALongRunIsSmallAndKeepsItsPeaks) {
 TEST(Report, OfARunThatFailedShowsWhatWasFinite) {
   const Scratch scratch;
   fs::create_directories(scratch / "run");
-  put(scratch / "run/history.csv", "step,time,end_displacement,world_elongation\n0,0,0,0\n1,1,2,3\n2,2,inf,4\n");
+  put(scratch / "run/history.csv", "step,time,end_displacement,current_elongation\n0,0,0,0\n1,1,2,3\n2,2,inf,4\n");
   write_report(scratch / "run", some_run());
   const std::string page = content(scratch / "run/report.html");
   EXPECT_EQ(chart_of(page, "displacement of loaded nodes").at("series")[0].at("steps"), Json({0, 1}));

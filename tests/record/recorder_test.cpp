@@ -22,9 +22,9 @@ using support::plan;
 using support::Scratch;
 
 constexpr const char* kHeader =
-    "step,time,kinetic_energy,elastic_energy,dissipated_energy,world_volume_ratio,material_volume_ratio,"
+    "step,time,kinetic_energy,elastic_energy,dissipated_energy,current_volume_ratio,plastic_rest_volume_ratio,"
     "plastic_elongation,plastic_twist_deg,end_displacement,yielded,inverted,removed,solver_iterations,residual,step_ms,"
-    "rolled_back,world_elongation,world_twist_deg\n";
+    "rolled_back,current_elongation,current_twist_deg\n";
 
 TEST(HistoryTable, HasOneRowPerStepWithTheBodysNumbersToTheLastBit) {
   const Scratch scratch;
@@ -46,8 +46,8 @@ TEST(HistoryTable, HasOneRowPerStepWithTheBodysNumbersToTheLastBit) {
            {"kinetic_energy", 0.1 / 3},
            {"elastic_energy", body.energy(x)},
            {"dissipated_energy", body.dissipated_energy()},
-           {"world_volume_ratio", body.volume(x) / body.initial_volume()},
-           {"material_volume_ratio", body.volume(body.plastic_rest_positions()) / body.initial_volume()},
+           {"current_volume_ratio", body.volume(x) / body.initial_volume()},
+           {"plastic_rest_volume_ratio", body.volume(body.plastic_rest_positions()) / body.initial_volume()},
            {"plastic_elongation", summary.plastic_elongation},
            {"plastic_twist_deg", summary.plastic_twist_deg},
            {"end_displacement", ((x.row(3) - X.row(3)).norm() + (x.row(17) - X.row(17)).norm()) / 2},
@@ -56,8 +56,8 @@ TEST(HistoryTable, HasOneRowPerStepWithTheBodysNumbersToTheLastBit) {
            {"residual", 1e-6 / 3},
            {"step_ms", 0.125},
            {"rolled_back", 0},
-           {"world_elongation", summary.world_elongation},
-           {"world_twist_deg", summary.world_twist_deg}})
+           {"current_elongation", summary.current_elongation},
+           {"current_twist_deg", summary.current_twist_deg}})
     EXPECT_EQ(history.number(6, column), value) << column;
   EXPECT_GT(history.number(6, "yielded"), 0);
 }
@@ -102,7 +102,7 @@ TEST(RemovedTable, SaysInWhichStepEachHexahedronWent) {
   EXPECT_EQ(body.removed().size(), std::size_t(kBars));
   const support::Csv history(content(scratch / "run/history.csv"));
   for (const std::string& column : history.columns()) EXPECT_TRUE(std::isfinite(history.number(3, column))) << column;
-  EXPECT_EQ(history.number(3, "material_volume_ratio"), 0);
+  EXPECT_EQ(history.number(3, "plastic_rest_volume_ratio"), 0);
   EXPECT_EQ(history.number(3, "removed"), kBars);
   EXPECT_EQ(output::summarise(body, x).num_pieces, 0);
   EXPECT_EQ(output::summarise(body, x).plastic_strain.hexahedron, -1);
@@ -128,7 +128,7 @@ TEST(FinalState, ComesBackWithAllItsBits) {
   EXPECT_EQ(read["time"].get<double>(), 0.1 + 0.2);
   expect_points("positions", x);
   expect_points("velocities", v);
-  expect_points("material_positions", body.plastic_rest_positions());
+  expect_points("plastic_rest_positions", body.plastic_rest_positions());
   const ElementHistory second = body.state().history.element(1);
   ASSERT_EQ(read["isolated_shapes"].size(), static_cast<std::size_t>(body.mesh().num_elements()));
   for (int a = 0; a < kCorners; ++a) {
@@ -174,11 +174,11 @@ TEST(Summary, MeasuresAStretchedBox) {
   const Mat3 A = Vec3(0.9, 0.8, 1.5).asDiagonal();
   const PointArray x = support::mapped(body.mesh().positions(), A);
   const output::Summary summary = output::summarise(body, x);
-  EXPECT_NEAR(summary.world_elongation, 0.5, 1e-12);
-  EXPECT_NEAR(summary.world_volume_ratio, 0.9 * 0.8 * 1.5, 1e-12);
-  EXPECT_NEAR(summary.world_twist_deg, 0, 1e-9);
+  EXPECT_NEAR(summary.current_elongation, 0.5, 1e-12);
+  EXPECT_NEAR(summary.current_volume_ratio, 0.9 * 0.8 * 1.5, 1e-12);
+  EXPECT_NEAR(summary.current_twist_deg, 0, 1e-9);
   EXPECT_NEAR(summary.plastic_elongation, 0, 1e-14);
-  EXPECT_NEAR(summary.material_volume_ratio, 1, 1e-14);
+  EXPECT_NEAR(summary.plastic_rest_volume_ratio, 1, 1e-14);
   EXPECT_NEAR(summary.worst_element_volume_error, 0, 1e-14);
   EXPECT_NEAR(summary.strain.value, 0.5, 1e-12);
   const Vec3 centre = gather(x, body.mesh().hexahedra()[summary.strain.hexahedron]).colwise().mean().transpose();

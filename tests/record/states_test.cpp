@@ -28,7 +28,7 @@ TEST(MeshFile, ComesBackBitForBitInAnIndependentReader) {
   const PointArray x = support::record_stretch(recorder, body, 5);
   const auto read = read_with_meshio(
       scratch, scratch / "run/mesh_000005.vtu",
-      {"points", "cells", "displacement", "material_position", "velocity", "stress_norm", "plastic_strain",
+      {"points", "cells", "displacement", "plastic_rest_position", "velocity", "stress_norm", "plastic_strain",
        "yield_stress", "volume_ratio", "strain", "id", "part", "fixed", "load", "kinds"});
   ASSERT_EQ(read.size(), 15u);
   EXPECT_EQ(read.at("kinds"), "hexahedron");
@@ -40,7 +40,7 @@ TEST(MeshFile, ComesBackBitForBitInAnIndependentReader) {
   EXPECT_EQ(read.at("cells"), std::string(reinterpret_cast<const char*>(body.mesh().hexahedra().data()),
                                           sizeof(Hexahedron) * body.mesh().hexahedra().size()));
   EXPECT_EQ(read.at("displacement"), bytes_of(displacement));
-  EXPECT_EQ(read.at("material_position"), bytes_of(body.plastic_rest_positions()));
+  EXPECT_EQ(read.at("plastic_rest_position"), bytes_of(body.plastic_rest_positions()));
   EXPECT_EQ(read.at("velocity"), bytes_of(support::some_velocities(body)));
   EXPECT_EQ(read.at("stress_norm"), bytes_of(fields.stress_norm));
   EXPECT_EQ(read.at("plastic_strain"), bytes_of(fields.plastic_strain));

@@ -80,7 +80,7 @@ TEST(Replay, GoesFromStateToState) {
 
   const Traces traces = traces_of(replay.directory());
   EXPECT_NEAR(traces.kinetic.latest_time(), 0.12, 1e-12);
-  EXPECT_GT(traces.world_elongation.latest(), 0.1) << "[%]";
+  EXPECT_GT(traces.current_elongation.latest(), 0.1) << "[%]";
   EXPECT_EQ(traces.step_ms.latest_time(), 12);
 }
 

@@ -41,7 +41,7 @@ class LiveWindow : public support::Command {
   /// Mean height of the bar's free end, without forces [m]. It was 0.3.
   double free_end() {
     const auto state = nlohmann::json::parse(support::content(directory_ / "final.json"));
-    const auto& nodes = state.at("material_positions");
+    const auto& nodes = state.at("plastic_rest_positions");
     double sum = 0;
     for (std::size_t n = 54; n < 63; ++n) sum += nodes.at(n).at(2).get<double>() / 9;
     return sum;

@@ -69,9 +69,9 @@ void print_outcome(Simulation& simulation, const std::string& title) {
   fmt::print("{}: {} steps of {:.6g} s, to t = {:.6g} s\n", printable_line(title), simulation.latest().step,
              simulation.dt(), simulation.time());
   fmt::print("  plastic elongation  {:+.3f} %  (current {:+.3f} %)\n", rounded(100 * measures.plastic_elongation, 1e-3),
-             rounded(100 * measures.world_elongation, 1e-3));
+             rounded(100 * measures.current_elongation, 1e-3));
   fmt::print("  plastic strain      max {:.4f}\n", std::ranges::max(bodies.fields(x).plastic_strain));
-  fmt::print("  volume error        {:+.4f} %\n", rounded(100 * (measures.material_volume_ratio - 1), 1e-4));
+  fmt::print("  volume error        {:+.4f} %\n", rounded(100 * (measures.plastic_rest_volume_ratio - 1), 1e-4));
   fmt::print("  dissipated energy   {:.4g} J\n", bodies.dissipated_energy());
   fmt::print("  state hash          {}\n", simulation.state_hash());
 }

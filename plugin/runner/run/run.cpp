@@ -144,7 +144,7 @@ struct Files {
 output::StatePlan data_plan_of(Simulation& simulation, long num_steps, const RunOptions& options) {
   output::StatePlan plan{.fields = options.fields, .every = options.every, .measures = options.measures};
   for (const scene::Probe* probe : simulation.probes()) plan.probes.push_back(probe->name());
-  plan.attributes = {{"format", "hexaplast run 1"},
+  plan.attributes = {{"format", "hexaplast run 2"},
                      {"version", HEXAPLAST_VERSION},
                      {"simd", std::string(simd_target())},
                      {"scene", options.scene.file.filename().string()},
@@ -290,18 +290,18 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
           fmt::format("{} plastic steps of hexahedra, where averaging would have flattened one", totals.rolled_back));
     const bool has_ends = measures_ends(simulation);
     if (has_ends)
-      add_finite("plastic elongation", {summary.plastic_elongation, summary.world_elongation},
+      add_finite("plastic elongation", {summary.plastic_elongation, summary.current_elongation},
                  fmt::format("{:+.3f} %  (current {:+.3f} %)", rounded(100 * summary.plastic_elongation, 1e-3),
-                             rounded(100 * summary.world_elongation, 1e-3)));
+                             rounded(100 * summary.current_elongation, 1e-3)));
     if (has_ends)
-      add_finite("plastic twist", {summary.plastic_twist_deg, summary.world_twist_deg},
+      add_finite("plastic twist", {summary.plastic_twist_deg, summary.current_twist_deg},
                  fmt::format("{:+.3f} deg  (current {:+.3f} deg)", rounded(summary.plastic_twist_deg, 1e-3),
-                             rounded(summary.world_twist_deg, 1e-3)));
+                             rounded(summary.current_twist_deg, 1e-3)));
     add_finite(
-        "volume error", {summary.material_volume_ratio, summary.world_volume_ratio},
+        "volume error", {summary.plastic_rest_volume_ratio, summary.current_volume_ratio},
         fmt::format("{:+.4f} %  (worst hexahedron {:.4f} %, current {:+.4f} %)",
-                    rounded(100 * (summary.material_volume_ratio - 1), 1e-4), 100 * summary.worst_element_volume_error,
-                    rounded(100 * (summary.world_volume_ratio - 1), 1e-4)));
+                    rounded(100 * (summary.plastic_rest_volume_ratio - 1), 1e-4),
+                    100 * summary.worst_element_volume_error, rounded(100 * (summary.current_volume_ratio - 1), 1e-4)));
     const PointArray& x = simulation.positions();
     const double size = (x.colwise().maxCoeff() - x.colwise().minCoeff()).matrix().norm();
     const auto add_largest = [&](const char* label, const char* words, const output::Largest& largest) {

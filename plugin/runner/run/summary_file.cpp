@@ -38,9 +38,9 @@ Json summary_json(Simulation& simulation) {
                {"least_scaled_jacobian", quality(bodies.mesh()).min_scaled_jacobian},
                {"inverted", latest.flow.inverted},
                {"most_inverted", totals.max_inverted},
-               {"material_volume_ratio", summary.material_volume_ratio},
-               {"volume_error", summary.material_volume_ratio - 1},
-               {"world_volume_ratio", summary.world_volume_ratio},
+               {"plastic_rest_volume_ratio", summary.plastic_rest_volume_ratio},
+               {"volume_error", summary.plastic_rest_volume_ratio - 1},
+               {"current_volume_ratio", summary.current_volume_ratio},
                {"worst_element_volume_error", summary.worst_element_volume_error},
                {"largest_plastic_strain", plastic.value},
                {"largest_plastic_strain_hexahedron", plastic.hexahedron < 0 ? Json(nullptr) : Json(plastic.hexahedron)},
@@ -53,8 +53,8 @@ Json summary_json(Simulation& simulation) {
   if (measures_ends(simulation))
     json.update({{"plastic_elongation", summary.plastic_elongation},
                  {"plastic_twist_deg", summary.plastic_twist_deg},
-                 {"world_elongation", summary.world_elongation},
-                 {"world_twist_deg", summary.world_twist_deg}});
+                 {"current_elongation", summary.current_elongation},
+                 {"current_twist_deg", summary.current_twist_deg}});
   for (std::size_t p = 0; p < simulation.probes().size(); ++p)
     json["probes"][simulation.probes()[p]->name()] = latest.probes[p];
   return json;

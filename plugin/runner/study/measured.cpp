@@ -22,8 +22,8 @@ std::vector<double> Measured::now() {
   const auto value_of = [&](const std::string& name) {
     if (name == "plastic_elongation") return measures.plastic_elongation;
     if (name == "plastic_twist_deg") return measures.plastic_twist_deg;
-    if (name == "world_elongation") return measures.world_elongation;
-    if (name == "world_twist_deg") return measures.world_twist_deg;
+    if (name == "current_elongation") return measures.current_elongation;
+    if (name == "current_twist_deg") return measures.current_twist_deg;
     if (name == "force") return carried_force();
     throw UsageError(fmt::format("--measure {}: is none of the quantities that are measured", name));
   };

@@ -13,9 +13,9 @@ namespace hexaplast::runner {
 /// What a fit reads off a body in motion beside probes.
 class Measured {
  public:
-  /// names: of plastic_elongation, plastic_twist_deg, world_elongation, world_twist_deg as in history.csv, and force:
-  /// axial force [N] that the middle section of the only body carries; tension is positive. The simulation, which has a
-  /// body, must outlive it. now() throws UsageError for another name.
+  /// names: of plastic_elongation, plastic_twist_deg, current_elongation, current_twist_deg as in history.csv, and
+  /// force: axial force [N] that the middle section of the only body carries; tension is positive. The simulation,
+  /// which has a body, must outlive it. now() throws UsageError for another name.
   Measured(Simulation& simulation, std::vector<std::string> names);
 
   const std::vector<std::string>& names() const { return names_; }

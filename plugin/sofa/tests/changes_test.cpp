@@ -218,7 +218,7 @@ TEST(ExporterInSofa, WritesTheStateAfterItsStep)
         for (int i = 0; i < 3; ++i)
         {
             EXPECT_EQ(state["positions"][n][i].get<double>(), x(n, i));
-            EXPECT_EQ(state["material_positions"][n][i].get<double>(), X(n, i));
+            EXPECT_EQ(state["plastic_rest_positions"][n][i].get<double>(), X(n, i));
         }
 }
 

@@ -69,7 +69,7 @@ TEST_F(Compare, NamesTheLargestDifferencesAndWhereTheyAre) {
   EXPECT_EQ(line(outcome.out, "/bar/material.yieldStress"), (std::vector<std::string>{"300", "200"}));
 
   const auto a = history("a"), b = history("b");
-  for (const char* column : {"plastic_elongation", "dissipated_energy", "kinetic_energy", "world_elongation"}) {
+  for (const char* column : {"plastic_elongation", "dissipated_energy", "kinetic_energy", "current_elongation"}) {
     const std::vector<double> in_a = a.numbers(column), in_b = b.numbers(column);
     std::size_t at = 0;
     double largest = 0;
@@ -89,7 +89,7 @@ TEST_F(Compare, NamesTheLargestDifferencesAndWhereTheyAre) {
   const Json state_a = Json::parse(content(directory_ / "a.json")),
              state_b = Json::parse(content(directory_ / "b.json"));
   for (const auto& [label, array] : {std::pair<std::string, const char*>{"positions", "positions"},
-                                     {"plastic rest positions", "material_positions"}}) {
+                                     {"plastic rest positions", "plastic_rest_positions"}}) {
     double farthest = 0;
     std::size_t node = 0;
     for (std::size_t n = 0; n < state_a.at(array).size(); ++n) {

@@ -45,7 +45,7 @@ class Calculix : public support::Command {
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(outcome.err, "");
     const support::Json final = support::Json::parse(support::content(directory_ / "final.json"));
-    return support::matrix(final["positions"]) - support::matrix(final["material_positions"]);
+    return support::matrix(final["positions"]) - support::matrix(final["plastic_rest_positions"]);
   }
 };
 

@@ -196,7 +196,7 @@ TEST_F(Probes, FollowPointsWithinTheBodyAndVolumesOfRegions) {
   }
   EXPECT_NEAR(last("inside"), z, 1e-14);
   output::HistoryTable table(directory_ / "run/history.csv");
-  const auto ratio = static_cast<std::size_t>(table.find("world_volume_ratio"));
+  const auto ratio = static_cast<std::size_t>(table.find("current_volume_ratio"));
   double current = 0;
   for (std::span<const double> row = table.next(); !row.empty(); row = table.next()) current = row[ratio];
   EXPECT_NEAR(last("volume"), 0.004 * current, 1e-15);

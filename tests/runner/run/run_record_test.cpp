@@ -41,7 +41,7 @@ TEST_F(RunRecord, MeasuresElongationAndTwistWhereABodyIsPulledByItsEnds) {
     const std::string history = content(directory_ / "run/history.csv");
     const std::string head = history.substr(0, history.find('\n'));
     const bool has_columns = head.find("plastic_elongation,plastic_twist_deg,") != head.npos &&
-                             head.find("world_elongation,world_twist_deg") != head.npos;
+                             head.find("current_elongation,current_twist_deg") != head.npos;
     EXPECT_EQ(has_columns, head.find("elongation") != head.npos) << head;
     EXPECT_EQ(has_columns, outcome.out.find("plastic elongation") != outcome.out.npos) << outcome.out;
     EXPECT_EQ(has_columns, content(directory_ / "run/report.html").find("\"elongation\"") != outcome.out.npos);

@@ -59,7 +59,7 @@ TEST_F(SeveralBodiesRun, WritesThemOneBehindTheOther) {
   EXPECT_EQ(both["bodies"], Json::parse(R"([{"name": "liver", "first_node": 0, "nodes": 36, "first_hexahedron": 0,
       "hexahedra": 12}, {"name": "sac", "first_node": 36, "nodes": 12, "first_hexahedron": 12, "hexahedra": 2}])"));
   EXPECT_FALSE(liver.contains("bodies"));
-  for (const char* list : {"positions", "velocities", "material_positions"})
+  for (const char* list : {"positions", "velocities", "plastic_rest_positions"})
     for (std::size_t n = 0; n < 48; ++n)
       for (std::size_t i = 0; i < 3; ++i)
         EXPECT_NEAR(both[list][n][i].get<double>(), (n < 36 ? liver[list][n][i] : sac[list][n - 36][i]).get<double>(),

@@ -44,7 +44,7 @@ class Shipped : public support::Command {
 
 /// The volume of the material throughout a run, and at its end to `tolerance`; nothing turned inside out.
 void expect_kept_volume(const support::Csv& history, double tolerance) {
-  const std::vector<double> ratios = history.numbers("material_volume_ratio");
+  const std::vector<double> ratios = history.numbers("plastic_rest_volume_ratio");
   for (const double ratio : ratios) EXPECT_NEAR(ratio, 1, 0.01);
   EXPECT_NEAR(ratios.back(), 1, tolerance);
   EXPECT_EQ(history.numbers("inverted").back(), 0);
@@ -59,7 +59,7 @@ TEST_P(ShippedScene, EndsInItsBands) {
 
   const HexMesh mesh = regular_grid({3, 3, 10}, Vec3(-0.15, -0.15, -0.5), Vec3(0.15, 0.15, 0.5));
   const EndSections ends = end_sections(mesh);
-  const PointArray plastic_rest = support::matrix(final["material_positions"]);
+  const PointArray plastic_rest = support::matrix(final["plastic_rest_positions"]);
   ASSERT_EQ(plastic_rest.rows(), mesh.num_nodes());
   const double permanent = GetParam().is_stretched ? elongation(ends, plastic_rest)
                                                    : std::abs(twist(mesh, ends, plastic_rest)) * 180 / std::numbers::pi;
@@ -79,11 +79,11 @@ class TornScene : public Shipped {
  protected:
   void tear(const std::string& name) {
     const auto [final, history] = run(name);
-    plastic_rest = support::matrix(final["material_positions"]);
+    plastic_rest = support::matrix(final["plastic_rest_positions"]);
     for (const Json& ratio : final["volume_ratio"]) alive.push_back(ratio.get<double>() > 0);  // 0: removed
     removed = history.numbers("removed").back();
     EXPECT_EQ(removed, std::count(alive.begin(), alive.end(), 0));
-    EXPECT_NEAR(history.numbers("material_volume_ratio").back(), 1, 0.01);
+    EXPECT_NEAR(history.numbers("plastic_rest_volume_ratio").back(), 1, 0.01);
     EXPECT_EQ(history.numbers("inverted").back(), 0);
   }
 
@@ -165,7 +165,7 @@ TEST_F(Shipped, FattyTissueKeepsABumpOnAWallThatDoesNotFlow) {
   }
   const HexMesh mesh = tube({3, 20, 36}, 0.004, 0.013, curve_through(arch, 37));
   const PointArray current = support::matrix(final["positions"]),
-                   plastic_rest = support::matrix(final["material_positions"]);
+                   plastic_rest = support::matrix(final["plastic_rest_positions"]);
   ASSERT_EQ(current.rows(), mesh.num_nodes());
 
   const double top = mesh.positions().col(1).maxCoeff();
@@ -189,7 +189,7 @@ TEST_F(Shipped, LiverCageKeepsItsLobeDrawnOut) {
   const auto [final, history] = run("liver_cage");
 
   const PointArray current = support::matrix(final["positions"]),
-                   plastic_rest = support::matrix(final["material_positions"]);
+                   plastic_rest = support::matrix(final["plastic_rest_positions"]);
   const double rest = 1.02 * 0.110;  // of the surface, and the hundredth of its length by which its grid is wider
   EXPECT_NEAR(current.col(0).maxCoeff() - rest, 0.019, 0.002);
   EXPECT_NEAR(plastic_rest.col(0).maxCoeff() - rest, 0.019, 0.002);
