@@ -53,7 +53,7 @@ class AttributeChange final : public scene::Component, public scene::Stateful {
   }
 
   void begin_step() override {
-    const auto due = std::ranges::upper_bound(times_, node().clock().time) - times_.begin();
+    const auto due = parts::num_come(times_, node().clock().time);
     if (due <= num_done_) return;
     num_done_ = due;
     put();

@@ -52,8 +52,9 @@ void Grasp::set_options(GraspOptions options) {
 
 std::vector<Remark> Grasp::begin_step(double time, ConstPoints x) {
   std::vector<Remark> warnings;
-  if (!has_closed_ && time >= options_.grasp_time && time < release_time_) warnings = close(time, x);
-  if (time >= release_time_) open();
+  const bool is_over = has_come(release_time_, time);
+  if (!has_closed_ && has_come(options_.grasp_time, time) && !is_over) warnings = close(time, x);
+  if (is_over) open();
   return warnings;
 }
 
@@ -100,9 +101,9 @@ Vec3 Grasp::tool_at(double time) const {
 
 Vec3 Grasp::tool_velocity_at(double time) const {
   const std::vector<double>& times = options_.key_times;
-  const KeyPhase phase = phase_at(times, time);
-  const bool is_on_its_way = phase.key >= 0 && phase.key + 1 < static_cast<int>(times.size());
-  return is_on_its_way ? Vec3(slope(phase, times, options_.positions).transpose()) : Vec3::Zero();
+  const int key = static_cast<int>(num_come(times, time)) - 1;
+  const bool is_on_its_way = key >= 0 && key + 1 < static_cast<int>(times.size());
+  return is_on_its_way ? Vec3(slope({.key = key}, times, options_.positions).transpose()) : Vec3::Zero();
 }
 
 std::vector<Remark> Grasp::close(double time, ConstPoints x) {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "attributes/parts.hpp"
@@ -24,8 +25,9 @@ TangentialLoad::TangentialLoad(TangentialLoadOptions options, int num_nodes) : o
 }
 
 void TangentialLoad::add_force(double time, ConstPoints x, Points f) const {
-  const KeyPhase phase = phase_at(options_.times, time);
-  if (phase.key < 0) return;
+  const double first = options_.times.front();
+  if (!has_come(first, time)) return;
+  const KeyPhase phase = phase_at(options_.times, std::max(time, first));
   add_tangential_forces(options_.indices, options_.group_size, options_.axis, options_.centre,
                         interpolate(phase, options_.forces), x, f);
 }

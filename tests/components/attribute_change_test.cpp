@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Attributes that change during a run: when, with what effect, and what is refused.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "hexaplast/body.hpp"
@@ -41,6 +42,28 @@ TEST(AttributeChange, HappensAtTheFirstStepFromItsTimeOn) {
   EXPECT_EQ(modulus(), 5000);
   run(scene, 2);
   EXPECT_EQ(modulus(), 6000) << "again";
+}
+
+// The time of a scene is a sum of steps, and some of those sums come to a little less than the time that is written.
+TEST(AttributeChange, IsNotLateByRounding) {
+  constexpr int kSteps = 100;
+  std::string times, values;
+  for (int k = 1; k <= kSteps; ++k) {
+    times += fmt::format("{:.2f} ", .01 * k);
+    values += fmt::format("{}{}", k == 1 ? "" : ";", 5000 + k);
+  }
+  std::string text = change("attribute='youngModulus' keyTimes='" + times + "' values='" + values + "'");
+  text.replace(text.find("dt='0.1'"), 8, "dt='0.01'");
+  scene::Scene scene = read_and_init(text);
+  double sum = 0;
+  int num_less = 0;
+  for (int k = 0; k <= kSteps; ++k) {
+    num_less += sum < std::stod(fmt::format("{:.2f}", .01 * k));
+    sum += .01;
+    run(scene, 1);
+    EXPECT_EQ(at<scene::ForceField>(scene, "body").body()->material(1).young_modulus, 5000 + k);
+  }
+  EXPECT_GT(num_less, 0);
 }
 
 TEST(AttributeChange, GivesListsAndTakesValuesAway) {

@@ -4,8 +4,6 @@
 #include <Hexaplast/registration.h>
 #include <sofa/simulation/AnimateBeginEvent.h>
 
-#include <algorithm>
-
 #include "parts/attribute_change.hpp"
 #include "parts/key_times.hpp"
 
@@ -78,7 +76,7 @@ void AttributeChange::reset()
 void AttributeChange::handleEvent(sofa::core::objectmodel::Event* event)
 {
     if (!sofa::simulation::AnimateBeginEvent::checkEventType(event) || !may_step(*this)) return;
-    const auto due = std::upper_bound(m_times.begin(), m_times.end(), getContext()->getTime()) - m_times.begin();
+    const auto due = parts::num_come(m_times, getContext()->getTime());
     if (due <= m_numDone) return;
     m_numDone = due;
     put(m_values[static_cast<std::size_t>(due - 1)]);
