@@ -34,6 +34,7 @@ class HexahedronElastoplasticFEMForceField final : public BodyField, public scen
 
   // The material may change during a run: what flowed stays.
   void refresh(std::span<const std::string_view>) override {
+    announce_change();
     try {
       accepted(*this, [&] { part_->set_options(options(), node().clock().dt); });
     } catch (const InputError& error) {
@@ -59,6 +60,7 @@ class HexahedronElastoplasticFEMForceField final : public BodyField, public scen
   const Body* body() const override { return part_ ? &part().body() : nullptr; }
   const FlowReport* flow_report() const override { return part_ ? &part_->report() : nullptr; }
   void remove_elements(std::span<const int> elements) override {
+    announce_change();
     part_->remove(elements);
     announce();
   }
@@ -102,6 +104,10 @@ class HexahedronElastoplasticFEMForceField final : public BodyField, public scen
  private:
   parts::HexahedralBody& part() { return *part_; }
   const parts::HexahedralBody& part() const { return *part_; }
+
+  void announce_change() {
+    if (auto* integrator = node().nearest<scene::OdeSolver>()) integrator->body_changes();
+  }
 
   /// Tells the scene which hexahedra have gone since it was told last.
   void announce() {

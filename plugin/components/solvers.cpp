@@ -83,6 +83,12 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
     return balance_ ? &*balance_ : nullptr;
   }
 
+  void body_changes() override {
+    if (!balance_ || pending_ == Pending::kBeginning) return;
+    update_balance();
+    pending_ = Pending::kChange;
+  }
+
   void serialize(Archive& archive) override {
     SystemSolver::serialize(archive);
     if (keeps_supports_) serialize_supports(archive);  // by probes, which are part of the scene
@@ -93,7 +99,8 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
     if (!balance_) keep_energy_balance();
     pending_ = Pending::kNothing;
     archive(balance_->kinetic, balance_->elastic, balance_->initial, balance_->load_work, balance_->support_work,
-            balance_->damping_loss, balance_->numerical_loss, balance_->recovery_work, balance_->flow_loss);
+            balance_->damping_loss, balance_->numerical_loss, balance_->recovery_work, balance_->change_work,
+            balance_->flow_loss);
   }
 
  protected:
@@ -136,10 +143,11 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
   void update_balance() {
     if (balance_ && pending_ == Pending::kBeginning) balance_->begin(inertial_energy(), system().elastic_energy());
     if (balance_ && pending_ == Pending::kFlow) balance_->add_flow(system().elastic_energy());
+    if (balance_ && pending_ == Pending::kChange) balance_->add_change(system().elastic_energy());
     pending_ = Pending::kNothing;
   }
 
-  enum class Pending { kNothing, kBeginning, kFlow };
+  enum class Pending { kNothing, kBeginning, kFlow, kChange };
 
   bool keeps_supports_ = false;
   PointArray support_forces_ = PointArray(0, 3);

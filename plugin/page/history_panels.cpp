@@ -74,7 +74,7 @@ std::span<const HistoryPanel> history_panels() {
         {"in the body", {"elastic_energy", "kinetic_energy"}, 1, 0, &Colours::third},
         {"damping", {"damping_loss"}, 1, 0, &Colours::fourth},
         {"integrator", {"numerical_loss"}, 1, 0, &Colours::fifth},
-        {"recovery", {"recovery_work"}, 1, 0, &Colours::sixth, true},
+        {"recovery and changes", {"recovery_work", "change_work"}, 1, 0, &Colours::sixth, true},
         {"unexplained", {"energy_error"}, 1, 0, &Colours::rest}}},
       {"displacement of loaded nodes", "mm", 1e-3, {{"mean", {"end_displacement"}, 1000, 0, &Colours::first}}},
       {"removed hexahedra", "", 5, {{"removed", {"removed"}}}},

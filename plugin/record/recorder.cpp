@@ -33,13 +33,13 @@ constexpr std::string_view kPlasticEndsHeader = ",plastic_elongation,plastic_twi
 constexpr std::string_view kStepHeader =
     ",end_displacement,yielded,inverted,removed,solver_iterations,residual,step_ms,rolled_back";
 constexpr std::string_view kBalanceHeader =
-    ",load_work,support_work,damping_loss,numerical_loss,recovery_work,flow_loss,energy_error";
+    ",load_work,support_work,damping_loss,numerical_loss,recovery_work,change_work,flow_loss,energy_error";
 constexpr std::string_view kContactHeader = ",instrument_work,contact_energy,friction_loss";
 
 /// The columns of kBalanceHeader.
 std::string balance_columns(const EnergyBalance& energy) {
-  return fmt::format(",{},{},{},{},{},{},{}", energy.load_work, energy.support_work, energy.damping_loss,
-                     energy.numerical_loss, energy.recovery_work, energy.flow_loss, energy.error());
+  return fmt::format(",{},{},{},{},{},{},{},{}", energy.load_work, energy.support_work, energy.damping_loss,
+                     energy.numerical_loss, energy.recovery_work, energy.change_work, energy.flow_loss, energy.error());
 }
 
 /// The first line of history.csv.

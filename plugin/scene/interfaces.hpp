@@ -264,6 +264,9 @@ class OdeSolver : public Component {
   /// none. Between two steps; valid until the next call.
   virtual const EnergyBalance* energy_balance() { return nullptr; }
 
+  /// Told by a body before its elastic energy changes otherwise than by motion and plastic steps.
+  virtual void body_changes() {}
+
   /// Solves a step from where everything is, under the loads of that time, and moves nothing. Rejects the scene where
   /// that fails.
   virtual SolveReport try_step(double /*time*/, double /*dt*/) { return {}; }

@@ -4,8 +4,8 @@
 namespace hexaplast {
 
 double EnergyBalance::error() const {
-  return initial + load_work + support_work + recovery_work - damping_loss - numerical_loss - flow_loss - kinetic -
-         elastic;  // eq. 48
+  return initial + load_work + support_work + recovery_work + change_work - damping_loss - numerical_loss - flow_loss -
+         kinetic - elastic;  // eq. 48
 }
 
 EnergyBalance& EnergyBalance::operator+=(const EnergyBalance& other) {
@@ -17,6 +17,7 @@ EnergyBalance& EnergyBalance::operator+=(const EnergyBalance& other) {
   damping_loss += other.damping_loss;
   numerical_loss += other.numerical_loss;
   recovery_work += other.recovery_work;
+  change_work += other.change_work;
   flow_loss += other.flow_loss;
   return *this;
 }
@@ -43,6 +44,11 @@ void EnergyBalance::add_motion_of_supports(double kinetic_now, double elastic_no
 
 void EnergyBalance::add_flow(double elastic_now) {
   flow_loss += elastic - elastic_now;
+  elastic = elastic_now;
+}
+
+void EnergyBalance::add_change(double elastic_now) {
+  change_work += elastic_now - elastic;
   elastic = elastic_now;
 }
 

@@ -108,6 +108,32 @@ TEST(EnergyOfAScene, WhatActsOnEmbeddedPointsCounts) {
   EXPECT_LT(std::abs(balance.error()), 0.02 * balance.load_work);
 }
 
+// Without flow the elastic energy is proportional to the modulus. When somebody looks at the balance changes nothing.
+TEST(EnergyOfAScene, ChangesOfTheMaterialAreNoError) {
+  const auto text = [](const std::string& material) {
+    return heavy_bar(material, "<FixedProjectiveConstraint indices='72-80'/>")
+        .replace(heavy_bar("", "").find("<RegularGrid"), 0,
+                 "<AttributeChange component='@body' attribute='youngModulus' keyTimes='.2' values='90000'/>");
+  };
+  scene::Scene scene = accounted(text("youngModulus='30000'"));
+  const EnergyBalance before = after(scene, 20), behind = after(scene, 1);
+  EXPECT_GT(before.elastic, .01);
+  EXPECT_EQ(before.change_work, 0);
+  EXPECT_NEAR(behind.change_work, 2 * before.elastic, 1e-9 * before.elastic);
+  const EnergyBalance end = after(scene, 40);
+  EXPECT_EQ(end.change_work, behind.change_work);
+  EXPECT_LT(std::abs(end.error()), 0.02 * end.load_work);
+
+  const std::string plastic = text("youngModulus='20000' yieldStress='900' plasticFlowRate='3'");
+  scene::Scene asked = accounted(plastic), silent = accounted(plastic);
+  for (int k = 0; k < 30; ++k) after(asked, 1);
+  const EnergyBalance one = after(asked, 1), other = after(silent, 31);
+  EXPECT_GT(one.flow_loss, 0);
+  EXPECT_GT(one.change_work, 0);
+  EXPECT_NEAR(other.flow_loss, one.flow_loss, 1e-12 * one.load_work);
+  EXPECT_NEAR(other.change_work, one.change_work, 1e-12 * one.load_work);
+}
+
 TEST(EnergyOfAScene, ResetBeginsAnewAndChangesNoBit) {
   const std::string text = heavy_bar("youngModulus='20000' yieldStress='900' plasticFlowRate='3'",
                                      "<FixedProjectiveConstraint indices='72-80'/>");

@@ -300,20 +300,20 @@ TEST(Report, OfARunThatFailedShowsWhatWasFinite) {
   EXPECT_EQ(chart_of(page, "elongation").at("series")[0].at("steps"), Json({0, 1, 2}));
 }
 
-TEST(Report, ShowsTheWorkOfRecoveryWhereThereIsAny) {
+TEST(Report, ShowsTheWorkOfRecoveryAndChangesWhereThereIsAny) {
   const Scratch scratch;
   fs::create_directories(scratch / "run");
   const auto balance = [&](const std::string& rows) {
-    put(scratch / "run/history.csv", "step,time,load_work,support_work,recovery_work\n" + rows);
+    put(scratch / "run/history.csv", "step,time,load_work,support_work,recovery_work,change_work\n" + rows);
     write_report(scratch / "run", some_run());
     return chart_of(content(scratch / "run/report.html"), "energy balance").at("series")[0].at("curves");
   };
-  EXPECT_EQ(balance("0,0,0,0,0\n1,1,2,1,0\n").size(), 1u);
-  const Json curves = balance("0,0,0,0,0\n1,1,2,1,0.25\n2,2,2,1,0\n");
+  EXPECT_EQ(balance("0,0,0,0,0,0\n1,1,2,1,0,0\n").size(), 1u);
+  const Json curves = balance("0,0,0,0,0,0\n1,1,2,1,0.25,0\n2,2,2,1,0,4\n");
   ASSERT_EQ(curves.size(), 2u);
   EXPECT_EQ(curves[0].at("values"), Json({0, 3, 3}));
-  EXPECT_EQ(curves[1].at("name"), "recovery");
-  EXPECT_EQ(curves[1].at("values"), Json({0, 0.25, 0}));
+  EXPECT_EQ(curves[1].at("name"), "recovery and changes");
+  EXPECT_EQ(curves[1].at("values"), Json({0, 0.25, 4}));
 }
 
 TEST(Percentile, IsTheNearestRank) {

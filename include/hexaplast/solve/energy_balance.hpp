@@ -13,8 +13,8 @@ struct StepEnergy {
 
 /// Where the energy of a body came from and where it went, since the beginning [J]:
 ///
-///   kinetic + elastic = initial + load_work + support_work + recovery_work - damping_loss - numerical_loss - flow_loss
-///                       - error
+///   kinetic + elastic = initial + load_work + support_work + recovery_work + change_work - damping_loss
+///                       - numerical_loss - flow_loss - error
 ///
 /// All but kinetic and elastic are sums over steps.
 struct EnergyBalance {
@@ -26,6 +26,7 @@ struct EnergyBalance {
   double damping_loss = 0;    ///< taken by damping
   double numerical_loss = 0;  ///< taken by the integrator
   double recovery_work = 0;   ///< brought in by the springs of `recovery` as they come and go
+  double change_work = 0;     ///< elastic energy that changes of a body's material brought in, between two steps
   double flow_loss = 0;       ///< elastic energy that plastic steps took: flow, averaging, fracture
 
   /// What the terms above leave unexplained: forces are not linear in the displacement of a step, and a linear solver
@@ -45,6 +46,9 @@ struct EnergyBalance {
 
   /// A plastic step, at unchanged positions.
   void add_flow(double elastic_now);
+
+  /// A change of the material of a body or of its hexahedra, at unchanged positions.
+  void add_change(double elastic_now);
 };
 
 }  // namespace hexaplast

@@ -236,13 +236,13 @@ std::string inverted_line(int at_end, const Totals& totals) {
 std::string energy_line(const EnergyBalance& energy, double put_in) {
   constexpr double kNoise = 1e-9;  // of the work: rounding in the shape that a scene begins with is no energy
   const double work = energy.load_work + energy.support_work;
-  const std::string springs =
-      energy.recovery_work != 0 ? fmt::format(" and {:.4g} J of recovery", energy.recovery_work) : "";
+  std::string others = energy.recovery_work != 0 ? fmt::format(" and {:.4g} J of recovery", energy.recovery_work) : "";
+  if (energy.change_work != 0) others += fmt::format(" and {:.4g} J of changes", energy.change_work);
   return fmt::format(
       "work {:.4g} J{}{} = in the body {:.4g} + flow {:.4g} + damping {:.4g} + integrator {:.4g} + unexplained {:.2g} "
       "({:.2g} %)",
       work, energy.initial > kNoise * std::abs(work) ? fmt::format(" and {:.4g} J at first", energy.initial) : "",
-      springs, energy.kinetic + energy.elastic, energy.flow_loss, energy.damping_loss, energy.numerical_loss,
+      others, energy.kinetic + energy.elastic, energy.flow_loss, energy.damping_loss, energy.numerical_loss,
       energy.error(), put_in > 0 ? 100 * energy.error() / put_in : 0);
 }
 

@@ -154,8 +154,8 @@ long Simulation::saved_step(Archive archive) {
 
 void Simulation::note_energy() {
   if (const std::optional<EnergyBalance>& energy = latest_.energy)
-    totals_.energy_put_in = std::max(
-        totals_.energy_put_in, energy->initial + energy->load_work + energy->support_work + energy->recovery_work);
+    totals_.energy_put_in = std::max(totals_.energy_put_in, energy->initial + energy->load_work + energy->support_work +
+                                                                energy->recovery_work + energy->change_work);
 }
 
 output::StepRecord Simulation::record_of(long step, const SolveReport& solve, double step_ms) {
