@@ -213,7 +213,7 @@ class Scene {
   }
 
   void advance(RunReport& report) {
-    {
+    try {
       const py::gil_scoped_release others_may_run;
       try {
         const SolveReport solved = scene_->step();
@@ -224,6 +224,9 @@ class Scene {
       ++num_steps_;
       refresh();
       if (record_ && record_->wants(num_steps_)) record_->add(num_steps_, positions(), velocities(), {});
+    } catch (const std::exception&) {
+      warn(*scene_);  // that may explain the error
+      throw;
     }
     warn(*scene_);
   }

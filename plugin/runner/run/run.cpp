@@ -499,6 +499,7 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   try {
     carry_out(simulation, num_steps, files, options, kept, !start);
   } catch (const std::exception& error) {
+    log_warnings(simulation.scene());  // which may explain it
     if (files.journal) {
       note_result();
       note_failure(*files.journal, error.what());
