@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
@@ -172,10 +173,13 @@ void NodeSystem::add_layers(scene::Node& node) {
 }
 
 void NodeSystem::add_force(Over over, const Layer& layer, double time, ConstPoints x, ConstPoints v, Points f) const {
-  layer.state->add_external_force(f);
-  for (const scene::Mass* mass : layer.masses) mass->add_gravity(node_.clock().gravity, f);
+  if (over != Over::kDampers) {
+    layer.state->add_external_force(f);
+    for (const scene::Mass* mass : layer.masses) mass->add_gravity(node_.clock().gravity, f);
+  }
   for (scene::ForceField* field : layer.force_fields)
-    if (over == Over::kAll || !field->body()) field->add_force(time, x, v, f);
+    if (over == Over::kAll || (over == Over::kDampers ? field->damps_explicitly() : !field->body()))
+      field->add_force(time, x, v, f);
 }
 
 void NodeSystem::compute_force(double time, ConstPoints x, ConstPoints v, Points f) {
@@ -198,17 +202,18 @@ void NodeSystem::add_force(Over over, double time, ConstPoints x, ConstPoints v,
     layer.f.setZero();
     add_force(over, layer, time, layer.x, layer.v, layer.f);
   }
-  add_interaction_forces(false, time, x, v, f);
+  add_interaction_forces(over, false, time, x, v, f);
   for (std::size_t i = layers_.size(); i-- > num_roots_;) {
     Layer& layer = layers_[i];
     if (layer.is_loaded) layer.mapping->add_transposed(layer.f, part_of(layer.above, f, &Layer::f));
   }
-  add_interaction_forces(true, time, x, v, f);
+  add_interaction_forces(over, true, time, x, v, f);
 }
 
-void NodeSystem::add_interaction_forces(bool of_roots, double time, ConstPoints x, ConstPoints v, Points f) const {
+void NodeSystem::add_interaction_forces(Over over, bool of_roots, double time, ConstPoints x, ConstPoints v,
+                                        Points f) const {
   for (Interaction& interaction : interactions_)
-    if (interaction.is_of_roots == of_roots)
+    if (interaction.is_of_roots == of_roots && (over != Over::kDampers || interaction.field->damps_explicitly()))
       interaction.field->add_force(time, positions_of(interaction, x), velocities_of(interaction, v),
                                    forces_of(interaction, f));
 }
@@ -525,6 +530,59 @@ double NodeSystem::recovery_work() const {
     for (const scene::ForceField* field : layer.force_fields)
       if (const Body* body = field->body()) work += body->recovery_work(layer.state->positions());
   return work;
+}
+
+bool NodeSystem::damps_explicitly() const {
+  return std::ranges::any_of(interactions_, [](const Interaction& one) { return one.field->damps_explicitly(); }) ||
+         std::ranges::any_of(layers_, [](const Layer& layer) {
+           return std::ranges::any_of(layer.force_fields, &scene::ForceField::damps_explicitly);
+         });
+}
+
+void NodeSystem::damping_force(double time, ConstPoints x, ConstPoints v, Points f) {
+  difference_.setZero(num_nodes_, 3);  // no velocity
+  f.setZero();
+  add_force(Over::kDampers, time, x, difference_, f);
+  f = -f;
+  add_force(Over::kDampers, time, x, v, f);
+}
+
+void NodeSystem::divide_by_mass(Points field) const {
+  PointArray mass = PointArray::Zero(num_nodes_, 3);
+  for (const Layer& root : roots())
+    for (const scene::Mass* part : root.masses) part->add_diagonal(1, rows_of<Points>(root, mass));
+  field = (mass.array() > 0).select(field.array() / mass.array(), 0).matrix();
+}
+
+scene::Component& NodeSystem::strongest_damper(double time) const {
+  scene::Component* strongest = nullptr;
+  double most = -1;
+  const auto weigh = [&](scene::Component* component, std::array<scene::MechanicalState*, 2> states,
+                         const auto& add_force) {
+    OfTwo<PointArray> f(PointArray::Zero(states[0]->num_nodes(), 3), PointArray::Zero(states[1]->num_nodes(), 3));
+    const OfTwo<PointArray> none = f;
+    add_force(none, f);
+    f = {-f.first, -f.second};
+    add_force(OfTwo<PointArray>(states[0]->velocities(), states[1]->velocities()), f);
+    const double size = f.first.squaredNorm() + f.second.squaredNorm();
+    if (size > most) std::tie(strongest, most) = std::pair(component, size);
+  };
+  for (const Layer& layer : layers_)
+    for (scene::ForceField* field : layer.force_fields)
+      if (field->damps_explicitly())
+        weigh(field, {layer.state, layer.state}, [&](const OfTwo<PointArray>& v, OfTwo<PointArray>& f) {
+          field->add_force(time, layer.state->positions(), v.first, f.first);
+        });
+  for (const Interaction& interaction : interactions_) {
+    const std::array<scene::MechanicalState*, 2> states = interaction.field->states();
+    if (interaction.field->damps_explicitly())
+      weigh(dynamic_cast<scene::Component*>(interaction.field), states,
+            [&](const OfTwo<PointArray>& v, OfTwo<PointArray>& f) {
+              interaction.field->add_force(time, {states[0]->positions(), states[1]->positions()}, {v.first, v.second},
+                                           {f.first, f.second});
+            });
+  }
+  return *strongest;
 }
 
 double NodeSystem::highest_frequency() const {

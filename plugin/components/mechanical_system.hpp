@@ -62,9 +62,16 @@ class NodeSystem final : public MechanicalSystem {
 
   /// Throws InputError, naming the first independent state on which no mass acts, nor on those that follow it.
   void require_mass() const;
-  double kinetic_energy() const;           ///< [J]
-  double elastic_energy() const;           ///< [J] of the bodies
-  double recovery_work() const;            ///< [J] of the bodies
+  double kinetic_energy() const;  ///< [J]
+  double elastic_energy() const;  ///< [J] of the bodies
+  double recovery_work() const;   ///< [J] of the bodies
+
+  /// Whether something damps explicitly (ForceField::damps_explicitly), and f = the forces of its damping [N].
+  bool damps_explicitly() const;
+  void damping_force(double time, ConstPoints x, ConstPoints v, Points f);
+  void divide_by_mass(Points field) const;  ///< field = M^-1 field; zero where nodes have no mass of their own
+  scene::Component& strongest_damper(double time) const;  ///< of those, at the moment
+
   double highest_frequency() const;        ///< [rad/s] about that of the bodies' fastest vibration; 0: nothing vibrates
   void project_motion(double time) const;  ///< applies prescribed motion to the states, and lets the others follow
   void follow() const;                     ///< puts the states that follow where the independent ones take them
@@ -111,9 +118,9 @@ class NodeSystem final : public MechanicalSystem {
     std::array<std::size_t, 2> layers = {};  // of_two: the first one may follow; otherwise the same one twice
   };
 
-  /// What of the scene a sum is over: everything, what is neither a body nor a mass, but weight is, or what the kernels
-  /// of the latest matrix do not know.
-  enum class Over { kAll, kLoads, kOthers };
+  /// What of the scene a sum is over: everything, what is neither a body nor a mass, but weight is, what the kernels of
+  /// the latest matrix do not know, or what damps explicitly.
+  enum class Over { kAll, kLoads, kOthers, kDampers };
 
   class Others final : public NodalOperator {
    public:
@@ -156,7 +163,7 @@ class NodeSystem final : public MechanicalSystem {
   void find_constraints();
   void require_commuting();
   void require_commuting(const Constraint& constraint) const;
-  void add_interaction_forces(bool of_roots, double time, ConstPoints x, ConstPoints v, Points f) const;
+  void add_interaction_forces(Over over, bool of_roots, double time, ConstPoints x, ConstPoints v, Points f) const;
   void add_interactions(bool of_roots, const OperatorFactors& factors, ConstPoints dx, Points df) const;
   void project(const Constraint& constraint, Points field) const;
 
@@ -180,7 +187,7 @@ class NodeSystem final : public MechanicalSystem {
   int num_nodes_ = 0;
   mutable Others others_ = Others(*this);
   PointArray x_, v_;       // of several independent states
-  PointArray difference_;  // scratch of release
+  PointArray difference_;  // scratch of release and damping_force
 };
 
 }  // namespace hexaplast::components

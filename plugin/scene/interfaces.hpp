@@ -99,6 +99,10 @@ class ForceField : public Component {
   /// express. The default is no damping: describe of a field with another B returns false.
   virtual void add_damping_diagonal(double /*factor*/, Points /*diagonal*/) const {}
 
+  /// Whether forces depend on velocity and B has no part in it, as in SOFA: they act by the velocities at the beginning
+  /// of a step.
+  virtual bool damps_explicitly() const { return false; }
+
   /// [s] stiffness-proportional damping of this force field in the system matrix alone.
   virtual double rayleigh_stiffness() const { return 0; }
 
@@ -136,6 +140,7 @@ class Interaction {
   virtual void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes) const = 0;
 
   virtual bool is_in_matrix() const { return true; }
+  virtual bool damps_explicitly() const { return false; }
   virtual double rayleigh_stiffness() const { return 0; }
 };
 

@@ -175,6 +175,20 @@ def test_less_than_one_step_is_refused(steps):
     assert scene.num_steps == 0
 
 
+def test_remarks_of_a_step_that_fails_are_warnings(tmp_path):
+    file = tmp_path / "damped.scn"
+    file.write_text("""<Node dt="0.5" gravity="0 0 -9"><DefaultAnimationLoop/>
+  <EulerImplicitSolver/><CGLinearSolver threshold="0"/>
+  <RegularGridTopology n="4 2 2" max="3 1 1"/><MechanicalObject/><DiagonalMass massDensity="10"/>
+  <HexahedronElastoplasticFEMForceField youngModulus="500"/><FixedProjectiveConstraint indices="0 4 8 12"/>
+  <SpringForceField indices1="7 15" indices2="3 11" stiffness="1" damping="1000" lengths="1"/>
+</Node>""")
+    scene = hexaplast.Scene(file)
+    with pytest.warns(UserWarning, match="SpringForceField.damping: throws nodes back"):
+        with pytest.raises(ArithmeticError):
+            scene.run(40)
+
+
 def test_remarks_of_a_scene_are_warnings():
     with pytest.warns(UserWarning, match="(?s)bar_stretch_high.scn:.*warning"):
         hexaplast.Scene(BAR, {"bar/material.plasticFlowRate": 20})  # times dt above what is advised

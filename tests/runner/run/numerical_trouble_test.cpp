@@ -69,6 +69,37 @@ TEST_F(Refusal, LeavesTheStateOfTheLastGoodStep) {
   EXPECT_TRUE(exists(directory_ / "run/plot.svg"));
 }
 
+// What a scene has warned of by then, here of a step that goes well and of the one that fails, may explain the failure.
+TEST_F(Refusal, ComesAfterTheWarningsOfTheRun) {
+  write("warns.scn", R"(<Node dt="0.01" gravity="0 0 -9.81"><DefaultAnimationLoop/>
+  <EulerImplicitSolver/><MultigridCGLinearSolver/>
+  <AttributeChange component="@ball" attribute="active" keyTimes="0.02" values="1"/>
+  <AttributeChange component="@body" attribute="plasticFlowRate" keyTimes="0.04" values="1000"/>
+  <RegularGridTopology n="4 2 2" max="0.03 0.01 0.01"/><MechanicalObject/><DiagonalMass massDensity="1000"/>
+  <HexahedronElastoplasticFEMForceField name="body" youngModulus="5000" yieldStress="1e9" plasticFlowRate="1"/>
+  <FixedProjectiveConstraint indices="0 4 8 12"/>
+  <InstrumentContactForceField name="ball" active="0" radius="0.01" keyTimes="0" positions="0.03 0.005 0.012"/>
+</Node>)");
+  write("damped.scn", R"(<Node dt="0.5" gravity="0 0 -9"><DefaultAnimationLoop/>
+  <EulerImplicitSolver/><CGLinearSolver threshold="0"/>
+  <RegularGridTopology n="4 2 2" max="3 1 1"/><MechanicalObject/><DiagonalMass massDensity="10"/>
+  <HexahedronElastoplasticFEMForceField youngModulus="500"/><FixedProjectiveConstraint indices="0 4 8 12"/>
+  <SpringForceField indices1="7 15" indices2="3 11" stiffness="1" damping="1000" lengths="1"/>
+</Node>)");
+  for (const auto& [scene, warning, error] :
+       {std::tuple("warns", "becomes active ", "plasticFlowRate"),
+        std::tuple("damped", "SpringForceField.damping: throws nodes back", ": error: step ")}) {
+    const support::Outcome outcome =
+        hexaplast("run " + std::string(scene) + ".scn --steps 40 --out " + scene + " --frames 0");
+    EXPECT_NE(outcome.code, 0);
+    EXPECT_LT(outcome.err.find(warning), outcome.err.find(error)) << outcome.err;
+    EXPECT_NE(outcome.err.find(error), std::string::npos) << outcome.err;
+    const nlohmann::json warnings =
+        nlohmann::json::parse(support::content(directory_ / scene / "manifest.json")).at("warnings");
+    EXPECT_NE(warnings.dump().find(warning), std::string::npos) << warnings;
+  }
+}
+
 class Stall : public support::Command {};
 
 TEST_F(Stall, IsCountedAndReported) {
