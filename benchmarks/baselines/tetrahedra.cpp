@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // hexaplast_tetrahedra SPLITTING LOAD FILE.json: a baseline for comparison, not part of the library. The bar of the
-// shipped scenes bar_stretch_high and bar_twist_high, each cube split into linear tetrahedra, with the library's
-// corotated law, flow law, hardening, time integration, masses and loads. A linear tetrahedron has one deformation
-// gradient: nothing turns within it, so that only stretch can flow.
+// shipped scenes bar_stretch_high and bar_twist_high, each cube split into linear tetrahedra, with the
+// corotated law, and the library's flow law, hardening, time integration, masses and loads. A linear tetrahedron has
+// one deformation gradient: nothing turns within it, so that only stretch can flow.
 //
 //   SPLITTING  five      five tetrahedra, mirrored from cube to cube as conforming needs
 //              six       six around the same space diagonal in every cube
@@ -22,7 +22,6 @@
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/implicit_euler.hpp"
 #include "kinematics/polar.hpp"
-#include "material/corotated.hpp"
 #include "mesh/lumped_mass.hpp"
 #include "plastic/point_flow.hpp"
 #include "solve/loads.hpp"
@@ -130,7 +129,7 @@ class TetrahedralBody {
   void add_force(Points f) const {
     for (std::size_t e = 0; e < tetrahedra_.size(); ++e) {
       const Part& part = parts_[e];
-      const Mat3 P = part.polar.R * stress(part.polar.S, lame_);
+      const Mat3 P = part.polar.R * stress(part);
       for (int a = 0; a < 4; ++a)
         f.row(tetrahedra_[e][a]) -= part.volume * (P * part.gradient.row(a).transpose()).transpose();
     }
@@ -156,8 +155,8 @@ class TetrahedralBody {
       const TetrahedronPoints at = gather(material_, tetrahedra_[e]);
       const double ratio = parts_[e].volume / original_volume_[e];
       if (parts_[e].F.determinant() >= kInversionThreshold && ratio >= kInversionThreshold) {
-        const StretchFlow flowed = stretch_flow(parts_[e].polar.S, stress(parts_[e].polar.S, lame_),
-                                                YieldNorm::kFrobenius, yield_stress_[e], law_.flow_rate, dt);
+        const StretchFlow flowed = stretch_flow(parts_[e].polar.S, stress(parts_[e]), YieldNorm::kFrobenius,
+                                                yield_stress_[e], law_.flow_rate, dt);
         const Mat3 turn = rotation_from_rest(e, at);
         rest_shape_[e] *= (turn.transpose() * flowed.increment * turn).transpose();
         yield_stress_[e] += law_.hardening * flowed.fraction * flowed.norm;
@@ -176,6 +175,12 @@ class TetrahedralBody {
     Mat3 F;
     Polar polar;
   };
+
+  /// [Pa] in the turning frame.                                                                  theory.md eq. 12
+  Mat3 stress(const Part& part) const {
+    const Mat3 strain = part.polar.S - Mat3::Identity();
+    return 2 * lame_.mu * strain + lame_.lambda * strain.trace() * Mat3::Identity();
+  }
 
   Mat3 rotation_from_rest(std::size_t e, const TetrahedronPoints& at) const {
     return polar((at.rowwise() - at.colwise().mean()).transpose() * rest_shape_[e]).R;

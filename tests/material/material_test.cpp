@@ -67,6 +67,12 @@ TEST(Material, RefusesAFractureStressBelowTheYieldStress) {
   }
 }
 
+TEST(Lame, HasTheHandValues) {
+  const Lame k = lame(5000, 0.45);
+  EXPECT_NEAR(k.mu, 5000 / 2.9, 1e-9);
+  EXPECT_NEAR(k.lambda, 5000 * 0.45 / (1.45 * 0.1), 1e-9);
+}
+
 TEST(Material, IsOneOrOnePerElement) {
   EXPECT_TRUE(refuses<InputError>(
       [] {

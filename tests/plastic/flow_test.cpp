@@ -10,7 +10,6 @@
 #include "hexaplast/body.hpp"
 #include "kinematics/gradients.hpp"
 #include "kinematics/polar.hpp"
-#include "material/corotated.hpp"
 #include "plastic/point_flow.hpp"
 #include "plastic/rest_shape.hpp"
 #include "support/bar.hpp"
@@ -92,7 +91,7 @@ TEST(Flow, OfAHeldHexahedronFollowsTheScalarLaw) {
       // steps so small that what the averaging's regularisation leaves of each, 1e-7, is below the tolerance
       const double dt = 0.05 * kStep;
       for (int step = 0; step < 600; ++step) {
-        const double n = stress_norm(stress(uniaxial(elastic), k), norm);
+        const double n = stress_norm(support::corotated_stress(uniaxial(elastic), k), norm);
         const double gamma = std::max(0.0, kSoft.flow_rate * dt * (n - tau) / n);
         elastic *= 1 - gamma;
         tau += kSoft.hardening * gamma * n;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "hexaplast/base/types.hpp"
 #include "hexaplast/material/material.hpp"
 
 namespace hexaplast::support {
@@ -20,5 +21,11 @@ inline Material yielding(double yield_stress, double rotation_yield) {
 }
 
 inline const Material kSoft = yielding(300, 0.02);
+
+/// Of the corotated law at a stretch [Pa].                                                            theory.md eq. 12
+inline Mat3 corotated_stress(const Mat3& S, const Lame& k) {
+  const Mat3 strain = S - Mat3::Identity();
+  return 2 * k.mu * strain + k.lambda * strain.trace() * Mat3::Identity();
+}
 
 }  // namespace hexaplast::support
