@@ -111,7 +111,7 @@ double bytes_per_hexahedron(const std::vector<Material>& materials, const Settin
   // what not every history has stands in the trial history of a step once more
   const double tensors = (tracks_stretch ? kCorners : 0) + (turns_at_corners ? kCorners - 1 : 0);
   if (settings.implementation == Implementation::kPlain)
-    return 14000 + (flows ? 2 : 1) * tensors * sizeof(Mat3) + (flows ? 2500 : 0);
+    return 15000 + (flows ? 2 : 1) * tensors * sizeof(Mat3) + (flows ? 1000 : 0);
   const double coefficients = (settings.bending == Bending::kAssumedCorner ? 51 : 0) +
                               (settings.volumetric != Volumetric::kSample ? 42 : 0) +
                               (settings.law != ElasticLaw::kCorotated ? 56 : 0);
