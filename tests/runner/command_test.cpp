@@ -24,8 +24,7 @@ const std::string kBar =
 
 TEST_F(Command, ShowsASummaryAndWritesNothingElse) {
   write("bar.scn", kBar);
-  const Outcome outcome = hexaplast("run bar.scn");
-  EXPECT_EQ(outcome.code, 0);
+  const Outcome outcome = succeeds("run bar.scn");
   EXPECT_EQ(outcome.err, "");
   for (const char* line : {"bar: 4 steps of 0.01 s, to t = 0.04 s", "hexahedra           2", "plastic elongation",
                            "plastic twist", "volume error", "largest strain", "hex/ms", "state hash"}) {
@@ -42,8 +41,7 @@ TEST_F(Command, WritesNoControlCodesIntoFilesAndNothingWhereItIsQuiet) {
   const Outcome outcome = hexaplast("run bar.scn --steps 50");
   EXPECT_EQ((outcome.out + outcome.err).find('\x1b'), std::string::npos);
   EXPECT_EQ((outcome.out + outcome.err).find('\r'), std::string::npos);
-  const Outcome quiet = hexaplast("run bar.scn --quiet --set bar/material.plasticFlowRate=20");
-  EXPECT_EQ(quiet.code, 0);
+  const Outcome quiet = succeeds("run bar.scn --quiet --set bar/material.plasticFlowRate=20");
   EXPECT_EQ(quiet.out + quiet.err, "");
 }
 
@@ -56,11 +54,9 @@ TEST_F(Command, StepsAndAttributesOfTheCommandLineCountBeforeTheScene) {
 }
 
 TEST_F(Command, VersionAndHelpAreNoErrors) {
-  const Outcome version = hexaplast("--version");
-  EXPECT_EQ(version.code, 0);
+  const Outcome version = succeeds("--version");
   EXPECT_EQ(version.out.rfind("hexaplast ", 0), 0u);
-  const Outcome help = hexaplast("run --help");
-  EXPECT_EQ(help.code, 0);
+  const Outcome help = succeeds("run --help");
   for (const char* option : {"--steps", "--out", "--final", "--threads", "--set", "--frames", "--force", "--quiet",
                              "--plugin-path", "Exit codes"}) {
     EXPECT_NE(help.out.find(option), std::string::npos) << option;
@@ -138,7 +134,7 @@ TEST_F(Command, EndsWithTheCodeOfWhatIsWrongAndSaysIt) {
        {"run bar.scn --final absent/state.json", 5, "absent/state.json"},
        {"run bar.scn --out file", 5, "file: is a file"}});
   EXPECT_FALSE(fs::exists(directory_ / "run"));
-  EXPECT_EQ(hexaplast("run mass.scn --steps 1").code, 0);
+  succeeds("run mass.scn --steps 1");
 }
 
 // What is wrong with files of plugins is tested in PluginFiles.
@@ -177,7 +173,7 @@ TEST_F(Command, ClosedStreamsStayOutOfFiles) {
 
 TEST_F(Command, TheFinalFileMayLieInTheOutputDirectory) {
   write("bar.scn", kBar);
-  EXPECT_EQ(hexaplast("run bar.scn --out files --frames 0 --final files/final.json").code, 0);
+  succeeds("run bar.scn --out files --frames 0 --final files/final.json");
   EXPECT_TRUE(fs::exists(directory_ / "files" / "final.json"));
 }
 
@@ -199,10 +195,8 @@ TEST_F(Command, ThePythonSceneIsTheSceneInXml) {
                                  (source / "scenes" / "bar_stretch.py").string() + "'");
   ASSERT_EQ(recorded.code, 0) << recorded.err;
   write("python.scn", recorded.out);
-  ASSERT_EQ(hexaplast("run python.scn --steps 60 --final python.json").code, 0);
-  ASSERT_EQ(
-      hexaplast("run '" + (source / "scenes" / "bar_stretch_high.scn").string() + "' --steps 60 --final xml.json").code,
-      0);
+  succeeds("run python.scn --steps 60 --final python.json");
+  succeeds("run '" + (source / "scenes" / "bar_stretch_high.scn").string() + "' --steps 60 --final xml.json");
   EXPECT_EQ(content(directory_ / "python.json"), content(directory_ / "xml.json"));
   EXPECT_NE(content(directory_ / "xml.json").find("state_hash"), std::string::npos);
 }

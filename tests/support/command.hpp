@@ -36,6 +36,13 @@ class Command : public testing::Test {
     return shell(before + " '" + HEXAPLAST_COMMAND + "' " + arguments);
   }
 
+  /// The same, which must succeed.
+  Outcome succeeds(const std::string& arguments, const std::string& before = "") {
+    Outcome outcome = hexaplast(arguments, before);
+    EXPECT_EQ(outcome.code, 0) << arguments << "\n" << outcome.err;
+    return outcome;
+  }
+
   /// Each of these command lines ends with its code, has its message among its errors, and prints nothing else.
   void expect_refused(std::initializer_list<std::tuple<std::string, int, std::string>> lines) {
     for (const auto& [arguments, code, message] : lines) {

@@ -30,8 +30,7 @@ class Compare : public hexaplast::support::Command {
 
   void run(const std::string& directory, const std::string& options = "") {
     const Outcome outcome =
-        hexaplast("run bar.scn --frames 0 --quiet --out " + directory + " --final " + directory + ".json " + options);
-    ASSERT_EQ(outcome.code, 0) << outcome.err;
+        succeeds("run bar.scn --frames 0 --quiet --out " + directory + " --final " + directory + ".json " + options);
   }
 
   /// The words of the line of the output that begins with `label`.
@@ -52,8 +51,7 @@ class Compare : public hexaplast::support::Command {
 TEST_F(Compare, FindsNothingBetweenEqualRuns) {
   run("a", "--threads 1");
   run("b", "--threads 2");
-  const Outcome outcome = hexaplast("compare a b");
-  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const Outcome outcome = succeeds("compare a b");
   EXPECT_NE(outcome.out.find("Both end in the same state, bit for bit."), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("Where the scenes differ\n  Nowhere."), std::string::npos);
   EXPECT_NE(outcome.out.find("21 rows at common times, of 21 and 21"), std::string::npos);
@@ -64,8 +62,7 @@ TEST_F(Compare, FindsNothingBetweenEqualRuns) {
 TEST_F(Compare, NamesTheLargestDifferencesAndWhereTheyAre) {
   run("a");
   run("b", "--set bar/material.yieldStress=200");
-  const Outcome outcome = hexaplast("compare a b");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Outcome outcome = succeeds("compare a b");
   EXPECT_EQ(line(outcome.out, "/bar/material.yieldStress"), (std::vector<std::string>{"300", "200"}));
 
   const auto a = history("a"), b = history("b");
@@ -111,8 +108,7 @@ TEST_F(Compare, NamesTheLargestDifferencesAndWhereTheyAre) {
 TEST_F(Compare, RunsOfOtherTimeStepsMeetWhereTheirTimesDo) {
   run("a");
   run("b", "--set .dt=0.005 --steps 40");
-  const Outcome outcome = hexaplast("compare a b");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Outcome outcome = succeeds("compare a b");
   EXPECT_NE(outcome.out.find("21 rows at common times, of 21 and 41"), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("states at 0.2 s"), std::string::npos) << outcome.out;
 
@@ -123,8 +119,7 @@ TEST_F(Compare, RunsOfOtherTimeStepsMeetWhereTheirTimesDo) {
 TEST_F(Compare, WritesAPageOfBothRuns) {
   run("a");
   run("b", "--set bar/material.yieldStress=200");
-  const Outcome outcome = hexaplast("compare a b --out both.html");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  succeeds("compare a b --out both.html");
   const std::string page = content(directory_ / "both.html");
   EXPECT_NE(page.find("/bar/material.yieldStress"), std::string::npos);
 
@@ -160,7 +155,7 @@ TEST_F(Compare, RefusesWhatIsNoRunAndOtherBodies) {
   write("a/manifest.json", "{}");
   EXPECT_EQ(hexaplast("compare a a").code, 5);
   fs::remove(directory_ / "a/manifest.json");  // a run of an earlier version has none
-  EXPECT_EQ(hexaplast("compare a a").code, 0);
+  succeeds("compare a a");
   write("finer/history.csv", "step,time\n0,0\n1,x\n");
   EXPECT_EQ(hexaplast("compare finer finer").code, 5);
 }

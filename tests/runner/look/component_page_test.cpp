@@ -31,8 +31,7 @@ std::vector<std::string> xml_blocks(const std::string& page) {
 }
 
 TEST_F(Command, TheComponentPageIsWhatTheProgramPrints) {
-  const Outcome printed = hexaplast("list --markdown");
-  ASSERT_EQ(printed.code, 0);
+  const Outcome printed = succeeds("list --markdown");
   EXPECT_TRUE(printed.out == content(kPage)) << "run: hexaplast list --markdown > docs/components.md";
 }
 
@@ -59,8 +58,7 @@ TEST_F(Command, EveryExampleOfTheComponentPageRunsWithoutComplaint) {
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const std::string scene = i == 0 ? blocks[0] : pasted(blocks[0], blocks[i], category_of);
     write("example.scn", scene);
-    const Outcome outcome = hexaplast("run example.scn --steps 2");
-    EXPECT_EQ(outcome.code, 0) << scene << outcome.err;
+    const Outcome outcome = succeeds("run example.scn --steps 2");
     EXPECT_EQ(outcome.err, "") << scene;
     for (const std::string& class_name : classes_in(blocks[i])) wanted.erase(class_name);
   }
@@ -83,8 +81,7 @@ TEST_F(Command, TheComponentPageNamesEveryAttributeWithItsComponent) {
 }
 
 TEST_F(Command, ListPrintsOneComponent) {
-  const Outcome text = hexaplast("list BoxROI");
-  EXPECT_EQ(text.code, 0);
+  const Outcome text = succeeds("list BoxROI");
   for (const char* part :
        {"BoxROI: ", "box: groups of six numbers [m]; default 0 0 0 1 1 1", "indices: whole numbers; computed"})
     EXPECT_NE(text.out.find(part), std::string::npos) << part;

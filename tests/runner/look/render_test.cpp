@@ -42,14 +42,12 @@ class Render : public support::Command {
   void SetUp() override {
     Command::SetUp();
     write("bar.scn", kBar);
-    const Outcome run = hexaplast("run bar.scn --out bar --frames 0 --quiet");
-    ASSERT_EQ(run.code, 0) << run.err;
+    const Outcome run = succeeds("run bar.scn --out bar --frames 0 --quiet");
   }
 
   /// The picture that options make.
   std::string picture(const std::string& options, const std::string& size = "160x90") {
-    const Outcome outcome = hexaplast("render bar -o picture.png --size " + size + " " + options);
-    EXPECT_EQ(outcome.code, 0) << options << ": " << outcome.err;
+    const Outcome outcome = succeeds("render bar -o picture.png --size " + size + " " + options);
     return content(directory_ / "picture.png");
   }
 
@@ -71,16 +69,15 @@ class Render : public support::Command {
 // Surfaces, cage, camera, fixed nodes, loads, instruments, gravity, title and time: all of it is in the files.
 TEST_F(Render, MakesThePictureThatTheRunMadeOfAWholeScene) {
   write("scene.scn", kScene);
-  ASSERT_EQ(hexaplast("run scene.scn --out whole --frames 1 --quiet").code, 0);
-  ASSERT_EQ(hexaplast("render whole").code, 0);
+  succeeds("run scene.scn --out whole --frames 1 --quiet");
+  succeeds("render whole");
   EXPECT_EQ(content(directory_ / "render.png"), content(directory_ / "whole/frames/frame_000010.png"));
 
   std::filesystem::remove(directory_ / "render.png");
 
   // and each of these shows in it
   const auto small = [&](const std::string& options) {
-    const Outcome outcome = hexaplast("render whole --size 160x90 --out small.png " + options);
-    EXPECT_EQ(outcome.code, 0) << options << ": " << outcome.err;
+    succeeds("render whole --size 160x90 --out small.png " + options);
     return content(directory_ / "small.png");
   };
   const std::string plain = small("");
@@ -104,8 +101,8 @@ TEST_F(Render, ShowsNoArrowsWhereTheSceneHidesForceFields) {
     std::string scene = kScene;
     const std::string all = "showVisualModels showBehaviorModels";
     write("scene.scn", scene.replace(scene.find(all), all.size(), flags));
-    EXPECT_EQ(hexaplast("run scene.scn --out flags --force --frames 0 --quiet").code, 0);
-    EXPECT_EQ(hexaplast("render flags --size 320x180").code, 0);
+    succeeds("run scene.scn --out flags --force --frames 0 --quiet");
+    succeeds("render flags --size 320x180");
     return content(directory_ / "render.png");
   };
   const std::string shown = picture_of_scene("showVisualModels showBehaviorModels");
@@ -115,7 +112,7 @@ TEST_F(Render, ShowsNoArrowsWhereTheSceneHidesForceFields) {
 
 TEST_F(Render, RefusesDamagedCompanions) {
   write("scene.scn", kScene);
-  ASSERT_EQ(hexaplast("run scene.scn --out whole --frames 0 --quiet").code, 0);
+  succeeds("run scene.scn --out whole --frames 0 --quiet");
   replace("whole/mesh_000010.vtu", "Name=\"load\" NumberOfComponents=\"3\"", "Name=\"load\" NumberOfComponents=\"2\"");
   expect_refusal("whole", 3, "mesh_000010.vtu:");
   replace("whole/instruments_000005.vtu", "Name=\"force\"", "Name=\"farce\"");
@@ -207,18 +204,17 @@ int num_frames(const std::string& film) {
 }
 
 TEST_F(Render, MakesFilms) {
-  ASSERT_EQ(hexaplast("render bar --video film.png --size 160x90 --field stress").code, 0);
+  succeeds("render bar --video film.png --size 160x90 --field stress");
   EXPECT_EQ(num_frames(content(directory_ / "film.png")), 3);
 
   // a run of 0.1 s: steps 0, 4, 8 at 25 pictures a second, and the last one
-  const Outcome run = hexaplast("run bar.scn --out again --video run.png --frames 0 --field speed --quiet");
-  ASSERT_EQ(run.code, 0) << run.err;
+  const Outcome run = succeeds("run bar.scn --out again --video run.png --frames 0 --field speed --quiet");
   EXPECT_EQ(num_frames(content(directory_ / "run.png")), 4);
   EXPECT_FALSE(std::filesystem::exists(directory_ / "again/frames"));
 }
 
 TEST_F(Render, FieldOfARunIsThatOfItsPictures) {
-  ASSERT_EQ(hexaplast("run bar.scn --out bar --force --frames 1 --field stress --quiet").code, 0);
+  succeeds("run bar.scn --out bar --force --frames 1 --field stress --quiet");
   EXPECT_EQ(picture("--field stress", "1280x720"), content(directory_ / "bar/frames/frame_000010.png"));
   EXPECT_EQ(hexaplast("run bar.scn --out bar --force --field warmth").code, 2);
 }
@@ -237,10 +233,9 @@ TEST_F(Render, ShowsRegionsByTheirNumbersAsFilesHoldThem) {
                 "<MaterialRegion name='ends' indices='0 2' youngModulus='6000'/>"
                 "<MaterialRegion name='top' indices='2' youngModulus='7000'/></Node>");
   write("regions.scn", scene);
-  ASSERT_EQ(hexaplast("run regions.scn --out regions --frames 1 --field region --quiet").code, 0);
-  const Outcome rendered = hexaplast("render regions -o by_region.png --size 160x90 --field region");
-  EXPECT_EQ(rendered.code, 0) << rendered.err;
-  ASSERT_EQ(hexaplast("render regions -o by_strain.png --size 160x90").code, 0);
+  succeeds("run regions.scn --out regions --frames 1 --field region --quiet");
+  succeeds("render regions -o by_region.png --size 160x90 --field region");
+  succeeds("render regions -o by_strain.png --size 160x90");
   EXPECT_NE(content(directory_ / "by_region.png"), content(directory_ / "by_strain.png"));
 
   // the numbers of the file, read back as labels: 1, 0, 2

@@ -29,8 +29,7 @@ class MeshCage : public support::Command {
 // A plate of 2 x 1 x 0.6 m in cubes of 0.204 m: 10 x 5 x 3, of which 8 x 3 x 1 are inside.
 TEST_F(MeshCage, LaysCubesAroundASurface) {
   write("plate.obj", box(Vec3(0, 0, 0), Vec3(2, 1, 0.6)));
-  const Outcome outcome = hexaplast("mesh cage plate.obj --cells 10 -o cage.vtu");
-  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const Outcome outcome = succeeds("mesh cage plate.obj --cells 10 -o cage.vtu");
   EXPECT_EQ(outcome.err, "");
   EXPECT_EQ(outcome.out,
             "plate: cage of cubes of 0.204 m\n  nodes               264\n"
@@ -50,8 +49,8 @@ TEST_F(MeshCage, RefusesPartsUnlessAskedFor) {
   EXPECT_EQ(refused.err,
             "two.obj: error: the cage has 2 parts that share no face: use fewer, larger cells, or --allow-parts\n");
   EXPECT_FALSE(std::filesystem::exists(directory_ / "cage.vtu"));
-  EXPECT_EQ(hexaplast("mesh cage two.obj --cells 10 -o cage.vtu --allow-parts").code, 0);
-  EXPECT_EQ(hexaplast("mesh cage two.obj --cells 1 -o cage.vtu").code, 0);
+  succeeds("mesh cage two.obj --cells 10 -o cage.vtu --allow-parts");
+  succeeds("mesh cage two.obj --cells 1 -o cage.vtu");
   EXPECT_EQ(written().hexahedra.size(), 1u);
 }
 

@@ -41,8 +41,7 @@ class Calculix : public support::Command {
 
   /// Displacements [m] that the command finds.
   PointArray our_displacements(const std::string& options) {
-    const Outcome outcome = hexaplast("run " + options + " --quiet --final final.json");
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    const Outcome outcome = succeeds("run " + options + " --quiet --final final.json");
     EXPECT_EQ(outcome.err, "");
     const support::Json final = support::Json::parse(support::content(directory_ / "final.json"));
     return support::matrix(final["positions"]) - support::matrix(final["plastic_rest_positions"]);

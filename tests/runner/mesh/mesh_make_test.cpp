@@ -16,15 +16,13 @@ using Json = nlohmann::json;
 class MeshMake : public support::Command {
  protected:
   Json info(const std::string& file) {
-    const Outcome outcome = hexaplast("mesh info " + file + " --json");
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    const Outcome outcome = succeeds("mesh info " + file + " --json");
     return Json::parse(outcome.out, nullptr, false);
   }
 
   /// What a command that must succeed prints.
   std::string made(const std::string& words) {
-    const Outcome outcome = hexaplast("mesh " + words);
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    const Outcome outcome = succeeds("mesh " + words);
     EXPECT_EQ(outcome.err, "");
     return outcome.out;
   }
@@ -80,8 +78,7 @@ TEST_F(MeshMake, OffsetLeavesOutVerticesWithoutFaceAndSaysSo) {
         std::string shifted = kCorner;
         return shifted.substr(0, shifted.find('f')) + "f 2 3 4 5\nf 3 6 7 4\n";
       }());
-  const Outcome outcome = hexaplast("mesh offset corner.obj --thickness 0.1 -o shell.vtu");
-  EXPECT_EQ(outcome.code, 0);
+  const Outcome outcome = succeeds("mesh offset corner.obj --thickness 0.1 -o shell.vtu");
   EXPECT_EQ(outcome.err,
             "corner.obj: warning: 1 vertices without a face are left out, and the others numbered without them\n");
   EXPECT_EQ(read_mesh(directory_ / "shell.vtu").positions.rows(), 12);
@@ -130,8 +127,7 @@ TEST_F(MeshMake, ShapesRefuseWhatMeansNothing) {
 
 TEST_F(MeshMake, ConvertsEveryKindOfCellAndSaysWhatItLeavesOut) {
   const std::string two = std::string("'") + HEXAPLAST_TEST_DATA + "/meshes/two_41_binary.msh'";
-  const Outcome outcome = hexaplast("mesh convert " + two + " -o two.vtu");
-  EXPECT_EQ(outcome.code, 0);
+  const Outcome outcome = succeeds("mesh convert " + two + " -o two.vtu");
   EXPECT_NE(outcome.err.find("warning: 1 cells are skipped"), std::string::npos) << outcome.err;
   const ImportedMesh mesh = read_mesh(directory_ / "two.vtu");
   EXPECT_EQ(mesh.hexahedra.size(), 2u);
@@ -148,12 +144,10 @@ TEST_F(MeshMake, TheSheetOfTheReadmeIsGrownAndTorn) {
   for (const char* file : {"sheet.obj", "sheet.scn"})
     write(file, support::content(std::string(HEXAPLAST_SOURCE_DIR) + "/docs/examples/sheet/" + file));
   made("offset sheet.obj --thickness 0.004 --layers 2 -o sheet.vtu");
-  const Outcome check = hexaplast("check sheet.scn");
-  EXPECT_EQ(check.code, 0) << check.err;
+  const Outcome check = succeeds("check sheet.scn");
   EXPECT_EQ(check.err, "");
   EXPECT_NE(check.out.find("351, of which 54 are fixed"), std::string::npos) << check.out;
-  const Outcome run = hexaplast("run sheet.scn --steps 110 --final final.json");
-  EXPECT_EQ(run.code, 0) << run.err;
+  const Outcome run = succeeds("run sheet.scn --steps 110 --final final.json");
   const Json final = Json::parse(support::content(directory_ / "final.json"));
   const Json& ratios = final["volume_ratio"];
   const auto num_torn = std::ranges::count_if(ratios, [](const Json& ratio) { return ratio == 0; });

@@ -5,7 +5,6 @@
 namespace {
 
 namespace fs = std::filesystem;
-using hexaplast::support::Outcome;
 
 /// A body on a cube of a mesh file that lies in far/mesh.
 class MeshPath : public hexaplast::support::Command {
@@ -26,17 +25,14 @@ TEST_F(MeshPath, IsAnOptionOfEveryVerbThatReadsScenes) {
   EXPECT_EQ(hexaplast("check a.scn").code, 3);
   for (const char* verb : {"check a.scn", "run a.scn --quiet", "mesh export a.scn -o a.vtu",
                            "sweep a.scn --vary .dt=0.01,0.02 --out sweep --jobs 1"}) {
-    const Outcome outcome = hexaplast(std::string(verb) + " --mesh-path none --mesh-path far");
-    EXPECT_EQ(outcome.code, 0) << verb << "\n" << outcome.err;
+    succeeds(std::string(verb) + " --mesh-path none --mesh-path far");
   }
 }
 
 TEST_F(MeshPath, BelongsToARunThatIsResumed) {
-  ASSERT_EQ(hexaplast("run a.scn --mesh-path far --out whole --frames 0 --quiet --final whole.json").code, 0);
-  ASSERT_EQ(hexaplast("run a.scn --mesh-path far --out half --frames 0 --quiet --steps 10 --checkpoint every=10").code,
-            0);
-  const Outcome resumed = hexaplast("resume half --steps 20 --quiet --final half.json");
-  EXPECT_EQ(resumed.code, 0) << resumed.err;
+  succeeds("run a.scn --mesh-path far --out whole --frames 0 --quiet --final whole.json");
+  succeeds("run a.scn --mesh-path far --out half --frames 0 --quiet --steps 10 --checkpoint every=10");
+  succeeds("resume half --steps 20 --quiet --final half.json");
   EXPECT_EQ(hexaplast::support::content(directory_ / "half.json"),
             hexaplast::support::content(directory_ / "whole.json"));
   // another mesh of that name is another scene

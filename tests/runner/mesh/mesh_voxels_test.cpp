@@ -55,8 +55,7 @@ TEST_F(MeshVoxels, MakesTheSameMeshOfEveryFormat) {
   std::vector<ImportedState> states;
   for (const std::string ending : {".seg.nrrd", ".nii.gz", ".mha"}) {
     draw(ending);
-    const Outcome made = hexaplast("mesh voxels liver" + ending + " -o liver" + ending + ".vtu");
-    EXPECT_EQ(made.code, 0) << made.err;
+    succeeds("mesh voxels liver" + ending + " -o liver" + ending + ".vtu");
     states.push_back(written("liver" + ending + ".vtu"));
     ASSERT_EQ(states.back().cell_data.size(), 1u);
     EXPECT_EQ(states.back().cell_data.front().name, "label");
@@ -88,8 +87,7 @@ TEST_F(MeshVoxels, PrintsLabelsNamesAndVolumes) {
             "  from                -0.111344 -0.0510919 1.234 m\n  to                  0.0906084 0.127878 1.318 m\n");
   EXPECT_EQ(all.err, "");
   const Outcome coarse =
-      hexaplast("mesh voxels liver.seg.nrrd --coarsen 2 --largest-part --labels 1,2 --unit mm -o liver.vtu");
-  EXPECT_EQ(coarse.code, 0) << coarse.err;
+      succeeds("mesh voxels liver.seg.nrrd --coarsen 2 --largest-part --labels 1,2 --unit mm -o liver.vtu");
   EXPECT_NE(coarse.out.find("hexahedra of 10 x 9 x 8 mm\n"), std::string::npos) << coarse.out;
   EXPECT_NE(coarse.out.find("in 1 part\n  left out            "), std::string::npos) << coarse.out;
   EXPECT_EQ(coarse.out.find("label 3"), std::string::npos) << coarse.out;
@@ -100,7 +98,7 @@ TEST_F(MeshVoxels, PrintsLabelsNamesAndVolumes) {
 TEST_F(MeshVoxels, ShippedMeshIsThatOfTheDrawing) {
   draw(".seg.nrrd");
   const std::string folder = HEXAPLAST_SOURCE_DIR "/scenes/mesh/";
-  ASSERT_EQ(hexaplast("mesh voxels liver.seg.nrrd --coarsen 2 --largest-part -o liver_tumour.vtu").code, 0);
+  succeeds("mesh voxels liver.seg.nrrd --coarsen 2 --largest-part -o liver_tumour.vtu");
   const Outcome of_file = hexaplast("mesh voxels '" + folder +
                                     "liver_tumour.seg.nrrd' --coarsen 2 --largest-part -o liver_tumour_file.vtu");
   const ImportedState drawn = written("liver_tumour.vtu"), from_file = written("liver_tumour_file.vtu"),
@@ -120,8 +118,8 @@ TEST_F(MeshVoxels, ShippedMeshIsThatOfTheDrawing) {
 TEST_F(MeshVoxels, AsTextIsTheSameMeshInTheFormThatSofaReads) {
   draw(".seg.nrrd");
   const std::string make = "mesh voxels liver.seg.nrrd --coarsen 2 --largest-part ";
-  ASSERT_EQ(hexaplast(make + "-o binary.vtu").code, 0);
-  ASSERT_EQ(hexaplast(make + "--ascii -o text.vtu").code, 0);
+  succeeds(make + "-o binary.vtu");
+  succeeds(make + "--ascii -o text.vtu");
   const ImportedState binary = written("binary.vtu"), text = written("text.vtu");
   EXPECT_EQ(text.mesh.positions, binary.mesh.positions);
   EXPECT_EQ(text.mesh.hexahedra, binary.mesh.hexahedra);
@@ -139,10 +137,9 @@ TEST_F(MeshVoxels, AsTextIsTheSameMeshInTheFormThatSofaReads) {
 TEST_F(MeshVoxels, WritesSurfaces) {
   draw(".seg.nrrd");
   write("liver_2.obj", "old");
-  ASSERT_EQ(hexaplast("mesh voxels liver.seg.nrrd --largest-part --surfaces -o liver.vtu").code, 0);
+  succeeds("mesh voxels liver.seg.nrrd --largest-part --surfaces -o liver.vtu");
   for (const std::string label : {"1", "2", "3"}) {
-    const Outcome info = hexaplast("mesh info liver_" + label + ".obj");
-    EXPECT_EQ(info.code, 0) << info.err;
+    const Outcome info = succeeds("mesh info liver_" + label + ".obj");
     EXPECT_NE(info.out.find("  surface             closed"), std::string::npos) << info.out;
   }
   // the ball of the tumour is 42 mm wide
@@ -159,8 +156,7 @@ std::string nrrd(const std::string& sizes, const std::string& data, const std::s
 
 TEST_F(MeshVoxels, WarnsOfHingesAndOfAFileWithoutFrame) {
   write_bytes("hinge.nrrd", nrrd("2 2 1", std::string("\1\0\0\1", 4)));
-  const Outcome hinge = hexaplast("mesh voxels hinge.nrrd -o out.vtu");
-  EXPECT_EQ(hinge.code, 0);
+  const Outcome hinge = succeeds("mesh voxels hinge.nrrd -o out.vtu");
   EXPECT_EQ(hinge.err,
             "warning: hexahedra meet at 2 nodes without sharing a face there: they fold freely about them\n");
   write_bytes("plain.nrrd", "NRRD0001\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nspacings: 1 1 1\nencoding: raw\n\n\1");
@@ -202,7 +198,7 @@ TEST_F(MeshVoxels, RefusesWhatItCannotDo) {
        {voxels + "small.nhdr -o voxels.vtu", 5, "voxels.vtu: is an input"}});  // the file of its data
   EXPECT_EQ(support::content(directory_ / "good.vtu"), "good");
   EXPECT_EQ(support::content(directory_ / "voxels.vtu").size(), 4u);
-  EXPECT_EQ(hexaplast(voxels + "small.nhdr" + into_good).code, 0);
+  succeeds(voxels + "small.nhdr" + into_good);
 }
 
 class HostileVolume : public MeshVoxels {

@@ -11,8 +11,7 @@ using hexaplast::support::Outcome;
 using Json = nlohmann::json;
 
 TEST_F(Command, BenchWritesRecordsAndItsOwnBaselineHolds) {
-  const Outcome outcome = hexaplast("bench --quick --sizes 100 --threads 1,2 --json now.json");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Outcome outcome = succeeds("bench --quick --sizes 100 --threads 1,2 --json now.json");
   EXPECT_NE(outcome.out.find("state hash"), std::string::npos);
   std::ifstream file(directory_ / "now.json");
   const Json records = Json::parse(file);
@@ -28,7 +27,7 @@ TEST_F(Command, BenchWritesRecordsAndItsOwnBaselineHolds) {
   EXPECT_EQ(behind.code, 4);
   EXPECT_NE(behind.err.find("times the dense peer, less than 10 of the baseline's"), std::string::npos) << behind.err;
   EXPECT_EQ(Json::parse(behind.out).size(), 44u) << "records are written before the command fails";
-  EXPECT_EQ(hexaplast(again + "0.01").code, 0);
+  succeeds(again + "0.01");
 }
 
 TEST_F(Command, BenchMeasuresAScene) {
@@ -37,8 +36,7 @@ TEST_F(Command, BenchMeasuresAScene) {
         "tolerance='0' threshold='0'/><RegularGridTopology n='4 3 3' max='1 .5 .5'/><MechanicalObject/><DiagonalMass "
         "totalMass='2'/><HexahedronElastoplasticFEMForceField youngModulus='2000' yieldStress='1' "
         "plasticFlowRate='2'/></Node>");
-  const Outcome outcome = hexaplast("bench --scene bar.scn --threads 1,3 --json -");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Outcome outcome = succeeds("bench --scene bar.scn --threads 1,3 --json -");
   const Json records = Json::parse(outcome.out);
   ASSERT_EQ(records.size(), 2u);
   EXPECT_EQ(records[0]["size"], 12);
@@ -50,8 +48,7 @@ TEST_F(Command, BenchMeasuresAScene) {
 }
 
 TEST_F(Command, BenchStepsABatchAtOnce) {
-  const Outcome outcome = hexaplast("bench --batch --quick --sizes 90 --bodies 4 --threads 1,2 --json batch.json");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Outcome outcome = succeeds("bench --batch --quick --sizes 90 --bodies 4 --threads 1,2 --json batch.json");
   EXPECT_NE(outcome.out.find("together"), std::string::npos) << outcome.out;
   const Json records = Json::parse(hexaplast::support::content(directory_ / "batch.json"));
   ASSERT_EQ(records.size(), 8u);

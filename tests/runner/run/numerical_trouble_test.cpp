@@ -108,8 +108,7 @@ TEST_F(Stall, IsCountedAndReported) {
   ASSERT_NE(scene.find(direct), std::string::npos);
   scene.replace(scene.find(direct), direct.size(), "<CGLinearSolver iterations='2' tolerance='1e-12' threshold='0'/>");
   write("stalls.scn", scene);
-  const support::Outcome outcome = hexaplast("run stalls.scn --steps 7 --summary summary.json");
-  EXPECT_EQ(outcome.code, 0);
+  const support::Outcome outcome = succeeds("run stalls.scn --steps 7 --summary summary.json");
   EXPECT_NE(outcome.err.find("the linear solver stopped before its tolerance in 7 of 7 steps"), std::string::npos)
       << outcome.err;
   std::ifstream in(directory_ / "summary.json");
@@ -130,14 +129,12 @@ std::string tissue(const std::string& solvers) {
 // The default threshold of SOFA's solver is an absolute number, below which steps of tissue lie.
 TEST_F(Stall, AtTheThresholdIsNotTakenForASolution) {
   write("plain.scn", tissue("<EulerImplicitSolver/><CGLinearSolver/>"));
-  const support::Outcome checked = hexaplast("check plain.scn");
-  EXPECT_EQ(checked.code, 0);
+  const support::Outcome checked = succeeds("check plain.scn");
   EXPECT_NE(checked.err.find("stops at its threshold above its tolerance: set threshold=\"0\" or use "
                              "MultigridCGLinearSolver"),
             std::string::npos)
       << checked.err;
-  const support::Outcome outcome = hexaplast("run plain.scn --summary summary.json");
-  EXPECT_EQ(outcome.code, 0);
+  const support::Outcome outcome = succeeds("run plain.scn --summary summary.json");
   std::ifstream in(directory_ / "summary.json");
   const nlohmann::json summary = nlohmann::json::parse(in);
   const long steps = summary["threshold_solves"];
@@ -160,7 +157,7 @@ TEST_F(Stall, AtTheThresholdIsNotTakenForASolution) {
 
   write("solved.scn", tissue("<EulerImplicitSolver/><CGLinearSolver iterations='500' threshold='0'/>"));
   EXPECT_EQ(hexaplast("check solved.scn").err.find("threshold"), std::string::npos);
-  EXPECT_EQ(hexaplast("run solved.scn --strict --quiet").code, 0);
+  succeeds("run solved.scn --strict --quiet");
 }
 
 TEST_F(Stall, OfNewtonIsNotThatOfTheLinearSolver) {

@@ -38,7 +38,7 @@ TEST_F(OddFiles, APipeKeepsNobodyWaiting) {
 }
 
 TEST_F(OddFiles, APipeAmongTheFilesOfARunKeepsNobodyWaiting) {
-  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --checkpoint every=3").code, 0);
+  succeeds("run bar.scn --out run --frames 0 --checkpoint every=3");
   make_pipe("run/checkpoint_000000099.hxc");
   Outcome refused = in_time("resume run");
   EXPECT_EQ(refused.code, 5);
@@ -63,8 +63,8 @@ TEST_F(OddFiles, APipeAmongTheFilesOfARunKeepsNobodyWaiting) {
 }
 
 TEST_F(OddFiles, AFullDeviceIsNoticedByWhateverPrints) {
-  ASSERT_EQ(hexaplast("mesh grid --cells 1 1 1 --size 1 1 1 -o box.vtu").code, 0);
-  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0").code, 0);
+  succeeds("mesh grid --cells 1 1 1 --size 1 1 1 -o box.vtu");
+  succeeds("run bar.scn --out run --frames 0");
   write("cube.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
   for (const std::string arguments :
        {"--help", "--version", "run --help", "mesh grid --help", "list", "list --markdown", "list RegularGridTopology",

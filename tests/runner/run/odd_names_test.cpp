@@ -44,10 +44,9 @@ TEST_F(Command, TakesBlanksQuotesAndSignsOfTheShellInNamesAsTheyAre) {
   fs::create_directory(directory_ / kOdd);
   write("bar.scn", kPulledBar);
   write(kOdd + "/" + kOdd + ".scn", kPulledBar);
-  ASSERT_EQ(hexaplast("run bar.scn --frames 0 --out plain --checkpoint every=3").code, 0);
+  succeeds("run bar.scn --frames 0 --out plain --checkpoint every=3");
   const std::string scene = quoted(kOdd + "/" + kOdd + ".scn"), out = quoted(kOdd + "/out" + kOdd);
-  const Outcome run = hexaplast("run " + scene + " --frames 0 --out " + out + " --checkpoint every=3");
-  ASSERT_EQ(run.code, 0) << run.err;
+  const Outcome run = succeeds("run " + scene + " --frames 0 --out " + out + " --checkpoint every=3");
 
   const auto plain = files_in(directory_ / "plain"), odd = files_in(directory_ / kOdd / ("out" + kOdd));
   EXPECT_GE(plain.size(), 8u);
@@ -57,8 +56,8 @@ TEST_F(Command, TakesBlanksQuotesAndSignsOfTheShellInNamesAsTheyAre) {
   }
   EXPECT_EQ(plain.size(), odd.size());
 
-  EXPECT_EQ(hexaplast("resume " + out + " --steps 8 --quiet").code, 0);
-  EXPECT_EQ(hexaplast("compare plain " + out + " --out " + quoted(kOdd + ".html")).code, 0);
+  succeeds("resume " + out + " --steps 8 --quiet");
+  succeeds("compare plain " + out + " --out " + quoted(kOdd + ".html"));
   EXPECT_EQ(hexaplast("run " + quoted("no " + kOdd)).code, 5);
   EXPECT_FALSE(fs::exists(directory_ / "hit"));
   EXPECT_FALSE(fs::exists(directory_ / kOdd / "hit"));

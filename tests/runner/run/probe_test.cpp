@@ -55,8 +55,7 @@ TEST_F(Probes, AreColumnsOfTheHistoryLinesOfTheSummaryAndChartsOfTheReport) {
   <Probe name="strain" value="@body.plasticStrain" statistic="max"/>
   <Probe name="volumes" value="@body.volumeRatio" indices="0-3" statistic="sum"/>
 )xml");
-  const Outcome outcome = hexaplast("run bar.scn --out run --frames 0 --final final.json --summary summary.json");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Outcome outcome = succeeds("run bar.scn --out run --frames 0 --final final.json --summary summary.json");
 
   const Json state = Json::parse(content(directory_ / "final.json"));
   Vec3 mean = Vec3::Zero();
@@ -91,7 +90,7 @@ TEST_F(Probes, ChangeNothingAndGoOnFromACheckpoint) {
   const Outcome whole = hexaplast("run bar.scn --out run --frames 0");
   EXPECT_EQ(hash(whole.out), without);
 
-  ASSERT_EQ(hexaplast("run bar.scn --out half --frames 0 --steps 15 --checkpoint every=15 --quiet").code, 0);
+  succeeds("run bar.scn --out half --frames 0 --steps 15 --checkpoint every=15 --quiet");
   const Outcome resumed = hexaplast("resume half --steps 30");
   EXPECT_EQ(hash(resumed.out), without) << resumed.err;
   EXPECT_EQ(last("tip", "half"), last("tip"));
@@ -102,7 +101,7 @@ TEST_F(Probes, ChangeNothingAndGoOnFromACheckpoint) {
 // A column of history.csv that a later version may have is none of a probe.
 TEST_F(Probes, HaveColumnsThatNoOtherColumnIsCalledLike) {
   write_scene("  <Probe name='step_ms' value='@nodes.position' indices='80'/>\n");
-  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --quiet").code, 0);
+  succeeds("run bar.scn --out run --frames 0 --quiet");
   output::HistoryTable table(directory_ / "run/history.csv");
   int of_probes = 0;
   for (const std::string& column : table.columns()) of_probes += column.starts_with("probe_");
@@ -130,7 +129,7 @@ TEST_F(Probes, OfConstraintsTellWhatBalancesABodyAtRest) {
   replace("plasticFlowRate=\"4\"", "");
   replace("rayleighMass=\"0.1\"", "rayleighMass=\"8\"");
   write("bar.scn", scene);
-  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --quiet --steps 600").code, 0);
+  succeeds("run bar.scn --out run --frames 0 --quiet --steps 600");
   EXPECT_GT(std::abs(last("gy")), 0.5);
   EXPECT_NEAR(last("fx"), 0, 1e-6);
   EXPECT_NEAR(last("fy"), -last("gy"), 1e-6);
@@ -149,7 +148,7 @@ TEST_F(Probes, OfConstraintsAreExactInMotionToo) {
   <UniformMass totalMass="2"/><HexahedronElastoplasticFEMForceField name="body" youngModulus="5e4"/>
   <FixedProjectiveConstraint name="held" indices="0-8"/><Probe name="z" value="@held.reaction" component="z"/>
   <Probe name="com" value="@nodes.velocity" component="z" statistic="sum"/></Node>)xml");
-  ASSERT_EQ(hexaplast("run prescribed.scn --out run --frames 0 --quiet").code, 0);
+  succeeds("run prescribed.scn --out run --frames 0 --quiet");
   output::HistoryTable table(directory_ / "run/history.csv");
   const auto force = static_cast<std::size_t>(table.find("probe_z")),
              velocity = static_cast<std::size_t>(table.find("probe_com"));
@@ -181,8 +180,7 @@ TEST_F(Probes, FollowPointsWithinTheBodyAndVolumesOfRegions) {
   <Probe name="volume" value="@body.volume" statistic="sum"/>
   <Probe name="plastic_volume" value="@body.plasticVolume" indices="0-3" statistic="sum"/>
 )xml");
-  const Outcome outcome = hexaplast("run bar.scn --out run --frames 0 --final final.json");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  succeeds("run bar.scn --out run --frames 0 --final final.json");
   EXPECT_NEAR(last("at_node"), last("node"), 1e-14);
   EXPECT_GT(last("moved"), 0.01);
   // by hand: the cell's corners around it, 20 % and 40 % along its sides, 1/5 up
@@ -211,10 +209,9 @@ TEST_F(Probes, FollowPointsWithinTheBodyAndVolumesOfRegions) {
 
 TEST_F(Probes, AreComparedSideBySide) {
   write_scene("  <Probe name='pull' value='@forceps.force'/>\n");
-  ASSERT_EQ(hexaplast("run bar.scn --out a --frames 0 --quiet").code, 0);
-  ASSERT_EQ(hexaplast("run bar.scn --out b --frames 0 --quiet --set body.youngModulus=4e4").code, 0);
-  const Outcome compared = hexaplast("compare a b -o page.html");
-  ASSERT_EQ(compared.code, 0) << compared.err;
+  succeeds("run bar.scn --out a --frames 0 --quiet");
+  succeeds("run bar.scn --out b --frames 0 --quiet --set body.youngModulus=4e4");
+  succeeds("compare a b -o page.html");
   const std::string page = content(directory_ / "page.html");
   EXPECT_NE(page.substr(page.find("Over time")).find(">pull"), std::string::npos);
 }

@@ -42,8 +42,7 @@ const std::string kGrowing = bar("trapezoidalScheme='true'", kLong, "1 0 0  1 0 
 
 TEST_F(Results, AreNotDoubtedWithoutReason) {
   write("bar.scn", kPulled);
-  const Outcome outcome = hexaplast("run bar.scn --strict --summary summary.json");
-  EXPECT_EQ(outcome.code, 0);
+  const Outcome outcome = succeeds("run bar.scn --strict --summary summary.json");
   EXPECT_EQ(outcome.err, "");
   EXPECT_EQ(outcome.out.find("inverted"), std::string::npos) << outcome.out;
   EXPECT_EQ(summary().at("inverted"), 0);
@@ -55,8 +54,7 @@ TEST_F(Results, AreNotDoubtedWithoutReason) {
 TEST_F(Results, OfABodyThatIsInsideOutAreDoubted) {
   write("bar.scn", kCrushed);
   const std::string end = "4 of 4 hexahedra are inverted at the end";
-  const Outcome outcome = hexaplast("run bar.scn --out run --frames 0 --summary summary.json");
-  EXPECT_EQ(outcome.code, 0);
+  const Outcome outcome = succeeds("run bar.scn --out run --frames 0 --summary summary.json");
   EXPECT_NE(outcome.err.find("warning: " + end), std::string::npos) << outcome.err;
   EXPECT_NE(outcome.out.find("inverted            4 at the end, at most 4 in step "), std::string::npos) << outcome.out;
   const Json warnings = manifest("run").at("warnings");
@@ -71,8 +69,7 @@ TEST_F(Results, OfABodyThatIsInsideOutAreDoubted) {
 
 TEST_F(Results, OfABodyThatWasInsideOutAreDoubted) {
   write("bar.scn", kPassing);
-  const Outcome outcome = hexaplast("run bar.scn --out run --frames 0 --summary summary.json --checkpoint every=30");
-  EXPECT_EQ(outcome.code, 0);
+  const Outcome outcome = succeeds("run bar.scn --out run --frames 0 --summary summary.json --checkpoint every=30");
   const hexaplast::support::Csv history(content(directory_ / "run/history.csv"));
   double max = 0;
   std::size_t step = 0;
@@ -93,8 +90,7 @@ TEST_F(Results, OfABodyThatWasInsideOutAreDoubted) {
 
 TEST_F(Results, ThatTheEnergyBalanceDoesNotExplainAreDoubted) {
   write("bar.scn", kTornAway);
-  const Outcome outcome = hexaplast("run bar.scn --out run --frames 0");
-  EXPECT_EQ(outcome.code, 0);
+  const Outcome outcome = succeeds("run bar.scn --out run --frames 0");
   const hexaplast::support::Csv history(content(directory_ / "run/history.csv"));
   EXPECT_GT(std::abs(history.number(100, "energy_error")), 0.2 * history.number(100, "load_work"));
   EXPECT_NE(outcome.err.find("warning: the energy balance misses "), std::string::npos) << outcome.err;
@@ -184,8 +180,7 @@ TEST_F(Results, OfSlowAndStillAndFreeBodiesAreNoBlowUp) {
        "<FixedProjectiveConstraint indices='0'/></Node>"}};
   for (const auto& [name, scene] : scenes) {
     write("bar.scn", scene);
-    const Outcome outcome = hexaplast("run bar.scn --strict");
-    EXPECT_EQ(outcome.code, 0) << name;
+    const Outcome outcome = succeeds("run bar.scn --strict");
     EXPECT_EQ(outcome.err, "") << name;
   }
 }

@@ -78,34 +78,29 @@ class Resume : public Command {
 };
 
 TEST_F(Resume, GoesOnBitForBitAndWritesTheSameFiles) {
-  const Outcome straight = hexaplast("run bar.scn --out straight --frames 0 --checkpoint every=15 --threads 1");
-  ASSERT_EQ(straight.code, 0) << straight.err;
+  const Outcome straight = succeeds("run bar.scn --out straight --frames 0 --checkpoint every=15 --threads 1");
   ASSERT_NE(straight.out.find("removed "), std::string::npos) << "the case is to tear\n" << straight.out;
   EXPECT_NE(straight.out.find("connected parts "), std::string::npos) << straight.out;
 
   // 20 steps, the last of them at no output: a run of 40 would not write it
-  ASSERT_EQ(hexaplast("run bar.scn --out resumed --frames 0 --checkpoint every=15 --steps 20 --threads 2").code, 0);
-  const Outcome resumed = hexaplast("resume resumed --steps 40 --threads 3 --final last.json");
-  EXPECT_EQ(resumed.code, 0) << resumed.err;
+  succeeds("run bar.scn --out resumed --frames 0 --checkpoint every=15 --steps 20 --threads 2");
+  const Outcome resumed = succeeds("resume resumed --steps 40 --threads 3 --final last.json");
   EXPECT_EQ(hash_in(resumed.out), hash_in(straight.out));
   EXPECT_TRUE(fs::exists(directory_ / "last.json"));
   expect_same_run("resumed", "straight");
 }
 
 TEST_F(Resume, CutsWhatTheRunHadWrittenAfterItsCheckpoint) {
-  ASSERT_EQ(hexaplast("run bar.scn --out straight --frames 0 --checkpoint every=30").code, 0);
-  ASSERT_EQ(hexaplast("run bar.scn --out resumed --frames 0 --checkpoint every=30").code, 0);
+  succeeds("run bar.scn --out straight --frames 0 --checkpoint every=30");
+  succeeds("run bar.scn --out resumed --frames 0 --checkpoint every=30");
   EXPECT_EQ(hexaplast("resume resumed").code, 2) << "all steps are done";
-  const Outcome resumed = hexaplast("resume resumed/checkpoint_000000030.hxc");
-  EXPECT_EQ(resumed.code, 0) << resumed.err;
+  const Outcome resumed = succeeds("resume resumed/checkpoint_000000030.hxc");
   expect_same_run("resumed", "straight");
 }
 
 TEST_F(Resume, FromAnotherPlaceFindsItsScene) {
   write("at_rest.scn", kTearingBar);
-  ASSERT_EQ(
-      hexaplast("run bar.scn --out run --frames 0 --checkpoint every=10 --steps 10 --set root/body.hardening=0.2").code,
-      0);
+  succeeds("run bar.scn --out run --frames 0 --checkpoint every=10 --steps 10 --set root/body.hardening=0.2");
   fs::create_directory(directory_ / "elsewhere");
   const Outcome resumed = shell("cd elsewhere && '" HEXAPLAST_COMMAND "' resume ../run --steps 12 --final last.json");
   EXPECT_EQ(resumed.code, 0) << resumed.err;
@@ -113,7 +108,7 @@ TEST_F(Resume, FromAnotherPlaceFindsItsScene) {
 }
 
 TEST_F(Resume, WhatIsForeignOrDamagedIsRefusedAndUntouched) {
-  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --checkpoint every=10 --steps 25").code, 0);
+  succeeds("run bar.scn --out run --frames 0 --checkpoint every=10 --steps 25");
   const std::string history = content(directory_ / "run/history.csv");
   const fs::path newest = directory_ / "run/checkpoint_000000025.hxc";
 
@@ -140,7 +135,7 @@ TEST_F(Resume, WhatIsForeignOrDamagedIsRefusedAndUntouched) {
   EXPECT_NE(refused.err.find("\n  hint: there is another one, run/checkpoint_000000020.hxc\n"), std::string::npos)
       << refused.err;
   EXPECT_EQ(content(directory_ / "run/history.csv"), history);
-  EXPECT_EQ(hexaplast("resume run/checkpoint_000000020.hxc --steps 40").code, 0);
+  succeeds("resume run/checkpoint_000000020.hxc --steps 40");
 
   EXPECT_EQ(hexaplast("resume nowhere").code, 5);
   fs::create_directory(directory_ / "empty");
@@ -159,10 +154,9 @@ class ResumeOfAStranger : public Resume {
     std::string text = kTearingBar;
     text.insert(text.find("<RunSettings"), "<RequiredPlugin pluginName='Planted'/>");
     write("theirs/bar.scn", text);
-    const Outcome run = hexaplast(
+    const Outcome run = succeeds(
         "run theirs/bar.scn --out theirs --frames 0 --steps 20 --checkpoint every=10 --plugin-path "
         "theirs/plugins --final victim.json --summary victim.txt");
-    ASSERT_EQ(run.code, 0) << run.err;
     ASSERT_TRUE(fs::exists(directory_ / "planted_code_has_run")) << "loading it does no harm that could be seen";
     for (const char* file : {"planted_code_has_run", "theirs/planted_code_has_run"}) fs::remove(directory_ / file);
     for (const char* file : {"victim.json", "victim.txt"}) write(file, "mine");
@@ -219,8 +213,7 @@ TEST_F(ResumeOfAStranger, LoadsNothingFromTheRunsDirectoryAndWritesNothingElsewh
   expect_harmless(command_ + "resume theirs --steps 40 --plugin-path linked", 6, below);
 
   // the same plugin from where the user has it
-  const Outcome mine = hexaplast("resume theirs --steps 40 --plugin-path mine --final last.json --summary last.txt");
-  EXPECT_EQ(mine.code, 0) << mine.err;
+  const Outcome mine = succeeds("resume theirs --steps 40 --plugin-path mine --final last.json --summary last.txt");
   EXPECT_TRUE(fs::exists(directory_ / "planted_code_has_run")) << "the working directory is the user's";
   for (const char* file : {"last.json", "last.txt"}) EXPECT_TRUE(fs::exists(directory_ / file)) << file;
   for (const char* file : {"victim.json", "victim.txt"}) EXPECT_EQ(content(directory_ / file), "mine");
@@ -274,7 +267,7 @@ TEST_F(ResumeOfAStranger, AForgedRecordIsRefusedOrHarmless) {
 }
 
 TEST_F(Resume, FollowsNoLinkOutOfTheRunsDirectory) {
-  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --checkpoint every=10 --steps 20").code, 0);
+  succeeds("run bar.scn --out run --frames 0 --checkpoint every=10 --steps 20");
   fs::create_directory(directory_ / "elsewhere");
   write("elsewhere/frame_000001.png", "mine");
   for (const char* name : {"mesh.pvd", "report.html", "manifest.json", "plot.svg", "mesh_000040.vtu",
@@ -288,8 +281,7 @@ TEST_F(Resume, FollowsNoLinkOutOfTheRunsDirectory) {
   EXPECT_EQ(refused.code, 5) << refused.err;
   EXPECT_NE(refused.err.find("run/frames: is a symbolic link"), std::string::npos) << refused.err;
   fs::remove(directory_ / "run/frames");
-  const Outcome resumed = hexaplast("resume run --steps 40");
-  EXPECT_EQ(resumed.code, 0) << resumed.err;
+  succeeds("resume run --steps 40");
   for (const auto& entry : fs::directory_iterator(directory_ / "elsewhere"))
     EXPECT_EQ(content(entry.path()), "mine") << entry.path();
 
@@ -304,7 +296,7 @@ TEST_F(Resume, FollowsNoLinkOutOfTheRunsDirectory) {
 // Below the run's directory, and so below that of a stranger; a link of the user's own leads where it leads.
 TEST_F(Resume, NamedFilesFollowNoLinkOfTheRunsDirectory) {
   const std::string run = "run bar.scn --out run --frames 0 --checkpoint every=10 --steps 20";
-  ASSERT_EQ(hexaplast(run).code, 0);
+  succeeds(run);
   for (const char* folder : {"elsewhere", "run/sub"}) fs::create_directory(directory_ / folder);
   write("elsewhere/last.json", "mine");
   fs::create_symlink("../elsewhere/last.json", directory_ / "run/last.json");
@@ -332,15 +324,14 @@ TEST_F(Resume, NamedFilesFollowNoLinkOfTheRunsDirectory) {
   EXPECT_EQ(content(directory_ / "elsewhere/last.json"), "mine");
 
   fs::create_symlink("elsewhere/last.json", directory_ / "mine.json");
-  const Outcome resumed = hexaplast("resume same --steps 40 --final mine.json --summary same/sub/summary.json");
-  EXPECT_EQ(resumed.code, 0) << resumed.err;
+  succeeds("resume same --steps 40 --final mine.json --summary same/sub/summary.json");
   EXPECT_NE(content(directory_ / "elsewhere/last.json"), "mine");
   EXPECT_TRUE(fs::exists(directory_ / "run/sub/summary.json"));
 }
 
 // A file of the run with another name elsewhere would change there too.
 TEST_F(Resume, WritesIntoNoFileThatHasOtherNames) {
-  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --checkpoint every=10 --steps 20").code, 0);
+  succeeds("run bar.scn --out run --frames 0 --checkpoint every=10 --steps 20");
   for (const std::string name : {"history.csv", "removed.csv"}) {
     const fs::path file = directory_ / "run" / name;
     write("victim", content(file) + "mine\n");
@@ -360,7 +351,7 @@ TEST_F(Resume, WritesIntoNoFileThatHasOtherNames) {
   EXPECT_EQ(other.code, 3);
   EXPECT_NE(other.err.find("history.csv does not begin with"), std::string::npos) << other.err;
   write("run/history.csv", history);
-  EXPECT_EQ(hexaplast("resume run --steps 40").code, 0);
+  succeeds("resume run --steps 40");
 }
 
 }  // namespace

@@ -24,9 +24,8 @@ class Conditions : public support::Command {
           "<DiagonalMass massDensity='1000'/>\n<HexahedronElastoplasticFEMForceField youngModulus='5e4' "
           "poissonRatio='0.3'/>\n<FixedProjectiveConstraint indices='0-8'/>" +
               loads + "</Node>");
-    const support::Outcome outcome =
-        hexaplast("run block.scn --out run --force --frames 0 --quiet --steps " + std::to_string(steps));
-    ASSERT_EQ(outcome.code, 0) << outcome.err;
+
+    succeeds("run block.scn --out run --force --frames 0 --quiet --steps " + std::to_string(steps));
   }
 
   ImportedState state(const std::string& name) const { return read_vtu_state(directory_ / "run" / name); }
@@ -152,8 +151,7 @@ TEST_F(Conditions, SpringsAreLinesBetweenTheirEnds) {
 
   // a finished run is drawn with them
   const auto draw = [&](const std::string& name) {
-    const support::Outcome outcome = hexaplast("render run --step 3 --out " + name);
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    succeeds("render run --step 3 --out " + name);
     return support::content(directory_ / name);
   };
   const std::string with = draw("with.png");
@@ -178,8 +176,7 @@ TEST_F(Conditions, WhatIsReleasedOrTornOffIsNotShown) {
             "<AttachProjectiveConstraint object1='@a/nodes' object2='@b/nodes' indices1='1' "
             "indices2='0'/><SpringForceField object1='@a/nodes' object2='@b/nodes' "
             "spring='9 9 30 0 0'/></Node></Node>");
-  const support::Outcome outcome = hexaplast("run two.scn --out run --force --frames 0 --quiet");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  succeeds("run two.scn --out run --force --frames 0 --quiet");
   EXPECT_EQ(output::read_springs(directory_ / "run/springs_000000.vtu").size(), 2u);
   const std::string removed = support::content(directory_ / "run/removed.csv");
   ASSERT_EQ(removed, "step,time,hexahedron,body\n3,0.03,1,a\n");

@@ -97,12 +97,11 @@ TEST_F(RunDirectory, IsOneProgramsAtATime) {
 
   // nothing keeps the next one out, neither this program's lock nor a file that it left
   const long steps = newest_checkpoint() + 3;
-  const Outcome resumed = hexaplast("resume run --steps " + std::to_string(steps));
-  EXPECT_EQ(resumed.code, 0) << resumed.err;
+  const Outcome resumed = succeeds("resume run --steps " + std::to_string(steps));
   EXPECT_EQ(hash_in(resumed), hash_in(hexaplast("run bar.scn --steps " + std::to_string(steps))));
-  EXPECT_EQ(hexaplast("run bar.scn --out run --frames 0 --force").code, 0);
+  succeeds("run bar.scn --out run --frames 0 --force");
   fs::create_directory(directory_ / "new");
-  EXPECT_EQ(hexaplast("run bar.scn --out new --frames 0").code, 0);
+  succeeds("run bar.scn --out new --frames 0");
   std::string names;
   for (const auto& [name, bytes] : files("new")) names += name.substr(4) + " ";
   EXPECT_EQ(names,
@@ -121,22 +120,20 @@ TEST_F(RunDirectory, ASignalAlwaysLeavesACheckpoint) {
     EXPECT_EQ(manifest().at("steps").at("done"), newest_checkpoint());
     EXPECT_NE(content(directory_ / "messages").find("state hash"), std::string::npos);
     const std::string steps = std::to_string(newest_checkpoint() + 5);
-    const Outcome resumed = hexaplast("resume run --steps " + steps);
-    EXPECT_EQ(resumed.code, 0) << resumed.err;
+    const Outcome resumed = succeeds("resume run --steps " + steps);
     EXPECT_EQ(hash_in(resumed), hash_in(hexaplast("run bar.scn --steps " + steps)));
   }
 }
 
 TEST_F(RunDirectory, ARunOfNoStepsLeavesTheCheckpointThatIsAskedFor) {
-  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --steps 0 --checkpoint every=1").code, 0);
+  succeeds("run bar.scn --out run --frames 0 --steps 0 --checkpoint every=1");
   EXPECT_EQ(newest_checkpoint(), 0);
-  const Outcome resumed = hexaplast("resume run --steps 6");
-  EXPECT_EQ(resumed.code, 0) << resumed.err;
+  const Outcome resumed = succeeds("resume run --steps 6");
   EXPECT_EQ(hash_in(resumed), hash_in(hexaplast("run bar.scn")));
 }
 
 TEST_F(RunDirectory, StaysAsItIsUntilAllFilesAreKnownToBeWritable) {
-  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 1 --checkpoint every=2").code, 0);
+  succeeds("run bar.scn --out run --frames 1 --checkpoint every=2");
   const auto before = files("run");
   ASSERT_GE(before.size(), 11u);
   for (const char* refused : {"resume run --steps 9 --final nowhere/last.json",
@@ -151,7 +148,7 @@ TEST_F(RunDirectory, StaysAsItIsUntilAllFilesAreKnownToBeWritable) {
 }
 
 TEST_F(RunDirectory, NoTableIsCutWhenTheOtherOneIsForeign) {
-  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --checkpoint every=2").code, 0);
+  succeeds("run bar.scn --out run --frames 0 --checkpoint every=2");
   write("run/removed.csv", "");
   const auto before = files("run");
   const Outcome refused = hexaplast("resume run/checkpoint_000000004.hxc");
@@ -161,10 +158,9 @@ TEST_F(RunDirectory, NoTableIsCutWhenTheOtherOneIsForeign) {
 }
 
 TEST_F(RunDirectory, AStateThatIsGoneIsLeftOutAndSaid) {
-  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --checkpoint every=3 --steps 3").code, 0);
+  succeeds("run bar.scn --out run --frames 0 --checkpoint every=3 --steps 3");
   fs::remove(directory_ / "run/mesh_000002.vtu");
-  const Outcome resumed = hexaplast("resume run --steps 6");
-  EXPECT_EQ(resumed.code, 0);
+  const Outcome resumed = succeeds("resume run --steps 6");
   EXPECT_NE(resumed.err.find("mesh_000002.vtu is gone: its .pvd file no longer names it\n"), std::string::npos)
       << resumed.err;
   const std::string series = content(directory_ / "run/mesh.pvd");

@@ -26,7 +26,7 @@ class RunRecord : public hexaplast::support::Command {
 
   /// The manifest of a run of `file`.
   Json manifest_of(const std::string& file, const std::string& options = "") {
-    EXPECT_EQ(hexaplast("run " + file + " --out run --force --frames 0 --quiet " + options).code, 0);
+    succeeds("run " + file + " --out run --force --frames 0 --quiet " + options);
     return manifest("run");
   }
 };
@@ -36,8 +36,7 @@ TEST_F(RunRecord, MeasuresElongationAndTwistWhereABodyIsPulledByItsEnds) {
   const auto columns = [&](const std::string& load, const std::string& settings = "", const std::string& more = "") {
     const std::string body = hexaplast::support::held_bar("", "yieldStress='300'", load);
     write("bar.scn", hexaplast::support::in_a_node(body + more, "steps='1' " + settings));
-    const Outcome outcome = hexaplast("run bar.scn --out run --force --frames 0");
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    const Outcome outcome = succeeds("run bar.scn --out run --force --frames 0");
     const std::string history = content(directory_ / "run/history.csv");
     const std::string head = history.substr(0, history.find('\n'));
     const bool has_columns = head.find("plastic_elongation,plastic_twist_deg,") != head.npos &&
@@ -64,20 +63,18 @@ TEST_F(RunRecord, MeasuresElongationAndTwistWhereABodyIsPulledByItsEnds) {
 TEST_F(RunRecord, NamesTheRegionsInTheStates) {
   write("bar.scn", scene(kBody + "<MaterialRegion name='soft &amp; small' indices='1' youngModulus='100'/>"
                                  "<MaterialRegion name='stiff' indices='0' youngModulus='9000'/>"));
-  const Outcome outcome = hexaplast("run bar.scn --out run --frames 0");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  succeeds("run bar.scn --out run --frames 0");
   const std::string head = content(directory_ / "run/mesh_000000.vtu").substr(0, 900);
   EXPECT_NE(head.find("Name=\"region bar/soft &amp; small\" NumberOfTuples=\"1\" format=\"ascii\">1<"), head.npos)
       << head;
   EXPECT_NE(head.find("Name=\"region bar/stiff\" NumberOfTuples=\"1\" format=\"ascii\">2<"), head.npos) << head;
-  EXPECT_EQ(hexaplast("mesh info run/mesh_000000.vtu").code, 0) << "it is read all the same";
+  succeeds("mesh info run/mesh_000000.vtu");
 }
 
 TEST_F(RunRecord, SaysWhatIsNeededToRepeatTheRun) {
   write("bar.scn", scene(kBody));
   const Outcome outcome =
-      hexaplast("run bar.scn --out first --frames 0 --threads 2 --set bar/material.yieldStress=250 --steps 3");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+      succeeds("run bar.scn --out first --frames 0 --threads 2 --set bar/material.yieldStress=250 --steps 3");
   const Json first = manifest("first");
   EXPECT_EQ(first.at("state"), "finished");
   EXPECT_EQ(first.at("command"), Json({"hexaplast", "run", "bar.scn", "--out", "first", "--frames", "0", "--threads",
@@ -100,7 +97,7 @@ TEST_F(RunRecord, SaysWhatIsNeededToRepeatTheRun) {
   // what it says to do gives the same state
   std::string again;
   for (const std::string word : first.at("command")) again += (word == "first" ? "second" : word) + " ";
-  ASSERT_EQ(hexaplast(again.substr(again.find(' '))).code, 0);
+  succeeds(again.substr(again.find(' ')));
   EXPECT_EQ(manifest("second").at("state_hash"), first.at("state_hash"));
 }
 
@@ -148,7 +145,7 @@ TEST_F(RunRecord, KeepsWarningsThatAQuietRunDoesNotShow) {
 // A force that does not change has done F times the way of its node. Without inertia there is no such balance.
 TEST_F(RunRecord, TellsWhereTheWorkWent) {
   write("bar.scn", scene(kBody));
-  ASSERT_EQ(hexaplast("run bar.scn --out run --frames 0 --steps 40 --final last.json").code, 0);
+  succeeds("run bar.scn --out run --frames 0 --steps 40 --final last.json");
   const hexaplast::support::Csv history(content(directory_ / "run/history.csv"));
   ASSERT_EQ(history.num_rows(), 41u);
   const double initial = history.number(0, "kinetic_energy") + history.number(0, "elastic_energy");
@@ -169,7 +166,7 @@ TEST_F(RunRecord, TellsWhereTheWorkWent) {
   EXPECT_NE(content(directory_ / "run/report.html").find("energy balance"), std::string::npos);
 
   write("bar.scn", hexaplast::support::pulled_bar());
-  ASSERT_EQ(hexaplast("run bar.scn --out still --frames 0").code, 0);
+  succeeds("run bar.scn --out still --frames 0");
   const hexaplast::support::Csv still(content(directory_ / "still/history.csv"));
   const std::vector<std::string>& columns = still.columns();
   EXPECT_EQ(std::ranges::count(columns, "elastic_energy"), 1);
@@ -193,7 +190,7 @@ TEST_F(RunRecord, TellsThatTheRunFailedAndWhatItCameTo) {
   // it has what it came to: that of a run which ends before the failure
   const long done = failed.at("steps").at("done");
   ASSERT_GT(done, 0);
-  EXPECT_EQ(hexaplast("run bar.scn --out whole --frames 0 --steps " + std::to_string(done)).code, 0);
+  succeeds("run bar.scn --out whole --frames 0 --steps " + std::to_string(done));
   const Json whole = manifest("whole");
   EXPECT_EQ(failed.at("state_hash"), whole.at("state_hash"));
   EXPECT_EQ(failed.at("summary").at("plastic elongation"), whole.at("summary").at("plastic elongation"));

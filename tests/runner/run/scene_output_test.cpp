@@ -67,9 +67,9 @@ TEST_F(SceneOutput, WhatIsReadIsNoUnfinishedFileEither) {
 TEST_F(SceneOutput, NeverReplacesWhatIsRead) {
   fs::create_hard_link(directory_ / "bar.scn", directory_ / "same.scn");
   fs::create_symlink("skin.obj", directory_ / "link.obj");
-  ASSERT_EQ(hexaplast("run bar.scn --out earlier --steps 1 --frames 0").code, 0);
-  ASSERT_EQ(hexaplast("mesh convert skin.obj -o sub/mesh_000000.vtu").code, 0);  // among the files of a run
-  ASSERT_EQ(hexaplast("bench --scene bar.scn --json b.json").code, 0);
+  succeeds("run bar.scn --out earlier --steps 1 --frames 0");
+  succeeds("mesh convert skin.obj -o sub/mesh_000000.vtu");  // among the files of a run
+  succeeds("bench --scene bar.scn --json b.json");
   write("log", "mine\n");
   std::string text = bar_with("");
   text.replace(text.find("MeshOBJLoader"), 13, "MeshVTKLoader");

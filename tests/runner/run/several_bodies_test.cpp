@@ -51,9 +51,7 @@ class SeveralBodiesRun : public support::Command {
 
 TEST_F(SeveralBodiesRun, WritesThemOneBehindTheOther) {
   for (const std::string name : {"both", "liver", "sac"}) {
-    const support::Outcome ran =
-        hexaplast("run " + name + ".scn --quiet --frames 1 --out " + name + " --final " + name + ".json");
-    ASSERT_EQ(ran.code, 0) << ran.err;
+    succeeds("run " + name + ".scn --quiet --frames 1 --out " + name + " --final " + name + ".json");
   }
   const Json both = json("both.json"), liver = json("liver.json"), sac = json("sac.json");
   EXPECT_EQ(both["bodies"], Json::parse(R"([{"name": "liver", "first_node": 0, "nodes": 36, "first_hexahedron": 0,
@@ -92,17 +90,15 @@ TEST_F(SeveralBodiesRun, WritesThemOneBehindTheOther) {
 }
 
 TEST_F(SeveralBodiesRun, IsTheSameWhenItIsInterrupted) {
-  ASSERT_EQ(hexaplast("run both.scn --quiet --frames 0 --out whole").code, 0);
-  ASSERT_EQ(hexaplast("run both.scn --quiet --frames 0 --out parts --steps 30 --checkpoint every=30").code, 0);
-  const support::Outcome resumed = hexaplast("resume parts --quiet --steps 60");
-  ASSERT_EQ(resumed.code, 0) << resumed.err;
+  succeeds("run both.scn --quiet --frames 0 --out whole");
+  succeeds("run both.scn --quiet --frames 0 --out parts --steps 30 --checkpoint every=30");
+  succeeds("resume parts --quiet --steps 60");
   EXPECT_EQ(json("parts/manifest.json")["state_hash"], json("whole/manifest.json")["state_hash"]);
   EXPECT_EQ(support::content(directory_ / "parts/removed.csv"), support::content(directory_ / "whole/removed.csv"));
 }
 
 TEST_F(SeveralBodiesRun, ChecksEach) {
-  const support::Outcome checked = hexaplast("check both.scn --json");
-  ASSERT_EQ(checked.code, 0) << checked.err;
+  const support::Outcome checked = succeeds("check both.scn --json");
   const Json found = Json::parse(checked.out);
   EXPECT_EQ(found["nodes"], 48);
   EXPECT_EQ(found["hexahedra"], 14);
@@ -119,8 +115,8 @@ TEST_F(SeveralBodiesRun, ChecksEach) {
 
 // What step 0 of a run is.
 TEST_F(SeveralBodiesRun, AreExportedAsOneMesh) {
-  ASSERT_EQ(hexaplast("mesh export both.scn -o both.vtu").code, 0);
-  ASSERT_EQ(hexaplast("run both.scn --quiet --steps 1 --frames 0 --out both").code, 0);
+  succeeds("mesh export both.scn -o both.vtu");
+  succeeds("run both.scn --quiet --steps 1 --frames 0 --out both");
   const ImportedState exported = state("both.vtu"), ran = state("both/mesh_000000.vtu");
   EXPECT_EQ(exported.mesh.positions, ran.mesh.positions);
   EXPECT_EQ(exported.mesh.hexahedra, ran.mesh.hexahedra);
@@ -133,12 +129,10 @@ TEST_F(SeveralBodiesRun, AreFitted) {
   scene.insert(scene.rfind("</Node>"),
                "<Probe name='sag' value='@sac/nodes.position' indices='11' component='y' change='true'/>");
   write("probed.scn", scene);
-  ASSERT_EQ(hexaplast("run probed.scn --quiet --steps 30 --frames 0 --out truth --set sac/body.youngModulus=2300").code,
-            0);
-  const support::Outcome fitted = hexaplast(
+  succeeds("run probed.scn --quiet --steps 30 --frames 0 --out truth --set sac/body.youngModulus=2300");
+  succeeds(
       "fit probed.scn --target truth/history.csv --compare probe_sag --out found --free "
       "sac/body.youngModulus=300:9000");
-  ASSERT_EQ(fitted.code, 0) << fitted.err;
   EXPECT_NEAR(json("found/fit.json")["parameters"][0]["value"].get<double>(), 2300, 2);
 
   write("force.csv", "time,force\n0.1,1\n0.2,2\n");

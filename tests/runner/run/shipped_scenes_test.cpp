@@ -34,9 +34,8 @@ struct SceneOutcome {
 class Shipped : public support::Command {
  protected:
   SceneOutcome run(const std::string& name) {
-    const support::Outcome ran = hexaplast("run '" HEXAPLAST_SOURCE_DIR "/scenes/" + name +
-                                           ".scn' --quiet --strict --frames 0 --out run --final final.json");
-    EXPECT_EQ(ran.code, 0) << ran.err;
+    succeeds("run '" HEXAPLAST_SOURCE_DIR "/scenes/" + name +
+             ".scn' --quiet --strict --frames 0 --out run --final final.json");
     return {Json::parse(support::content(directory_ / "final.json")),
             support::Csv(support::content(directory_ / "run/history.csv"))};
   }
