@@ -82,7 +82,7 @@ Bar::Step Bar::step(LinearSolver& solver) {
   const auto begin = std::chrono::steady_clock::now();
   if (plate_) plate_->begin_step(x_, v_, kBarDt, plate_pose_, plate_pose_);
   done.solve = euler_.step(*this, solver, 0, kBarDt, x_, v_);
-  if (plate_) plate_->end_step(x_, v_);
+  if (plate_) plate_->end_step(x_);
   done.flow = body_.flow(x_, kBarDt);
   done.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   ++num_steps_;

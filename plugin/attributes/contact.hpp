@@ -26,12 +26,13 @@ inline constexpr Attribute kContactDistance{
     .unit = "m",
     .range = kNotNegative,
     .help = "Contact begins at this distance from the surface: at most half of the mean edge."};
-inline constexpr Attribute kContactDamping{.name = "damping",
-                                           .type = Type::kReal,
-                                           .initial = "0",
-                                           .unit = "Pa s/m",
-                                           .range = kNotNegative,
-                                           .help = "Pressure per speed of approach."};
+inline constexpr Attribute kContactDamping{
+    .name = "damping",
+    .type = Type::kReal,
+    .initial = "0",
+    .unit = "Pa s/m",
+    .range = kNotNegative,
+    .help = "Pressure per speed of approach; at most 200 times the default of contactStiffness times dt."};
 
 inline constexpr Attribute kActive{
     .name = "active", .type = Type::kBool, .initial = "true", .help = "false: they pass through each other."};
@@ -65,7 +66,8 @@ inline constexpr Attribute kInstrumentContactAttributes[] = {
     {.name = "embeddedTriangles",
      .type = Type::kIntegers,
      .range = kIndex,
-     .help = "Groups of three of these nodes: the surface that is touched, in place of the faces of the hexahedra."},
+     .help = "Groups of three of these nodes, counter-clockwise seen from outside: the surface that is touched, in "
+             "place of the faces of the hexahedra."},
     {.name = "keyTimes", .type = Type::kReals, .unit = "s", .help = "Key times of the path, ascending."},
     {.name = "positions",
      .type = Type::kVectors3,

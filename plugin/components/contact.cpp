@@ -58,7 +58,10 @@ class InstrumentContactForceField final : public scene::ForceField,
     });
     pass_on(*this, instrument_->take_warnings());
   }
-  void end_step(double) override { instrument_->end_step(state_->positions(), state_->velocities()); }
+  void end_step(double) override {
+    instrument_->end_step(state_->positions());
+    pass_on(*this, instrument_->take_warnings());
+  }
   void reset() override { instrument_->reset(); }
   void serialize(Archive& archive) override { instrument_->serialize(archive); }
 

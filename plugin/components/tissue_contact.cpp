@@ -68,7 +68,7 @@ class TissueContactForceField final : public scene::OneSidedInteraction,
     });
     pass_on(*this, tissues_->take_warnings());
   }
-  void end_step(double) override { tissues_->end_step(positions(), velocities()); }
+  void end_step(double) override { tissues_->end_step(positions()); }
   void reset() override { tissues_->reset(); }
   void serialize(Archive& archive) override { tissues_->serialize(archive); }
 

@@ -19,7 +19,7 @@ constexpr double kMaxDistance = 0.5;  // of contact, in edges
 ContactSettings ContactOptions::settings(double default_stiffness) const {
   const double max = kMaxStiffness * default_stiffness;
   const auto check = [&](std::string_view option, const std::optional<double>& stiffness) {
-    if (stiffness && *stiffness > max)
+    if (active && stiffness && *stiffness > max)
       throw OptionError(option, fmt::format("is {:.6g}, must be at most {:.3g} Pa/m, {:g} times the default of "
                                             "contactStiffness, 30 E / edge length",
                                             *stiffness, max, kMaxStiffness));
@@ -35,6 +35,14 @@ ContactSettings ContactOptions::settings(double default_stiffness) const {
           .is_active = active};
 }
 
+// Implicit Euler takes damping / dt beside the stiffness.
+void ContactOptions::check_damping(double default_stiffness, double dt) const {
+  if (const double max = kMaxStiffness * default_stiffness * dt; active && damping > max)
+    throw OptionError("damping", fmt::format("is {:.6g}, must be at most {:.3g} Pa s/m in steps of {:g} s, {:g} times "
+                                             "the default of contactStiffness, 30 E / edge length, times the step",
+                                             damping, max, dt, kMaxStiffness));
+}
+
 void ContactOptions::check_distance(double edge) const {
   if (const double max = kMaxDistance * edge; contact_distance > max)
     throw OptionError("contact_distance",
@@ -42,6 +50,7 @@ void ContactOptions::check_distance(double edge) const {
 }
 
 OptionError softened(const OptionError& refusal, std::string_view body, double from, double to) {
+  if (!(to < from)) return refusal;
   const Remark& reason = refusal.reasons().front();
   return {reason.attribute, fmt::format("{}; the greatest Young's modulus of {} was {:.6g} Pa when that was accepted, "
                                         "and is {:.6g} Pa now",

@@ -31,15 +31,23 @@ struct ContactOptions {
   }
 
   /// default_stiffness [Pa/m]: of contact, where there is no contact_stiffness. Throws OptionError for a stiffness far
-  /// beyond it.
+  /// beyond it, if the contact is active.
   ContactSettings settings(double default_stiffness) const;
+
+  /// Throws OptionError for a damping that in steps of dt [s] holds more than the greatest stiffness, if it is active.
+  void check_damping(double default_stiffness, double dt) const;
+
+  /// Whether both have the same stiffnesses.
+  bool has_stiffness_of(const ContactOptions& other) const {
+    return contact_stiffness == other.contact_stiffness && tangential_stiffness == other.tangential_stiffness;
+  }
 
   /// Throws OptionError for a contact_distance above half of a mean edge [m] of hexahedra.
   void check_distance(double edge) const;
 };
 
 /// What is said of a stiffness that was accepted and is refused in a run: which body has become softer than it was,
-/// from and to which Young's modulus [Pa].
+/// from and to which Young's modulus [Pa]. The refusal alone where it is not softer.
 OptionError softened(const OptionError& refusal, std::string_view body, double from, double to);
 
 /// [Pa] of a body as it is.

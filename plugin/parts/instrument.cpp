@@ -114,7 +114,7 @@ Instrument::Instrument(InstrumentOptions options, const Body& body) : body_(body
 void Instrument::set_options(InstrumentOptions options) {
   check(options);
   const double stiffness = default_contact_stiffness(body_, edge_);
-  const ContactSettings settings = options.contact.settings(stiffness);
+  const ContactSettings settings = accepted_settings(options.contact, stiffness);
   options.contact.check_distance(edge_);
   const bool has_same_shape = contact_ && options.shape == options_.shape && options.radius == options_.radius &&
                               options.length == options_.length && options.size == options_.size &&
@@ -123,17 +123,13 @@ void Instrument::set_options(InstrumentOptions options) {
                               options.embedded_triangles == options_.embedded_triangles &&
                               are_same(options.embedded_positions, options_.embedded_positions) &&
                               are_same(options.surface_positions, options_.surface_positions);
-  if (has_same_shape) {
-    options_ = std::move(options);
-    default_stiffness_ = stiffness;
-    young_modulus_ = greatest_young_modulus(body_);
-    contact_->set_settings(settings);
-    return;
-  }
-  const Solid solid = solid_of(options);
+  std::optional<Solid> other;
+  if (!has_same_shape) other = solid_of(options);
   options_ = std::move(options);
   default_stiffness_ = stiffness;
-  young_modulus_ = greatest_young_modulus(body_);
+  if (!contact_ || options_.contact.active) young_modulus_ = greatest_young_modulus(body_);
+  if (has_same_shape) return contact_->set_settings(settings);
+  const Solid& solid = *other;
   SurfaceSamples samples = planned_samples(solid);
   const double wanted = kPerRadius * solid.smallest_radius();
   if (samples.spacing > (1 + 1e-6) * wanted)
@@ -145,6 +141,16 @@ void Instrument::set_options(InstrumentOptions options) {
   num_removed_ = body_.removed().size();
   contact_.emplace(solid, settings, std::move(samples));
   has_samples_ = false;
+}
+
+/// Of stiffnesses that were accepted before, a refusal says what has changed since.
+ContactSettings Instrument::accepted_settings(const ContactOptions& options, double stiffness) const {
+  try {
+    return options.settings(stiffness);
+  } catch (const OptionError& refusal) {
+    if (!contact_ || !options.has_stiffness_of(options_.contact)) throw;
+    throw softened(refusal, "the body that it touches", young_modulus_, greatest_young_modulus(body_));
+  }
 }
 
 SurfaceSamples Instrument::planned_samples(const Solid& solid) const {
@@ -176,7 +182,9 @@ bool Instrument::comes_near(ConstPoints x, ConstPoints v, double dt, const Pose&
 }
 
 void Instrument::look_at_start(const Pose& pose, ConstPoints x) {
-  if (options_.contact.active) look(options_.is_prescribed ? "rigid" : "positions", "begins", pose, x);
+  if (!options_.contact.active) return;
+  look(options_.is_prescribed ? "rigid" : "positions", "begins", pose, x);
+  has_looked_at_start_ = true;
 }
 
 void Instrument::look(const char* option, const char* begins, const Pose& pose, ConstPoints x) {
@@ -230,11 +238,8 @@ void Instrument::begin_step(const Pose& from, const Pose& to, double dt, double 
                             ConstPoints v) {
   follow_surface();
   default_stiffness_ = default_contact_stiffness(body_, edge_);
-  try {
-    contact_->set_settings(options_.contact.settings(default_stiffness_));
-  } catch (const OptionError& refusal) {
-    throw softened(refusal, "the body that it touches", young_modulus_, greatest_young_modulus(body_));
-  }
+  contact_->set_settings(accepted_settings(options_.contact, default_stiffness_));
+  options_.contact.check_damping(default_stiffness_, dt);
   rayleigh_stiffness_ = rayleigh_stiffness;
   if (options_.contact.active && !has_looked_) look("active", "becomes active", from, x);
   // once, as an event: no step after it allocates for them
@@ -242,7 +247,20 @@ void Instrument::begin_step(const Pose& from, const Pose& to, double dt, double 
   contact_->begin_step(x, v, dt, from, to);
 }
 
+void Instrument::end_step(ConstPoints x) {
+  contact_->end_step(x);
+  const double radius = contact_->solid().smallest_radius();
+  if (is_too_deep_ || !(contact_->depth() > radius)) return;
+  is_too_deep_ = true;
+  warnings_.push_back(
+      {"contactStiffness", fmt::format("{:.3g} m of the instrument are within the body, more than half of its smallest "
+                                       "thickness ({:.3g} m): a stiffer contact holds it farther out",
+                                       contact_->depth(), radius)});
+}
+
 void Instrument::reset() {
+  has_looked_ = has_looked_at_start_;
+  is_too_deep_ = false;
   contact_->reset();
   follow_surface();
 }

@@ -64,7 +64,7 @@ class Instrument {
   void look_at_start(const Pose& pose, ConstPoints x);
 
   /// It goes on in the place of another one: where it is when it is first active is nothing to remark.
-  void go_on() { has_looked_ = true; }
+  void go_on() { has_looked_ = has_looked_at_start_ = true; }
 
   /// What it remarked on the way here.
   std::vector<Remark> take_warnings() { return std::exchange(warnings_, {}); }
@@ -72,12 +72,14 @@ class Instrument {
   /// Finds the contacts of a step from `time` that lasts dt [s], by what the body is at present. Remarks where it is
   /// within the body, in the first step in which it is active. rayleigh_stiffness
   /// [s]: that of the time integrator, which does not act on contact. Throws OptionError for a stiffness far beyond
-  /// that of the body.
+  /// that of the body, or a damping.
   void begin_step(double time, double dt, double rayleigh_stiffness, ConstPoints x, ConstPoints v);
 
   /// The same for one with prescribed poses: its poses at the beginning and at the end of the step.
   void begin_step(const Pose& from, const Pose& to, double dt, double rayleigh_stiffness, ConstPoints x, ConstPoints v);
-  void end_step(ConstPoints x, ConstPoints v) { contact_->end_step(x, v); }
+
+  /// The step has ended at x. Remarks, once, that it is deeper than contact can hold it.
+  void end_step(ConstPoints x);
 
   void reset();
   void serialize(Archive& archive);
@@ -98,6 +100,7 @@ class Instrument {
   Pose pose_at(double time) const;  ///< along its path
 
  private:
+  ContactSettings accepted_settings(const ContactOptions& options, double stiffness) const;
   SurfaceSamples planned_samples(const Solid& solid) const;
   void make_samples();
   bool comes_near(ConstPoints x, ConstPoints v, double dt, const Pose& from, const Pose& to) const;
@@ -113,6 +116,8 @@ class Instrument {
   std::optional<InstrumentContact> contact_;
   bool has_samples_ = false;  // made when it first comes near: they may be millions
   bool has_looked_ = false;   // where it is when it is first active
+  bool has_looked_at_start_ = false;
+  bool is_too_deep_ = false;  // and that was remarked
   double rayleigh_stiffness_ = 0;
   std::vector<Remark> warnings_;
 };

@@ -28,7 +28,7 @@ Tissues::Tissues(const ContactOptions& options, const Body& first, const Body& s
 void Tissues::set_options(const ContactOptions& options) {
   OptionRanges(attributes::kTissueContactForceField, options).throw_all();
   const double stiffness = default_stiffness();
-  const ContactSettings settings = options.settings(stiffness);
+  const ContactSettings settings = accepted_settings(options, stiffness);
   std::optional<TissueContact> other;
   if (!contact_ || options.max_subdivision != options_.max_subdivision) {
     try {
@@ -42,12 +42,24 @@ void Tissues::set_options(const ContactOptions& options) {
   if (const double edge = (other ? *other : *contact_).edge(); edge > 0) options.check_distance(edge);
   options_ = options;
   default_stiffness_ = stiffness;
-  young_moduli_ = young_moduli();
+  if (!contact_ || options.active) young_moduli_ = young_moduli();
   if (other) {
     contact_ = std::move(other);
     num_removed_ = num_removed();
   } else {
     contact_->set_settings(settings);
+  }
+}
+
+/// Of stiffnesses that were accepted before, a refusal says what has changed since.
+ContactSettings Tissues::accepted_settings(const ContactOptions& options, double stiffness) const {
+  try {
+    return options.settings(stiffness);
+  } catch (const OptionError& refusal) {
+    if (!contact_ || !options.has_stiffness_of(options_)) throw;
+    const std::array now = young_moduli();
+    const std::size_t k = now[0] / edges_[0] < now[1] / edges_[1] ? 0 : 1;  // that has the lesser stiffness
+    throw softened(refusal, k == 0 ? "the body of object1" : "the body of object2", young_moduli_[k], now[k]);
   }
 }
 
@@ -66,7 +78,9 @@ std::array<double, 2> Tissues::young_moduli() const {
 }
 
 void Tissues::look_at_start(const OfTwo<ConstPoints>& x) {
-  if (options_.active) look("", x);
+  if (!options_.active) return;
+  look("", x);
+  has_looked_at_start_ = true;
 }
 
 void Tissues::look(const char* to_touch, const OfTwo<ConstPoints>& x) {
@@ -83,19 +97,15 @@ void Tissues::begin_step(double dt, double rayleigh_stiffness, const OfTwo<Const
                          const OfTwo<ConstPoints>& v) {
   follow_surface();
   default_stiffness_ = default_stiffness();
-  try {
-    contact_->set_settings(options_.settings(default_stiffness_));
-  } catch (const OptionError& refusal) {
-    const std::array now = young_moduli();
-    const std::size_t k = now[0] / edges_[0] < now[1] / edges_[1] ? 0 : 1;  // that has the lesser stiffness
-    throw softened(refusal, k == 0 ? "the body of object1" : "the body of object2", young_moduli_[k], now[k]);
-  }
+  contact_->set_settings(accepted_settings(options_, default_stiffness_));
+  options_.check_damping(default_stiffness_, dt);
   rayleigh_stiffness_ = rayleigh_stiffness;
   if (options_.active && !has_looked_) look(" to touch", x);
   contact_->begin_step(x, v, dt);
 }
 
 void Tissues::reset() {
+  has_looked_ = has_looked_at_start_;
   contact_->reset();
   follow_surface();
 }

@@ -35,10 +35,10 @@ class Tissues {
 
   /// Finds the contacts of a step of dt [s], by what the bodies are at present. Remarks bodies that overlap in the
   /// first step in which it is active. rayleigh_stiffness [s]: that of the time integrator, which does not act on
-  /// contact. Throws OptionError for a stiffness far beyond that of the bodies.
+  /// contact. Throws OptionError for a stiffness far beyond that of the bodies, or a damping.
   void begin_step(double dt, double rayleigh_stiffness, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v);
 
-  void end_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) { contact_->end_step(x, v); }
+  void end_step(const OfTwo<ConstPoints>& x) { contact_->end_step(x); }
 
   void reset();
   void serialize(Archive& archive);
@@ -62,6 +62,7 @@ class Tissues {
   }
   void follow_surface();  // where hexahedra have gone since the last call
   void look(const char* to_touch, const OfTwo<ConstPoints>& x);
+  ContactSettings accepted_settings(const ContactOptions& options, double stiffness) const;
   double default_stiffness() const;
   std::array<double, 2> young_moduli() const;  // [Pa] the greatest of each body
 
@@ -74,6 +75,7 @@ class Tissues {
   std::optional<TissueContact> contact_;
   double rayleigh_stiffness_ = 0;
   bool has_looked_ = false;  // whether they overlap when it is first active
+  bool has_looked_at_start_ = false;
   std::vector<Remark> warnings_;
 };
 

@@ -103,10 +103,22 @@ void ContactTerms::add_damping_blocks(double factor, BlockMatrix& A, std::array<
   });
 }
 
+void ContactTerms::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& expected, double h) {
+  h_ = h;
+  is_solved_ = false;
+  num_corrections_ = 0;
+  for (ContactTerm& term : terms) term.begin = term.at(x);
+  set_friction(expected);
+}
+
+ContactTerms::End ContactTerms::end_of(const ContactTerm& term, const OfTwo<ConstPoints>& x) const {
+  const Vec3 r = is_solved_ ? term.end : term.at(x);
+  return {r, (r - term.begin) / h_};
+}
+
 // Each contact has about its part of the normal force that it had, and all together about the one that is expected:
 // bodies that land press more from step to step.
 void ContactTerms::set_friction(const OfTwo<ConstPoints>& expected) {
-  num_tries_ = 0;
   const auto pressing = [&](const ContactTerm& term) {
     return std::max(-term.stiffness * term.gap(term.at(expected)), 0.0);
   };
@@ -124,11 +136,12 @@ void ContactTerms::set_friction(const OfTwo<ConstPoints>& expected) {
 }
 
 bool ContactTerms::release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) {
-  const bool corrects_friction = num_tries_++ < kMaxFrictionCorrections;
   const std::size_t before = terms.size();
+  is_solved_ = true;
+  for (ContactTerm& term : terms) term.end = term.at(x);
   std::erase_if(terms, [&](const ContactTerm& term) { return term.normal_force(term.at(x), term.at(v)) < 0; });
   if (terms.size() < before) return true;  // where some pulled, the others do not feel what they will
-  if (!corrects_friction) return false;
+  if (num_corrections_ == kMaxFrictionCorrections) return false;
   double wrong = 0, all = 0;
   corrected_ = terms;
   for (ContactTerm& term : corrected_) {
@@ -137,6 +150,7 @@ bool ContactTerms::release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>
     all += term.limit;
   }
   if (wrong <= kAllWrongFriction * all) return false;
+  ++num_corrections_;
   std::swap(terms, corrected_);
   return true;
 }

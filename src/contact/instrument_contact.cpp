@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
@@ -18,6 +19,31 @@ constexpr double kMaxChecks = 1e15;        // within a step: they are counted
 constexpr int kMaxDistances = 1000;        // of them, those for which the distance is asked
 constexpr double kOnTheSameSide = 0.7;     // cosine, from which a surface that turned is the one that was touched
 constexpr double kMarginOfBox = 1e-6;      // of a body's size, by which its box is larger
+constexpr double kUneven = 0.1;            // of a depth: an edge was passed on the way to it
+constexpr double kLeastStep = 0.05;        // of the smallest radius, towards a side
+constexpr int kMaxSteps = 200;             // of them
+constexpr int kHalvings = 40;
+
+/// Where a point of the solid leaves it straight towards `side`, if that is through a surface that faces there: the
+/// distance of the point from it, negative, and its normal.
+std::optional<SignedDistance> towards_side(const Solid& solid, const Vec3& point, const Vec3& side) {
+  const double least = kLeastStep * solid.smallest_radius();
+  double inside = 0, outside = 0;
+  for (int step = 0;; ++step) {
+    const double value = solid.distance(point + outside * side).value;
+    if (value >= 0) break;
+    if (step == kMaxSteps) return std::nullopt;
+    inside = outside;
+    outside += std::max(-value, least);
+  }
+  for (int k = 0; k < kHalvings; ++k) {
+    const double middle = (inside + outside) / 2;
+    (solid.distance(point + middle * side).value < 0 ? inside : outside) = middle;
+  }
+  const Vec3 normal = solid.distance(point + inside * side).normal;
+  if (!(normal.dot(side) > kOnTheSameSide)) return std::nullopt;
+  return SignedDistance{-outside * normal.dot(side), normal};
+}
 
 }  // namespace
 
@@ -57,7 +83,7 @@ void InstrumentContact::set_settings(ContactSettings settings) {
 void InstrumentContact::set_samples(SurfaceSamples samples) {
   std::map<decltype(SurfaceSamples::Sample().key()), SampleState> before;
   for (std::size_t i = 0; i < states_.size(); ++i)
-    if (states_[i].normal_force > 0) before.emplace(samples_.samples[i].key(), states_[i]);
+    if (states_[i].is_within()) before.emplace(samples_.samples[i].key(), states_[i]);
   take_samples(std::move(samples));
   has_touching_ = !before.empty();
   for (std::size_t i = 0; i < states_.size(); ++i)
@@ -66,8 +92,7 @@ void InstrumentContact::set_samples(SurfaceSamples samples) {
 }
 
 void InstrumentContact::forget_touching() {
-  if (has_touching_)
-    for (SampleState& state : states_) state.normal_force = 0;
+  if (has_touching_) states_.assign(states_.size(), {});
   has_touching_ = false;
 }
 
@@ -108,23 +133,35 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
   const auto num_samples = static_cast<int>(samples_.samples.size());
   num_examined_ = num_samples;
   found_.assign(samples_.samples.size(), {});
-  const double distance = settings_.distance, near = solid_.reach() + distance;
+  const double distance = settings_.distance, near = solid_.reach() + distance,
+               turned = begin.orientation.angularDistance(end.orientation);  // [rad]
 
   parallel_for(num_samples, [&](int i) {
     const SurfaceSamples::Sample& sample = samples_.samples[i];
     const Vec3 p = sample.at(x), expected = p + h * sample.at(v);
     // against the instrument, in its own frame
     const Vec3 from = begin.to_own(p), to = end.to_own(expected);
-    const double way = (to - from).norm();
+    // at most: as it turns, no place on the way is farther from its origin than one of the ends
+    const double way =
+        turned > 0 ? (expected - p - end.position + begin.position).norm() + turned * std::max(from.norm(), to.norm())
+                   : (to - from).norm();
     if (!(std::min(from.norm(), to.norm()) <= near + way) || !std::isfinite(way)) return;
 
     // the first check that finds it within: it cannot be past the middle of the instrument yet
     const double num_checks =
         std::clamp(std::ceil(way / (kFarthestPerCheck * solid_.smallest_radius())), 1.0, kMaxChecks);
-    const auto place_at = [&](double check) -> Vec3 { return from + check / num_checks * (to - from); };
+    const bool bends = turned > 0 && num_checks > 1;
+    const auto place_at = [&](double check) -> Vec3 {
+      const double fraction = check / num_checks;
+      if (bends) return Pose::between(begin, end, fraction).to_own(p + fraction * (expected - p));
+      return from + fraction * (to - from);
+    };
     const SignedDistance at_begin = solid_.distance(from);
     double before = at_begin.value, check_before = 0;
     bool touched = before < distance;
+    // the one that it came through, as long as it stays within
+    if (touched) found_[i].side = states_[i].is_within() ? states_[i].normal : at_begin.normal;
+    Vec3 side = found_[i].side;
     int num_looks = 0;
     for (double check = 1;;) {
       if (++num_looks > kMaxDistances)
@@ -132,10 +169,10 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
             "contact of an instrument: along its surface it moves by more than {:.3g} m in a step, {:g} times its "
             "smallest radius: the time step must be shorter, or the instrument thicker",
             kMaxDistances * kFarthestPerCheck * solid_.smallest_radius(), kMaxDistances * kFarthestPerCheck));
-      const Vec3 at = place_at(check);
-      const SignedDistance now = solid_.distance(at);
+      Vec3 at = place_at(check);
+      SignedDistance now = solid_.distance(at);
       // what touched stays a contact until it would pull, unless it slid over an edge
-      if (now.value >= distance && !(touched && now.normal.dot(at_begin.normal) > kOnTheSameSide)) {
+      if (now.value >= distance && !(touched && now.normal.dot(side) > kOnTheSameSide)) {
         if (check == num_checks) return;
         touched = false;
         before = now.value;
@@ -145,18 +182,48 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
         continue;
       }
       if (check_before < check - 1) before = solid_.distance(place_at(check - 1)).value;
-      const double since = !touched ? (distance - now.value) / (before - now.value) / num_checks : 0;
-      found_[i] = {.touches = true,
-                   .place = at - now.value * now.normal,
-                   .normal = now.normal,
-                   .first = at - since * (to - from)};
+      const double since = !touched ? (distance - now.value) / (before - now.value) : 0;
+      Vec3 first = at - since * (bends ? Vec3(at - place_at(check - 1)) : Vec3((to - from) / num_checks));
+      if (!touched) {
+        SignedDistance at_first = solid_.distance(first);
+        if (std::abs(at_first.value - distance) > kUneven * (distance - now.value)) {
+          Vec3 within = at, without = place_at(check - 1);
+          for (int k = 0; k < kHalvings; ++k) {
+            first = (within + without) / 2;
+            at_first = solid_.distance(first);
+            (at_first.value < distance ? within : without) = first;
+          }
+        }
+        side = at_first.normal;
+      }
+      if (check < num_checks) {  // what stays at its side, and not past the middle, is held where it ends
+        const SignedDistance last = solid_.distance(to);
+        if ((touched || last.value < distance) && last.normal.dot(side) > kOnTheSameSide &&
+            -last.value < kFarthestPerCheck * solid_.smallest_radius()) {
+          at = to;
+          now = last;
+          if (touched) first = at;
+        }
+      }
+      SignedDistance touching = now;
+      const auto is_of_nearest = [&] {
+        return now.normal.dot(side) > kOnTheSameSide ||
+               faces_more(now.normal, side, end.orientation.conjugate() * samples_.outwards(i, x));
+      };
+      if (now.value < 0 && !is_of_nearest())
+        if (const auto of_side = towards_side(solid_, at, side)) touching = *of_side;
+      found_[i] = {
+          .touches = true, .place = at - touching.value * touching.normal, .side = touching.normal, .first = first};
       return;
     }
   });
 
+  has_touching_ = false;
   for (int i = 0; i < num_samples; ++i) {
     const Found& found = found_[i];
     SampleState& state = states_[i];
+    has_touching_ = has_touching_ || found.touches || !found.side.isZero(0);
+    state.normal = found.side;
     if (!found.touches) {
       state.normal_force = 0;
       continue;
@@ -166,7 +233,7 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
     term.sample = i;
     for (int a = 0; a < sample.num_nodes; ++a) term.add_node(sample.nodes[a], sample.weights[a]);
     term.num_first = term.num_nodes;
-    term.normal = end.orientation * found.normal;
+    term.normal = end.orientation * found.side;
     const Vec3 place = end.to_world(found.place);
     term.place = place + distance * term.normal;
     term.velocity = (place - begin.to_world(found.place)) / h;
@@ -178,21 +245,20 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
     term.friction = settings_.friction;
     term.normal_before = state.normal_force;
   }
-  has_touching_ = !terms_.empty();
   if (terms_.empty()) return;
   expected_ = x + h * v;
-  terms_.set_friction({expected_, expected_});
+  terms_.begin_step({x, x}, {expected_, expected_}, h);
 }
 
-void InstrumentContact::end_step(ConstPoints x, ConstPoints v) {
+void InstrumentContact::end_step(ConstPoints x) {
   force_.setZero();
   torque_.setZero();
   depth_ = energy_ = 0;
-  forget_touching();
-  has_touching_ = !terms_.empty();
+  if (has_touching_)
+    for (SampleState& state : states_) state.normal_force = 0;
   for (const ContactTerm& term : terms_.terms) {
-    const Vec3 p = term.at(x), u = term.displacement(p);
-    const double N = term.normal_force(p, term.at(v)), g = term.gap(p);
+    const auto [p, change] = terms_.end_of(term, {x, x});
+    const double N = term.normal_force(p, change), g = term.gap(p);
     const Vec3 tangential = term.tangential_force(p), f = N * term.normal + tangential;
     force_ -= f;
     torque_ -= (p - pose_.position).cross(f);
@@ -202,11 +268,12 @@ void InstrumentContact::end_step(ConstPoints x, ConstPoints v) {
 
     SampleState& state = states_[term.sample];
     state.normal_force = N;
+    const Vec3 now = term.at({x, x}), u = term.displacement(now);
     const double stiffness = settings_.tangential_stiffness * samples_.samples[term.sample].area,
                  limit = settings_.friction * N, size = u.norm(),
                  kept = stiffness * size > limit ? limit / (stiffness * size) : 1;
     // also what it is moved along the normal: the anchor stays on the sample's own level
-    state.anchor = pose_.to_own(p - kept * u);
+    state.anchor = pose_.to_own(now - kept * u);
     friction_loss_ += tangential.norm() * (1 - kept) * size;
     energy_ += term.stiffness * g * g / 2 + stiffness * kept * kept * size * size / 2;
   }
@@ -225,22 +292,27 @@ void InstrumentContact::reset() {
 void InstrumentContact::serialize(Archive& archive) {
   std::vector<double> numbers;
   for (const SampleState& state : states_)
-    numbers.insert(numbers.end(), {state.anchor.x(), state.anchor.y(), state.anchor.z(), state.normal_force});
+    numbers.insert(numbers.end(), {state.anchor.x(), state.anchor.y(), state.anchor.z(), state.normal_force,
+                                   state.normal.x(), state.normal.y(), state.normal.z()});
   Vec3 force = force_, torque = torque_;
   double depth = depth_, energy = energy_, work = work_, friction_loss = friction_loss_;
   ContactCounts counts{num_touching(), num_slipping()};
   archive(numbers, force.x(), force.y(), force.z(), torque.x(), torque.y(), torque.z(), depth, energy, work,
           friction_loss, counts.touching, counts.slipping);
   if (!archive.reads()) return;
-  if (numbers.size() != 4 * states_.size())
-    throw InputError(fmt::format("contact is saved of {} samples, there are {}", numbers.size() / 4, states_.size()));
+  constexpr std::size_t kNumbers = 7;  // of a sample
+  if (numbers.size() != kNumbers * states_.size())
+    throw InputError(
+        fmt::format("contact is saved of {} samples, there are {}", numbers.size() / kNumbers, states_.size()));
   const bool is_finite = std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); }) &&
                          force.allFinite() && torque.allFinite() && std::isfinite(depth) && std::isfinite(energy) &&
                          std::isfinite(work) && std::isfinite(friction_loss);
   if (!is_finite) throw InputError("contact is saved with numbers that are not finite");
   counts.require_of(states_.size());
-  for (std::size_t i = 0; i < states_.size(); ++i)
-    states_[i] = {{numbers[4 * i], numbers[4 * i + 1], numbers[4 * i + 2]}, std::max(numbers[4 * i + 3], 0.0)};
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    const double* const of = &numbers[kNumbers * i];
+    states_[i] = {{of[0], of[1], of[2]}, std::max(of[3], 0.0), {of[4], of[5], of[6]}};
+  }
   has_touching_ = true;
   terms_.terms.clear();
   loaded_ = counts;

@@ -40,7 +40,7 @@ int parts_of(double longest_edge, double wanted, int max_parts) {
 }
 
 /// [byte] of a sample, what contact keeps for it, and what finding it takes.
-constexpr double kBytesPerSample = 400;
+constexpr double kBytesPerSample = 450;
 
 /// What samples are made by: into how many parts edges are divided, the same on every face, so that neighbours have
 /// their points in common.
@@ -93,7 +93,26 @@ FaceWeights<N> key_of(const std::array<int, N>& nodes, const std::array<int, N>&
   return key;
 }
 
+/// around: pairs of a sample and a face.
+void set_faces_around(SurfaceSamples& found, const std::vector<std::pair<int, int>>& around) {
+  found.first_face.assign(found.samples.size() + 1, 0);
+  for (const auto& [sample, face] : around) ++found.first_face[static_cast<std::size_t>(sample) + 1];
+  for (std::size_t i = 1; i < found.first_face.size(); ++i) found.first_face[i] += found.first_face[i - 1];
+  found.faces_around.resize(around.size());
+  std::vector<int> next(found.first_face.begin(), found.first_face.end() - 1);
+  for (const auto& [sample, face] : around) found.faces_around[static_cast<std::size_t>(next[sample]++)] = face;
+}
+
 }  // namespace
+
+Vec3 SurfaceSamples::outwards(int sample, ConstPoints x) const {
+  Vec3 sum = Vec3::Zero();
+  for (int k = first_face[sample]; k < first_face[sample + 1]; ++k) {
+    const auto corner = [&](int a) { return samples[faces[faces_around[k]][a]].at(x); };
+    sum += (corner(2) - corner(0)).cross(corner(3) - corner(1));
+  }
+  return sum.normalized();
+}
 
 SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned char> alive, double wanted,
                                   int max_parts) {
@@ -108,7 +127,9 @@ SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned 
   SurfaceSamples found = std::move(plan.samples);
   found.samples.reserve(faces.size() * static_cast<std::size_t>(parts) * static_cast<std::size_t>(parts) + 2);
   std::map<FaceWeights<4>, std::size_t> known;  // on the edges of faces
+  std::vector<std::pair<int, int>> around;
   for (std::size_t f = 0; f < faces.size(); ++f) {
+    std::array<int, 4>& corners = found.faces.emplace_back();
     for (int j = 0; j <= parts; ++j)
       for (int i = 0; i <= parts; ++i) {
         const double step = 1.0 / parts;
@@ -131,8 +152,12 @@ SurfaceSamples SurfaceSamples::on(const HexMesh& mesh, std::span<const unsigned 
           }
         }
         found.samples[at].area += area;
+        around.emplace_back(static_cast<int>(at), static_cast<int>(f));
+        for (int a = 0; a < 4; ++a)
+          if (weights[a] == parts * parts) corners[a] = static_cast<int>(at);
       }
   }
+  set_faces_around(found, around);
   return found;
 }
 
@@ -168,6 +193,7 @@ SurfaceSamples SurfaceSamples::on_embedded(const HexMesh& mesh, std::span<const 
   // of the triangles that are there, as long as one is
   std::vector<double> areas(points.size(), 0);
   std::vector<unsigned char> is_left(points.size(), 0);
+  std::vector<std::pair<int, int>> around;  // by points
   const std::size_t per_triangle = triangles.empty() ? 1 : of_triangle.size() / triangles.size();
   for (std::size_t first = 0; first < of_triangle.size(); first += per_triangle) {
     const std::span own(of_triangle.data() + first, per_triangle);
@@ -178,16 +204,26 @@ SurfaceSamples SurfaceSamples::on_embedded(const HexMesh& mesh, std::span<const 
     for (const auto& point : own) {
       is_left[point.first] = 1;
       areas[point.first] += point.second;
+      around.emplace_back(static_cast<int>(point.first), static_cast<int>(found.faces.size()));
     }
+    const auto point_at = [&](int k) { return static_cast<int>(own[static_cast<std::size_t>(k)].first); };
+    const int first_corner = point_at(0);
+    found.faces.push_back({first_corner, point_at(parts), point_at(static_cast<int>(per_triangle) - 1), first_corner});
   }
+  std::vector<int> sample_of(points.size(), -1);
   for (std::size_t k = 0; k < points.size(); ++k) {
     if (!is_left[k]) continue;
     const int point = static_cast<int>(k);
+    sample_of[k] = static_cast<int>(found.samples.size());
     found.samples.push_back({.nodes = mesh.hexahedra()[embedding.hexahedron_of(point)],
                              .weights = embedding.weights_of(point),
                              .num_nodes = kCorners,
                              .area = areas[k]});
   }
+  for (auto& face : found.faces)
+    for (int& corner : face) corner = sample_of[corner];
+  for (auto& [point, face] : around) point = sample_of[point];
+  set_faces_around(found, around);
   return found;
 }
 

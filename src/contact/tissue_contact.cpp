@@ -16,8 +16,8 @@
 namespace hexaplast {
 namespace {
 
-constexpr double kEdgesPerCheck = 0.5;   // of an edge that bodies may move against each other between two checks
-constexpr int kMaxTissueChecks = 1000;   // within a step: what moves more has blown up
+constexpr double kPerCheck = 0.5;        // of the thickness that bodies may move against each other between two checks
+constexpr double kMaxEdges = 500;        // that they may move within a step: what moves more has blown up
 constexpr double kMarginOfBoxes = 1e-6;  // of the size of boxes
 constexpr double kKept = 0.5;            // of an edge that what touched may be expected in front of the surface
 constexpr double kFraction = 0.5;        // of the stiffness, for each of the two sides
@@ -26,26 +26,27 @@ constexpr double kPerEdge = 0.5;         // distance of samples, in edges of the
 /// What stays of a sample from step to step.
 struct SampleState {
   double normal_force = 0;  // N [N] at the end of the latest step; 0: does not touch, and has no anchor
-  int face = -1;            // of the other surface, that was nearest
+  int face = -1;            // of the other surface, of the side that it came through; -1: it was not within
   int hexahedron = -1;      // of the other body, that has the anchor
   CornerWeights anchor = CornerWeights::Zero();
 };
 
-double greatest_speed(ConstPoints v, const Vec3& mean) {
+double greatest_speed(ConstPoints v, std::span<const int> nodes, const Vec3& mean) {
   double squared = 0;
-  for (Eigen::Index n = 0; n < v.rows(); ++n) squared = std::max(squared, (v.row(n).transpose() - mean).squaredNorm());
+  for (const int n : nodes) squared = std::max(squared, (v.row(n).transpose() - mean).squaredNorm());
   return std::sqrt(squared);
 }
 
 /// Of x + fraction v.
-Eigen::AlignedBox3d box_of(ConstPoints x, ConstPoints v, double fraction) {
+Eigen::AlignedBox3d box_of(ConstPoints x, ConstPoints v, std::span<const int> nodes, double fraction) {
   Eigen::AlignedBox3d box;
-  for (Eigen::Index n = 0; n < x.rows(); ++n) box.extend(Vec3((x.row(n) + fraction * v.row(n)).transpose()));
+  for (const int n : nodes) box.extend(Vec3((x.row(n) + fraction * v.row(n)).transpose()));
   return box;
 }
 
-Eigen::AlignedBox3d box_of(ConstPoints x, double margin) {
-  Eigen::AlignedBox3d box(Vec3(x.colwise().minCoeff().transpose()), Vec3(x.colwise().maxCoeff().transpose()));
+Eigen::AlignedBox3d box_of(ConstPoints x, std::span<const int> nodes, double margin) {
+  Eigen::AlignedBox3d box;
+  for (const int n : nodes) box.extend(Vec3(x.row(n).transpose()));
   box.min().array() -= margin;
   box.max().array() += margin;
   return box;
@@ -120,6 +121,8 @@ void TissueContact::set_alive(std::span<const unsigned char> first, std::span<co
     // as at first, so that samples stay the same when hexahedra go; without hexahedra nothing touches
     if (sides_.empty()) wanted_[from] = surface.mean_edge() > 0 ? kPerEdge * surface.mean_edge() : 1;
     SurfaceSamples samples = SurfaceSamples::on(*meshes_[from], alive[from], wanted_[from], max_parts_);
+    nodes_[to] = surface.nodes();
+    if (with_itself) nodes_[from] = nodes_[to];
     auto side = std::make_unique<Side>(Side{from, to, std::move(samples), std::move(surface), {}, {}});
     side->states.resize(side->samples.samples.size());
     side->found.resize(side->samples.samples.size());
@@ -127,12 +130,12 @@ void TissueContact::set_alive(std::span<const unsigned char> first, std::span<co
       std::map<decltype(SurfaceSamples::Sample().key()), SampleState> before;
       const Side& old = *sides_[from];
       for (std::size_t i = 0; i < old.states.size(); ++i)
-        if (old.states[i].normal_force > 0) before.emplace(old.samples.samples[i].key(), old.states[i]);
+        if (old.states[i].face >= 0) before.emplace(old.samples.samples[i].key(), old.states[i]);
       for (std::size_t i = 0; i < side->states.size(); ++i) {
         const auto at = before.find(side->samples.samples[i].key());
         if (at == before.end()) continue;
         SampleState& state = side->states[i] = at->second;
-        state.face = -1;  // they are numbered anew
+        state.face = side->surface.find_face(old.surface.face(state.face));
         if (!alive[to].empty() && !alive[to][state.hexahedron]) state = {};
       }
     }
@@ -143,19 +146,23 @@ void TissueContact::set_alive(std::span<const unsigned char> first, std::span<co
   terms_.terms.clear();
 }
 
-/// As many that bodies move by half of an edge against each other from one to the next.
-int TissueContact::num_checks(const OfTwo<ConstPoints>& v, double h) const {
-  const Vec3 mean = (v.first.colwise().sum() + v.second.colwise().sum()).transpose() /
-                    static_cast<double>(v.first.rows() + v.second.rows());
-  const double way = h * (greatest_speed(v.first, mean) + greatest_speed(v.second, mean)), edge = this->edge();
+/// As many that bodies move by half of their thickness against each other from one to the next.
+double TissueContact::num_checks(const OfTwo<ConstPoints>& v, double h) const {
+  Vec3 mean = Vec3::Zero();
+  for (const int n : nodes_[0]) mean += v.first.row(n).transpose();
+  for (const int n : nodes_[1]) mean += v.second.row(n).transpose();
+  mean /= std::max(static_cast<double>(nodes_[0].size() + nodes_[1].size()), 1.0);
+  const double way = h * (greatest_speed(v.first, nodes_[0], mean) + greatest_speed(v.second, nodes_[1], mean)),
+               edge = this->edge();
   if (!(edge > 0 && way > 0 && std::isfinite(way))) return 1;
-  const double checks = std::max(std::ceil(way / (kEdgesPerCheck * edge)), 1.0);
-  if (checks > kMaxTissueChecks)
+  if (way > kMaxEdges * edge)
     throw NumericalError(
         fmt::format("contact of bodies: they move by {:.3g} m against each other in a step, which may be at most {:g} "
                     "edges ({:.3g} m): the time step must be shorter",
-                    way, kEdgesPerCheck * kMaxTissueChecks, kEdgesPerCheck * kMaxTissueChecks * edge));
-  return static_cast<int>(checks);
+                    way, kMaxEdges, kMaxEdges * edge));
+  double thickness = edge;
+  for (const auto& side : sides_) thickness = std::min(thickness, side->surface.thickness());
+  return std::max(std::ceil(way / (kPerCheck * thickness)), 1.0);
 }
 
 double TissueContact::depth_at(const OfTwo<ConstPoints>& x) {
@@ -163,9 +170,9 @@ double TissueContact::depth_at(const OfTwo<ConstPoints>& x) {
   double depth = 0;
   for (const auto& side : sides_) {
     const auto& [own, others] = side->from == 0 ? std::tie(x.first, x.second) : std::tie(x.second, x.first);
-    side->surface.look_at(others, box_of(own, 0), 0);
+    side->surface.look_at(others, box_of(own, nodes_[side->from], 0), 0);
     for (const SurfaceSamples::Sample& sample : side->samples.samples)
-      if (const auto place = side->surface.find(sample.at(own), -1, 0, side->own(sample, with_itself)))
+      if (const auto place = side->surface.find(sample.at(own), {}, 0, side->own(sample, with_itself)))
         depth = std::max(depth, -place->distance);
   }
   return depth;
@@ -185,7 +192,7 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
   std::array<MovingBox, 2> boxes;
   if (settings_.is_active && !with_itself)
     for (int body = 0; body < 2; ++body)
-      boxes[body] = {box_of(*xs[body], *vs[body], 0), box_of(*xs[body], *vs[body], h)};
+      boxes[body] = {box_of(*xs[body], *vs[body], nodes_[body], 0), box_of(*xs[body], *vs[body], nodes_[body], h)};
   const auto may_meet = [&](const Eigen::AlignedBox3d& first, const Eigen::AlignedBox3d& second) {
     return with_itself || are_near(first, second, nearest);
   };
@@ -195,18 +202,18 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
     has_touching_ = false;
     return;
   }
-  const int num_checks = this->num_checks(v, h);
+  const double num_checks = this->num_checks(v, h);
   for (const auto& side : sides_) side->found.assign(side->states.size(), {});
 
-  for (int check = 1; check <= num_checks; ++check) {
-    const double fraction = static_cast<double>(check) / num_checks;
+  for (double check = 1; check <= num_checks; ++check) {
+    const double fraction = check / num_checks;
     if (!may_meet(boxes[0].at(fraction), boxes[1].at(fraction))) continue;
     for (int body = 0; body < (with_itself ? 1 : 2); ++body) expected_[body] = *xs[body] + fraction * h * *vs[body];
     for (const auto& of : sides_) {
       Side& side = *of;
       const PointArray &own = expected_[side.from], &others = expected_[with_itself ? 0 : side.to];
       num_examined_ += static_cast<long>(side.states.size());
-      side.surface.look_at(others, box_of(own, settings_.distance), settings_.distance);
+      side.surface.look_at(others, box_of(own, nodes_[side.from], settings_.distance), settings_.distance);
       parallel_for(static_cast<int>(side.states.size()), [&](int i) {
         Side::Found& found = side.found[i];
         if (found.place) return;
@@ -217,7 +224,9 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
         if (!touched && !side.surface.box().contains(p)) return;
         // what touched stays a contact until it would pull
         const double reach = touched ? std::max(kKept * edge, settings_.distance) : settings_.distance;
-        found.place = side.surface.find(p, touched ? state.face : -1, reach, side.own(sample, with_itself));
+        TissueSurface::Side before;
+        if (touched) before = {state.face, side.samples.outwards(i, own)};
+        found.place = side.surface.find(p, before, reach, side.own(sample, with_itself));
         if (!found.place) return;
         const HexMesh& mesh = *meshes_[side.to];
         found.difference = p - point_of(others, mesh.hexahedra()[found.place->hexahedron], found.place->weights);
@@ -229,7 +238,10 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
         const Vec3 change = h / num_checks *
                             (sample.at(*vs[side.from]) -
                              point_of(*vs[side.to], mesh.hexahedra()[found.place->hexahedron], found.place->weights));
-        const double depth = settings_.distance - found.place->distance, approach = -found.place->normal.dot(change);
+        before = {state.face, side.samples.outwards(i, own)};
+        side.surface.turn_to_entry(*found.place, p, change, before, side.own(sample, with_itself));
+        const double depth = std::max(settings_.distance - found.place->distance, 0.0),
+                     approach = -found.place->normal.dot(change);
         found.displacement = (approach > depth ? depth / approach : 1) * change;
       });
     }
@@ -288,17 +300,17 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
   has_touching_ = !terms_.empty();
   if (terms_.empty()) return;
   for (int body = 0; body < (with_itself ? 1 : 2); ++body) expected_[body] = *xs[body] + h * *vs[body];
-  terms_.set_friction({expected_[0], expected_[with_itself ? 0 : 1]});
+  terms_.begin_step(x, {expected_[0], expected_[with_itself ? 0 : 1]}, h);
 }
 
-void TissueContact::end_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) {
+void TissueContact::end_step(const OfTwo<ConstPoints>& x) {
   force_.setZero();
   depth_ = energy_ = 0;
   if (has_touching_)
     for (const auto& side : sides_)
       for (SampleState& state : side->states) state.normal_force = 0;
   for (const ContactTerm& term : terms_.terms) {
-    const Vec3 r = term.at(x), change = term.at(v), u = term.displacement(r);
+    const auto [r, change] = terms_.end_of(term, x);
     const double N = term.normal_force(r, change), g = term.gap(r);
     if (meshes_[0] != meshes_[1]) force_ += term.force(r, change);
     depth_ = std::max(depth_, -(g + settings_.distance));
@@ -309,6 +321,7 @@ void TissueContact::end_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoint
     SampleState& state = side.states[i];
     const SurfaceSamples::Sample& sample = side.samples.samples[i];
     state.normal_force = N;
+    const Vec3 u = term.displacement(term.at(x));
     const double stiffness = kFraction * settings_.tangential_stiffness * sample.area, limit = settings_.friction * N,
                  size = u.norm(), kept = stiffness * size > limit ? limit / (stiffness * size) : 1;
     energy_ += term.stiffness * g * g / 2 + stiffness * kept * kept * size * size / 2;
@@ -381,7 +394,7 @@ void TissueContact::serialize(Archive& archive) {
       });
       const bool has_place =
           side->surface.has_hexahedron(state.hexahedron) && state.face >= -1 && state.face < side->surface.num_faces();
-      if (state.normal_force > 0 && !has_place)
+      if ((state.normal_force > 0 || state.face >= 0) && !has_place)
         throw InputError(fmt::format("contact is saved with hexahedron {} and face {}, which are not there",
                                      state.hexahedron, state.face));
     }

@@ -11,13 +11,14 @@
 namespace hexaplast {
 namespace {
 
-constexpr double kWithin = 1e-9;       // of a hexahedron's size: a point this near to it lies in it
-constexpr double kNoDirection = 1e-6;  // of an edge: nearer to the surface than this, its own normal is taken
-constexpr double kSameSide = 0.7;      // cosine, from which a surface that turned is the one that was touched
-constexpr double kCurved = 0.05;       // of an edge: what the triangles of a face differ from it at most
-constexpr double kAsNear = 1e-9;       // of a distance, or an edge: rounding must not decide which place is nearer
-constexpr int kNearCells = 2;          // a body does not touch itself within
-constexpr int kMaxCells = 128;         // of the grid along an axis
+constexpr double kWithin = 1e-9;        // of a hexahedron's size: a point this near to it lies in it
+constexpr double kNoDirection = 1e-6;   // of an edge: nearer to the surface than this, its own normal is taken
+constexpr double kSameSide = 0.7;       // cosine, from which a surface that turned is the one that was touched
+constexpr double kStraight = 1 - 1e-6;  // cosine, of what lies straight behind a face
+constexpr double kCurved = 0.05;        // of an edge: what the triangles of a face differ from it at most
+constexpr double kAsNear = 1e-9;        // of a distance, or an edge: rounding must not decide which place is nearer
+constexpr int kNearCells = 2;           // a body does not touch itself within
+constexpr int kMaxCells = 128;          // of the grid along an axis
 constexpr int kMaxWalks = 200;
 
 Eigen::AlignedBox3d box_of(ConstPoints x, std::span<const int> nodes) {
@@ -63,6 +64,10 @@ TissueSurface::TissueSurface(const HexMesh& mesh, std::span<const unsigned char>
     for (int a = 0; a < 4; ++a) sum += (mesh.positions().row(face[a]) - mesh.positions().row(face[(a + 1) % 4])).norm();
   }
   mean_edge_ = faces_.empty() ? 0 : sum / (4.0 * static_cast<double>(faces_.size()));
+  find_thickness();
+  for (const int e : hexahedra_) nodes_.insert(nodes_.end(), mesh.hexahedra()[e].begin(), mesh.hexahedra()[e].end());
+  std::ranges::sort(nodes_);
+  nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
   const auto num_faces = static_cast<int>(faces_.size());
   group(
       mesh.num_nodes(), num_faces, [&](int f) { return faces_[f]; }, first_of_node_, faces_of_node_);
@@ -70,6 +75,28 @@ TissueSurface::TissueSurface(const HexMesh& mesh, std::span<const unsigned char>
       mesh.num_elements(), num_faces, [&](int f) { return std::array{owner_[f]}; }, first_of_hexahedron_,
       faces_of_hexahedron_);
   if (touches_itself) find_neighbourhoods(alive);
+}
+
+// Edges along an axis of a hexahedron count together: one that is short makes it no thinner.
+void TissueSurface::find_thickness() {
+  thickness_ = mean_edge_;
+  for (const int e : owner_) {
+    const Hexahedron& nodes = mesh_->hexahedra()[e];
+    Vec3 along = Vec3::Zero();
+    for (const auto& [a, b] : kEdges) {
+      int axis = 0;
+      while (kCornerSign[a][axis] == kCornerSign[b][axis]) ++axis;
+      along[axis] += (mesh_->positions().row(nodes[a]) - mesh_->positions().row(nodes[b])).norm() / 4;
+    }
+    if (const double least = along.minCoeff(); least > 0) thickness_ = std::min(thickness_, least);
+  }
+}
+
+int TissueSurface::find_face(const Quad& nodes) const {
+  const Quad wanted = sorted(nodes);
+  for (int k = first_of_node_[nodes[0]]; k < first_of_node_[nodes[0] + 1]; ++k)
+    if (sorted(faces_[faces_of_node_[k]]) == wanted) return faces_of_node_[k];
+  return -1;
 }
 
 void TissueSurface::find_neighbourhoods(std::span<const unsigned char> alive) {
@@ -115,14 +142,7 @@ void TissueSurface::look_at(ConstPoints x, const Eigen::AlignedBox3d& region, do
   cell_ = std::max(extent / static_cast<double>(counted_.size()), box_.sizes().maxCoeff() / kMaxCells);
   origin_ = box_.min();
   size_ = (box_.sizes().array() / cell_).cast<int>() + 1;
-  const auto cells_of = [&](int i, const auto& visit) {
-    const Eigen::AlignedBox3d& box = boxes_[counted_[i]];
-    const Eigen::Array3i from = ((box.min() - origin_).array() / cell_).cast<int>().max(0),
-                         to = ((box.max() - origin_).array() / cell_).cast<int>().min(size_ - 1);
-    for (int k = from[2]; k <= to[2]; ++k)
-      for (int j = from[1]; j <= to[1]; ++j)
-        for (int l = from[0]; l <= to[0]; ++l) visit((k * size_[1] + j) * size_[0] + l);
-  };
+  const auto cells_of = [&](int i, const auto& visit) { for_each_cell(boxes_[counted_[i]], visit); };
   first_in_cell_.assign(static_cast<std::size_t>(size_.prod()) + 1, 0);
   const auto count = static_cast<int>(counted_.size());
   for (int i = 0; i < count; ++i) cells_of(i, [&](int cell) { ++first_in_cell_[cell + 1]; });
@@ -133,6 +153,16 @@ void TissueSurface::look_at(ConstPoints x, const Eigen::AlignedBox3d& region, do
   for (int i = count; i-- > 0;) cells_of(i, [&](int cell) { in_cell_[--next[cell + 1]] = counted_[i]; });
   std::rotate(next.begin(), next.begin() + 1, next.end());
   next.back() = static_cast<int>(in_cell_.size());
+}
+
+/// The cells of the grid that a box meets.
+template <class Visit>
+void TissueSurface::for_each_cell(const Eigen::AlignedBox3d& box, const Visit& visit) const {
+  const Eigen::Array3i from = ((box.min() - origin_).array() / cell_).cast<int>().max(0),
+                       to = ((box.max() - origin_).array() / cell_).cast<int>().min(size_ - 1);
+  for (int k = from[2]; k <= to[2]; ++k)
+    for (int j = from[1]; j <= to[1]; ++j)
+      for (int l = from[0]; l <= to[0]; ++l) visit((k * size_[1] + j) * size_[0] + l);
 }
 
 template <class Visit>
@@ -176,15 +206,15 @@ TissueSurface::Nearest TissueSurface::nearest_initially(const Vec3& p) const {
   return nearest;
 }
 
-/// To the nearest place of the present surface, from face to face.
-TissueSurface::Nearest TissueSurface::walk(int face, const Vec3& p) const {
+/// To the nearest place of the present surface, from face to face. side: only over faces that face that way.
+TissueSurface::Nearest TissueSurface::walk(int face, const Vec3& p, const std::optional<Vec3>& side) const {
   Nearest nearest = nearest_on(*x_, faces_[face], face, p);
   for (int walked = 0; walked < kMaxWalks; ++walked) {
     const int from = nearest.face;
     for (const int node : faces_[from])
       for (int k = first_of_node_[node]; k < first_of_node_[node + 1]; ++k) {
         const int other = faces_of_node_[k];
-        if (other == from) continue;
+        if (other == from || (side && !(normal_of(other).dot(*side) > kSameSide))) continue;
         const Nearest found = nearest_on(*x_, faces_[other], other, p);
         if (is_nearer(found, nearest)) nearest = found;
       }
@@ -217,9 +247,74 @@ TissueSurface::Place TissueSurface::place_at(const Nearest& nearest, const Vec3&
   return place;
 }
 
-std::optional<TissueSurface::Place> TissueSurface::find(const Vec3& p, int face, double reach,
+/// To the nearest place for a point inside that has touched `face`. Near an edge, or in a thin body, that may lie on
+/// another side: as long as the point lies behind its own one, it stays there.
+TissueSurface::Nearest TissueSurface::on_its_side(const Side& side, const Vec3& p) const {
+  const Nearest nearest = walk(side.face, p);
+  const Vec3 normal = normal_of(side.face), of_nearest = place_at(nearest, p, true).normal;
+  if (of_nearest.dot(normal) > kSameSide || faces_more(of_nearest, normal, side.outwards)) return nearest;
+  const Nearest on_side = walk(side.face, p, normal);
+  return place_at(on_side, p, true).normal.dot(normal) > kSameSide ? on_side : nearest;
+}
+
+void TissueSurface::turn_to_entry(Place& place, const Vec3& p, const Vec3& change, const Side& side,
+                                  std::span<const int> own) const {
+  if (!(place.distance < 0) || counted_.empty()) return;
+  Eigen::AlignedBox3d way;
+  way.extend(p);
+  way.extend(Vec3(p - change));
+  Place entry = place;
+  double since = 1 + kAsNear;  // of the way, that has passed since then: the latest entry counts
+  std::pair<int, int> of(-1, -1);
+  for_each_cell(way, [&](int cell) {
+    for (int i = first_in_cell_[cell]; i < first_in_cell_[cell + 1]; ++i) {
+      const int e = in_cell_[i];
+      if (!boxes_[e].intersects(way) || (!own.empty() && is_near(e, own))) continue;
+      for (int j = first_of_hexahedron_[e]; j < first_of_hexahedron_[e + 1]; ++j) {
+        const int f = faces_of_hexahedron_[j];
+        for (int k = 0; k < 4; ++k) {
+          const std::array<Vec3, 3> corners = triangle_of(*x_, faces_[f], k);
+          const Vec3 across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+          const double along = across.dot(change), depth = -across.dot(p - corners[0]);
+          if (!(along < 0) || !(depth >= 0)) continue;  // not inwards
+          const double at = -depth / along;
+          const bool is_as_late = of.first >= 0 && std::abs(at - since) <= kAsNear;
+          if (is_as_late ? of < std::pair(f, k) : !(at < since)) continue;
+          const Vec3 crossed = p - at * change;
+          bool is_within = true;
+          for (int a = 0; a < 3; ++a) {
+            const Vec3 edge = corners[(a + 1) % 3] - corners[a];
+            is_within = is_within && across.dot(edge.cross(crossed - corners[a])) >= -kAsNear * across.squaredNorm();
+          }
+          if (!is_within) continue;
+          since = at;
+          of = {f, k};
+          entry.face = f;
+          entry.normal = across.normalized();
+          entry.distance = -depth / across.norm();
+        }
+      }
+    }
+  });
+  if (of.first < 0) {  // it was inside already
+    Side inside = side;
+    if (inside.face < 0) {
+      const std::optional<Place> before = find(p - change, {}, 0, own);
+      if (!before || !(before->distance < 0)) return;
+      inside.face = before->face;
+    }
+    const Place on_side = place_at(on_its_side(inside, p), p, true);
+    entry.face = on_side.face;
+    entry.normal = on_side.normal;
+    entry.distance = on_side.distance;
+  }
+  if (!(entry.normal.dot(place.normal) > kSameSide) && !faces_more(place.normal, entry.normal, side.outwards))
+    place = entry;
+}
+
+std::optional<TissueSurface::Place> TissueSurface::find(const Vec3& p, const Side& side, double reach,
                                                         std::span<const int> own) const {
-  int inside = -1;
+  int inside = -1, face = side.face;
   HexahedronPlace at;
   Nearest in_front;
   for_each_around(p, [&](int e) {
@@ -245,17 +340,23 @@ std::optional<TissueSurface::Place> TissueSurface::find(const Vec3& p, int face,
       const Vec3 initial = gather(mesh_->positions(), mesh_->hexahedra()[inside]).transpose() * shape_functions(at.s);
       face = nearest_initially(initial).face;
     }
-    Place place = place_at(walk(face, p), p, true);
+    Place place = place_at(side.face >= 0 ? on_its_side(side, p) : walk(face, p), p, true);
     place.hexahedron = inside;
     place.weights = weights_beyond(gather(*x_, mesh_->hexahedra()[inside]), at.s, p, kFarthestBeyond);
     return place;
   }
-  const int followed = face;
   if (face < 0) face = in_front.face;
   if (face < 0) return std::nullopt;
-  Place place = place_at(walk(face, p), p, false);
-  if (!(place.distance < reach)) return std::nullopt;
-  if (followed >= 0 && !(place.normal.dot(normal_of(followed)) > kSameSide)) return std::nullopt;
+  std::optional<Place> behind;  // what it touched, and out of the body on the other side: that is thin
+  if (side.face >= 0) {
+    const Nearest on_side = walk(face, p, normal_of(face));
+    const Vec3 normal = normal_of(on_side.face);
+    if (normal.dot(p - on_side.place.place) < 0) behind = place_at(on_side, p, true);
+    if (behind && !(behind->normal.dot(normal) > kStraight)) behind.reset();
+  }
+  Place place = behind ? *behind : place_at(walk(face, p), p, false);
+  if (!(std::abs(place.distance) < reach)) return std::nullopt;
+  if (side.face >= 0 && !(place.normal.dot(normal_of(side.face)) > kSameSide)) return std::nullopt;
   place.hexahedron = owner_[place.face];
   if (!own.empty() && is_near(place.hexahedron, own)) return std::nullopt;
   const ElementPoints corners = gather(*x_, mesh_->hexahedra()[place.hexahedron]);

@@ -25,8 +25,12 @@ class TissueSurface {
   TissueSurface(const HexMesh& mesh, std::span<const unsigned char> alive, bool touches_itself);
 
   int num_faces() const { return static_cast<int>(faces_.size()); }
+  const Quad& face(int f) const { return faces_[static_cast<std::size_t>(f)]; }
+  int find_face(const Quad& nodes) const;                   ///< that has these nodes, or -1
+  const std::vector<int>& nodes() const { return nodes_; }  ///< of the hexahedra that are left, ascending
   bool has_hexahedron(int e) const { return std::ranges::binary_search(hexahedra_, e); }
   double mean_edge() const { return mean_edge_; }  ///< [m] of its faces
+  double thickness() const { return thickness_; }  ///< [m] the least of a hexahedron that has a face, initially
   const Eigen::AlignedBox3d& box() const { return box_; }
 
   /// From now on the body has the positions x, which outlive this; hexahedra outside `region` do not count.
@@ -40,10 +44,21 @@ class TissueSurface {
     Vec3 normal = Vec3::UnitZ();  ///< of length 1: the direction in which the distance grows
   };
 
-  /// Where a point is that lies inside, or in front of the surface within `reach` [m]. face: the one that was nearest
-  /// to it in the step before, from which it is followed, or -1. own: nodes of the sample, where it belongs to this
-  /// body: hexahedra less than two cells away from them do not count.
-  std::optional<Place> find(const Vec3& p, int face, double reach, std::span<const int> own) const;
+  /// Of a sample: the face of the side that it came through in a step before, or -1, and the normal of its own surface.
+  struct Side {
+    int face = -1;
+    Vec3 outwards = Vec3::Zero();
+  };
+
+  /// Where a point is that lies inside, or in front of the surface within `reach` [m]. It is followed from the face of
+  /// its side, if there is one. own: nodes of the sample, where it belongs to this body: hexahedra less than two cells
+  /// away from them do not count.
+  std::optional<Place> find(const Vec3& p, const Side& side, double reach, std::span<const int> own) const;
+
+  /// The nearest place may lie on another side than the one that a point came through, from p - change straight to p
+  /// against the body. Then its place is on that one, and the distance that from it along its normal. The side counts
+  /// if it was inside before; without one, the nearest face there.
+  void turn_to_entry(Place& place, const Vec3& p, const Vec3& change, const Side& side, std::span<const int> own) const;
 
  private:
   struct Nearest {
@@ -53,14 +68,18 @@ class TissueSurface {
   };
 
   void find_neighbourhoods(std::span<const unsigned char> alive);
+  void find_thickness();
   bool is_near(int hexahedron, std::span<const int> own) const;
   template <class Visit>
   void for_each_around(const Vec3& p, const Visit& visit) const;
+  template <class Visit>
+  void for_each_cell(const Eigen::AlignedBox3d& box, const Visit& visit) const;
   static std::array<Vec3, 3> triangle_of(ConstPoints x, const Quad& face, int k);
   bool is_nearer(const Nearest& found, const Nearest& other) const;
   Nearest nearest_on(ConstPoints x, const Quad& face, int index, const Vec3& p) const;
   Nearest nearest_initially(const Vec3& p) const;
-  Nearest walk(int face, const Vec3& p) const;
+  Nearest walk(int face, const Vec3& p, const std::optional<Vec3>& side = {}) const;
+  Nearest on_its_side(const Side& side, const Vec3& p) const;
   Vec3 normal_of(int face) const;
   Place place_at(const Nearest& nearest, const Vec3& p, bool is_inside) const;
 
@@ -71,7 +90,8 @@ class TissueSurface {
   std::vector<int> first_of_node_, faces_of_node_;  // of the surface, around each node
   std::vector<int> first_of_hexahedron_, faces_of_hexahedron_;
   std::optional<BoxTree> initial_;  // of the faces, if there are any
-  double mean_edge_ = 0;
+  double mean_edge_ = 0, thickness_ = 0;
+  std::vector<int> nodes_;
   std::vector<std::vector<int>> near_;  // per node: hexahedra less than two cells away, ascending; of one that touches
                                         // itself
 

@@ -191,7 +191,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, AllocationsOf,
                                          ShippedScene{"peritoneum_tear", 40}, ShippedScene{"vessel_mobilise", 20, 6},
                                          ShippedScene{"probe_liver", 120}, ShippedScene{"slope", 60},
                                          ShippedScene{"forceps_fat", 120}, ShippedScene{"two_organs", 60},
-                                         ShippedScene{"fold", 150}),
+                                         ShippedScene{"fold", 170}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 /// What acts beside a body.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -220,11 +221,11 @@ TEST(InstrumentContactForceField, CanBeSwitchedOff) {
 TEST(InstrumentContactForceField, MemoryIsCheckedForTheSumOfItsParts) {
   const std::string needle =
       "<InstrumentContactForceField radius='.0005' maxSubdivision='64' keyTimes='0' positions='0 0 5'/>";
-  constexpr double kTwoThirdsMore = 150e6;  // [byte] one takes 92
+  constexpr double kTwoThirdsMore = 150e6;  // [byte] one takes 104
   const GrantedMemory others = grant_memory("others", static_cast<double>(available_memory()) - kTwoThirdsMore);
   EXPECT_EQ(errors_of(block(needle)), "");
   const std::string errors = errors_of(block(needle + needle));
-  EXPECT_NE(errors.find("maxSubdivision: contact at points of 144 faces, edges in 40 parts, needs about 0.0922 GB"),
+  EXPECT_NE(errors.find("maxSubdivision: contact at points of 144 faces, edges in 40 parts, needs about 0.104 GB"),
             std::string::npos)
       << errors;
 }
@@ -276,6 +277,101 @@ TEST(InstrumentContactForceField, WarnsWhereItBecomesActiveWithinTheBody) {
   }
   EXPECT_EQ(said,
             "InstrumentContactForceField.active: it becomes active 0.006 m deep in the body, which is pushed out");
+}
+
+// And again after a reset, as then too it was not active at the beginning.
+TEST(InstrumentContactForceField, WarnsInEachRun) {
+  scene::Scene scene =
+      read_and_init(block("<AttributeChange component='@ball' attribute='active' keyTimes='.02' values='true'/>"
+                          "<InstrumentContactForceField name='ball' radius='.008' keyTimes='0' active='false' "
+                          "positions='.03 .03 .032'/>"));
+  const auto warnings = [&] {
+    support::run(scene, 4);
+    return scene.diagnostics().take_warnings().size();
+  };
+  EXPECT_EQ(warnings(), 1U);
+  scene.reset();
+  EXPECT_EQ(warnings(), 1U);
+}
+
+// A box that is pressed straight down, in one step or slowly, is not pushed aside: frictionless, it presses the same.
+TEST(InstrumentContactForceField, ABoxThatComesDownFastPressesAsASlowOne) {
+  const auto pressed = [](const std::string& arrival) {
+    scene::Scene scene = read_and_init(
+        "<Node dt='.01' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver rayleighStiffness='.01'/>"
+        "<SparseLDLSolver/><RegularGridTopology n='9 9 4' min='-.04 -.04 0' max='.04 .04 .03'/>"
+        "<MechanicalObject name='nodes'/><DiagonalMass massDensity='1000'/>"
+        "<HexahedronElastoplasticFEMForceField youngModulus='5000'/><FixedProjectiveConstraint indices='0-80'/>"
+        "<InstrumentContactForceField name='probe' shape='box' size='.02 .02 .02' keyTimes='0 " +
+        arrival + "' positions='.001 0 .0405 .001 0 .0355'/></Node>");
+    support::run(scene, 60);
+    return force_on(scene, "probe");
+  };
+  const Vec3 fast = pressed(".01"), slow = pressed(".2");
+  EXPECT_GT(slow.z(), 0.5);
+  EXPECT_LT(std::hypot(fast.x(), fast.y()), 0.01 * fast.z());
+  EXPECT_NEAR(fast.z(), slow.z(), 0.01 * slow.z());
+}
+
+// What the instrument reports is what changes the momentum of a free body, also where the integrator damps velocities.
+TEST(InstrumentContactForceField, ReportsTheForceThatActed) {
+  const double h = 0.01, mass = 0.05, decay = std::exp(-20 * h);
+  scene::Scene scene = read_and_init(
+      "<Node dt='.01' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver vdamping='20'/><SparseLDLSolver/>"
+      "<RegularGridTopology n='4 4 3' max='.03 .03 .02'/><MechanicalObject name='nodes'/>"
+      "<UniformMass totalMass='.05'/><HexahedronElastoplasticFEMForceField youngModulus='5000' poissonRatio='.3'/>"
+      "<InstrumentContactForceField name='probe' radius='.008' damping='2e5' keyTimes='0 .1 .2' "
+      "positions='.015 .016 .029  .015 .016 .025  .015 .016 .019'/></Node>");
+  const auto momentum = [&] {
+    return Vec3(mass * at<scene::MechanicalState>(scene, "nodes").velocities().colwise().mean().transpose());
+  };
+  double greatest = 0;
+  for (int k = 0; k < 20; ++k) {
+    const Vec3 before = momentum();
+    scene.step();
+    const Vec3 acted = (momentum() / decay - before) / h, force = force_on(scene, "probe");
+    greatest = std::max(greatest, force.norm());
+    EXPECT_LT((acted + force).norm(), 1e-8) << k;
+  }
+  EXPECT_GT(greatest, 0.01);
+}
+
+// Both name what is too much: they end in numbers that no solver has otherwise.
+TEST(InstrumentContactForceField, RefusesDampingFarBeyondItsStiffness) {
+  const auto first_step = [](const std::string& damping) {
+    scene::Scene scene = read_and_init(
+        block("<InstrumentContactForceField name='probe' radius='.008' keyTimes='0' positions='0 0 1' damping='" +
+              damping + "'/>"));
+    scene.step();
+  };
+  first_step("2e7");
+  for (const char* damping : {"1e9", "1e300"})
+    EXPECT_TRUE(support::refuses<scene::SceneError>(
+        [&] { first_step(damping); },
+        {"damping: is 1e+", "must be at most 3e+07 Pa s/m in steps of 0.01 s", "contactStiffness"}));
+}
+
+// One that is not active has no stiffness that a body could be too soft for, until it is.
+TEST(InstrumentContactForceField, AnInactiveOneMayBeTooStiff) {
+  const auto changed = [](const std::string& changes) {
+    return read_and_init(
+        block("<InstrumentContactForceField name='probe' radius='.008' contactStiffness='1e8' keyTimes='0' "
+              "positions='0 0 1'/>")
+            .insert(
+                std::string("<Node dt='.01' gravity='0 0 0'>").size(),
+                "<AttributeChange component='@body' attribute='youngModulus' keyTimes='.02' values='5'/>" + changes));
+  };
+  scene::Scene scene =
+      changed("<AttributeChange component='@probe' attribute='active' keyTimes='.02 .05' values='0; 1'/>");
+  support::run(scene, 5);
+  EXPECT_TRUE(support::refuses<scene::SceneError>(
+      [&] { scene.step(); }, {"contactStiffness: is 1e+08, must be at most ",
+                              "the greatest Young's modulus of the body that it touches was 5000 Pa when that was "
+                              "accepted, and is 5 Pa now"}));
+  // so also where another attribute changes with it
+  scene::Scene other = changed("<AttributeChange component='@probe' attribute='friction' keyTimes='.02' values='.5'/>");
+  support::run(other, 2);
+  EXPECT_TRUE(support::refuses<scene::SceneError>([&] { other.step(); }, {"was 5000 Pa when that was accepted"}));
 }
 
 // A stiffness that was accepted is refused for a body that has become much softer: it says what has changed.

@@ -347,6 +347,24 @@ TEST(TissueContactForceField, SaysWhichBodyHasBecomeTooSoft) {
                               "accepted, and is 5 Pa now"}));
 }
 
+TEST(TissueContactForceField, AnInactiveOneMayBeTooStiff) {
+  Stack stiff;
+  stiff.contact = "contactStiffness='1e8'";
+  std::string text = stiff.text();
+  text.insert(text.find("<EulerImplicit"),
+              "<AttributeChange component='@upper/body' attribute='youngModulus' keyTimes='.01' values='5'/>"
+              "<AttributeChange component='@contact' attribute='active' keyTimes='.01 .03' values='0; 1'/>");
+  text.insert(text.rfind("youngModulus='10000'"), "name='body' ");
+  scene::Scene scene = read_and_init(text);
+  support::run(scene, 6);
+  EXPECT_TRUE(support::refuses<scene::SceneError>(
+      [&] { scene.step(); },
+      {"contactStiffness: is 1e+08, must be at most ", "was 10000 Pa when that was accepted, and is 5 Pa now"}));
+
+  scene::Scene damped = read_and_init(Stack{.contact = "damping='1e300'"}.text());
+  EXPECT_TRUE(support::refuses<scene::SceneError>([&] { damped.step(); }, {"damping: is 1e+300, must be at most "}));
+}
+
 TEST(TissueContactForceField, RefusesWhatCannotBe) {
   Stack two;
   two.above_solver = "<EulerImplicitSolver/><SparseLDLSolver/>";

@@ -9,6 +9,7 @@
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/implicit_euler.hpp"
+#include "support/archive.hpp"
 #include "support/compare.hpp"
 #include "support/dense.hpp"
 #include "support/random.hpp"
@@ -95,6 +96,29 @@ TEST(SurfaceSamples, CarryPressureAsFacesDo) {
   EXPECT_TRUE(support::agrees(by_samples, expected, 1e-12));
 }
 
+// By the faces around, wherever they are: of faces, edges and corners, and of an embedded sheet.
+TEST(SurfaceSamples, PointOutwards) {
+  const HexMesh mesh = block();
+  const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
+  const PointArray x = mesh.positions() * turn.transpose();
+  const SurfaceSamples found = SurfaceSamples::on(mesh, {}, 0.025, 64);
+  for (int i = 0; i < static_cast<int>(found.samples.size()); ++i) {
+    Vec3 expected = Vec3::Zero();  // all faces are as large
+    const Vec3 p = found.samples[i].at(mesh.positions()), size(0.2, 0.2, 0.1);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double at = p[axis] / size[axis];
+      expected[axis] = at < 1e-9 ? -1 : at > 1 - 1e-9 ? 1 : 0;
+    }
+    ASSERT_TRUE(support::agrees(found.outwards(i, x), Vec3(turn * expected.normalized()), 1e-12)) << p.transpose();
+  }
+
+  PointArray sheet(4, 3);
+  sheet << 0.03, 0.02, 0.08, 0.17, 0.02, 0.08, 0.17, 0.16, 0.06, 0.03, 0.16, 0.06;
+  const SurfaceSamples embedded = SurfaceSamples::on_embedded(mesh, {}, sheet, {{0, 1, 2}, {0, 2, 3}}, 1e-9, 3);
+  for (int i = 0; i < 16; ++i)
+    ASSERT_TRUE(support::agrees(embedded.outwards(i, x), Vec3(turn * Vec3(0, 0.02, 0.14).normalized()), 1e-12)) << i;
+}
+
 struct Pressed {
   HexMesh mesh = block();
   PointArray x = mesh.positions(), v = PointArray::Zero(mesh.num_nodes(), 3);
@@ -143,12 +167,12 @@ TEST(InstrumentContact, StiffnessAndDampingAreDerivatives) {
 // What acts on the instrument is the opposite of what acts on the body: force and moment.
 TEST(InstrumentContact, ActsOnBothAlike) {
   Pressed pressed;
-  const PointArray x = pressed.x + random_field(pressed.mesh, 2, 1e-3), v = pressed.v;
+  const PointArray x = pressed.x + random_field(pressed.mesh, 2, 1e-3), v = (x - pressed.x) / 0.01;
   PointArray f = PointArray::Zero(x.rows(), 3);
   while (pressed.contact.release(x, v)) {
   }
   pressed.contact.terms().add_force(x, v, f);
-  pressed.contact.end_step(x, v);
+  pressed.contact.end_step(x);
   const Vec3 force = pressed.contact.force() + f.colwise().sum().transpose(),
              moment = pressed.contact.torque() + support::moment(x.rowwise() - pressed.after.position.transpose(), f);
   const double size = f.rowwise().norm().sum();
@@ -255,6 +279,95 @@ TEST(ContactTerms, NothingPullsAfterAStep) {
   EXPECT_NEAR(static_cast<double>(chain.contact.terms.size()), Peeling::kNodes - 10, 1);
 }
 
+// However often contacts were released before: of ten on a line five pull, one after the other.
+TEST(ContactTerms, ReleasesAreNoCorrectionsOfFriction) {
+  constexpr int kCount = 10, kPulling = 5;
+  ContactTerms contact;
+  for (int n = 0; n < kCount; ++n) {
+    contact.terms.push_back({.stiffness = 1e3, .stick = 1e5, .friction = 0.5});
+    contact.terms.back().add_node(n, 1);
+  }
+  PointArray x = PointArray::Zero(kCount, 3);
+  const PointArray v = x;
+  x.col(0).setConstant(1);  // slips
+  x.col(2).setConstant(-1e-3);
+  contact.begin_step({x, x}, {x, x}, 0.01);
+  for (int n = 0; n < kPulling; ++n) {
+    x(n, 2) = 1e-3;
+    EXPECT_TRUE(contact.release({x, x}, {v, v}));
+  }
+  ASSERT_EQ(contact.terms.size(), std::size_t{kCount - kPulling});
+  x.col(2) *= 3;
+  EXPECT_TRUE(contact.release({x, x}, {v, v}));
+  for (const ContactTerm& term : contact.terms) EXPECT_NEAR(term.limit, 0.5 * 3, 1e-12);
+  EXPECT_FALSE(contact.release({x, x}, {v, v}));
+}
+
+/// A solid that goes into a body from one pose to the next, and what acts on the body then, which keeps its shape.
+struct Into {
+  HexMesh mesh;
+  Solid solid;
+  double spacing;
+  InstrumentContact contact{solid, {.stiffness = 1e5}, SurfaceSamples::on(mesh, {}, spacing, 64)};
+  Pose pose = {};
+
+  Vec3 force_at(const Pose& to) {
+    const PointArray v = PointArray::Zero(mesh.num_nodes(), 3);
+    contact.begin_step(mesh.positions(), v, 0.01, pose, to);
+    PointArray f = v;
+    contact.terms().add_force(mesh.positions(), v, f);
+    contact.end_step(mesh.positions());
+    pose = to;
+    return f.colwise().sum().transpose();
+  }
+};
+
+// A box that is pressed straight down, 4.5 mm in a step: points .5 and 1 mm from its sides are nearest to these.
+TEST(InstrumentContact, NewContactsKeepTheSideTheyCameThrough) {
+  Into box{.mesh = regular_grid({8, 8, 3}, {-0.04, -0.04, 0}, {0.04, 0.04, 0.03}),
+           .solid = Solid::box({0.02, 0.02, 0.02}),
+           .spacing = 0.005,
+           .pose = {.position = {0.001, 0.0005, 0.0405}}};
+  const Pose pressed{.position = {0.001, 0.0005, 0.0355}};
+  const Vec3 first = box.force_at(pressed);
+  EXPECT_NEAR(first.z(), -1e5 * 16 * 25e-6 * 0.0045, 1e-9) << "4 x 4 samples";
+  EXPECT_LT(first.head<2>().norm(), 1e-9 * first.norm());
+  EXPECT_LT((box.force_at(pressed) - first).norm(), 1e-9 * first.norm()) << "nor do they turn in the next step";
+}
+
+// A plate of 1 mm, deeper than half of that: its far side is nearer then.
+TEST(InstrumentContact, WhatTouchesKeepsItsSide) {
+  const HexMesh mesh = regular_grid({4, 4, 3}, {-0.02, -0.02, 0}, {0.02, 0.02, 0.03});
+  const Solid plate = Solid::box({0.1, 0.1, 0.001});
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.2, Vec3::UnitZ()));
+  const auto at = [&](double depth) { return Pose{.position = {0, 0, 0.0305 - depth}, .orientation = turn}; };
+  Into pressed{.mesh = mesh, .solid = plate, .spacing = 0.0025, .pose = at(-0.0001)};
+  for (const double depth : {0.0001, 0.0003, 0.00055, 0.0008, 0.00095}) {
+    const Vec3 force = pressed.force_at(at(depth));
+    // of the rim the upper part of the sides too
+    EXPECT_NEAR(force.z(), -1e5 * (0.04 * 0.04 + 4 * 0.04 * 0.00125) * depth, 1e-9) << depth;
+    EXPECT_NEAR(pressed.contact.depth(), depth, 1e-12);
+  }
+  // the side is part of the state
+  Into other{.mesh = mesh, .solid = plate, .spacing = 0.0025, .pose = pressed.pose};
+  support::read_from(support::written(pressed.contact), other.contact);
+  EXPECT_EQ(other.force_at(at(0.0009)), pressed.force_at(at(0.0009)));
+}
+
+// Reported is the force that acted where the step was solved, wherever its end was moved then.
+TEST(InstrumentContact, ForceIsThatOfTheSolvedStep) {
+  Pressed pressed;
+  const PointArray v = random_field(pressed.mesh, 3, 0.1), x = pressed.x + 0.01 * v;
+  while (pressed.contact.release(x, v)) {
+  }
+  PointArray f = PointArray::Zero(x.rows(), 3), moved = x;
+  pressed.contact.terms().add_force(x, v, f);
+  moved.col(2).array() -= 0.01;
+  pressed.contact.end_step(moved);
+  EXPECT_GT(f.norm(), 0.1);
+  EXPECT_LT((pressed.contact.force() + Vec3(f.colwise().sum().transpose())).norm(), 1e-12 * f.norm());
+}
+
 // The same of one that is thin as a hair and moves by hundreds of its radii in a step.
 TEST(InstrumentContact, NothingIsMissedHoweverThinAndFast) {
   const HexMesh mesh = block();
@@ -326,7 +439,7 @@ TEST(InstrumentContact, SticksAndSlips) {
                             SurfaceSamples::on(mesh, {}, 0.1, 1));
   const auto force = [&](double from, double to) {
     contact.begin_step(x, v, 0.01, plate_at(from), plate_at(to));
-    contact.end_step(x, v);
+    contact.end_step(x);
     return contact.force();
   };
   // nodes of the rim carry the area of the sides' upper halves too
@@ -354,7 +467,7 @@ TEST(InstrumentContact, WhatBeginsToSlipFeelsNoMoreThanFriction) {
   InstrumentContact contact(Solid::box({1, 1, 0.1}), {.stiffness = k, .tangential_stiffness = k, .friction = mu},
                             SurfaceSamples::on(mesh, {}, 0.1, 1));
   contact.begin_step(x, v, h, plate, plate);
-  contact.end_step(x, v);
+  contact.end_step(x);
   v.col(0).setConstant(0.06);  // just beyond what sticks, .0005 m
   contact.begin_step(x, v, h, plate, plate);
   const auto moved = [&](double shift, double rise) {

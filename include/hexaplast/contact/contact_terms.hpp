@@ -50,6 +50,8 @@ struct ContactTerm {
   double limit = 0;              ///< mu N [N]
   Vec3 slip = Vec3::Zero();      ///< direction of u where it slips: mu N acts against it
   bool slips = false;
+  Vec3 begin = Vec3::Zero();  ///< [m] r at the beginning of the step
+  Vec3 end = Vec3::Zero();    ///< [m] r where the step was solved
 
   void add_node(int node, double weight) {
     nodes[num_nodes] = node;
@@ -118,9 +120,16 @@ class ContactTerms {
   bool empty() const { return terms.empty(); }
   int num_slipping() const;
 
-  /// At the beginning of a step, for contacts with all but `tangential`, `limit` and `slip`. expected: positions that
-  /// the step may lead to.
-  void set_friction(const OfTwo<ConstPoints>& expected);
+  /// At the beginning of a step of h [s] from x, for contacts with all but `tangential`, `limit` and `slip`. expected:
+  /// positions that the step may lead to.
+  void begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& expected, double h);
+
+  /// r and dr/dt of a term at the end of a step that has ended at x: those by which its force acted. Prescribed motion
+  /// may have moved nodes since the step was solved, and the velocities of its end may have been damped.
+  struct End {
+    Vec3 r, change;
+  };
+  End end_of(const ContactTerm& term, const OfTwo<ConstPoints>& x) const;
 
   /// f += forces [N]. K = df/dx, B = df/dv are constant.
   void add_force(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) const;
@@ -132,7 +141,7 @@ class ContactTerms {
   void add_damping_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes = {}) const;
 
   /// Takes out the contacts that would pull at x and v. If there are none, corrects the friction that is not what N and
-  /// the displacements there stand for, if it is more than 10 % of all; the first four calls of a step do that. Returns
+  /// the displacements there stand for, if it is more than 10 % of all; in four calls of a step at most. Returns
   /// whether anything was done: the step is to be solved again.
   bool release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v);
 
@@ -140,7 +149,11 @@ class ContactTerms {
   template <class Block>
   void add_blocks(BlockMatrix& A, std::array<int, 2> first_nodes, const Block& block_of) const;
 
-  int num_tries_ = 0;                   // calls of release in the step
+  void set_friction(const OfTwo<ConstPoints>& expected);
+
+  double h_ = 1;                        // [s] of the step
+  bool is_solved_ = false;              // terms know their ends
+  int num_corrections_ = 0;             // of friction in the step
   std::vector<ContactTerm> corrected_;  // scratch
 };
 

@@ -45,7 +45,11 @@ struct Pose {
 /// A sample that passes the instrument within a step is found by poses in between. Where boxes tell that nothing can
 /// touch, samples are not looked at.
 ///
-/// State: per sample its anchor, in the frame of the instrument, and N.
+/// The nearest place may lie on another side than the one that the sample came through, near an edge, or deeper than
+/// half of the thickness. Then q is where the sample leaves the instrument straight towards its own side, unless the
+/// nearest one faces the sample much more.
+///
+/// State: per sample its anchor, in the frame of the instrument, N, and n.
 class InstrumentContact {
  public:
   /// Throws InputError for settings that are negative or not finite, or a stiffness that is 0.
@@ -72,8 +76,8 @@ class InstrumentContact {
   /// displacement there stands for. Returns whether there were any: the step is to be solved again.
   bool release(ConstPoints x, ConstPoints v) { return terms_.release(x, v); }
 
-  /// The step has ended at x and v: anchors follow, and forces on the instrument are those at its end.
-  void end_step(ConstPoints x, ConstPoints v);
+  /// The step has ended at x: anchors follow, and forces on the instrument are those by which it was solved.
+  void end_step(ConstPoints x);
 
   /// As it was made: nothing has touched yet.
   void reset();
@@ -88,7 +92,7 @@ class InstrumentContact {
   /// Samples that were looked at in the present step; 0: the body is too far away.
   int num_examined() const { return num_examined_; }
 
-  /// On the instrument, at the end of the latest step.
+  /// On the instrument, by the contacts of the latest step.
   const Vec3& force() const { return force_; }    ///< [N]
   const Vec3& torque() const { return torque_; }  ///< [N m] about the origin of its frame
 
@@ -105,10 +109,13 @@ class InstrumentContact {
   struct SampleState {
     Vec3 anchor = Vec3::Zero();  // [m] in the frame of the instrument
     double normal_force = 0;     // N [N] at the end of the latest step; 0: does not touch, and has no anchor
+    Vec3 normal = Vec3::Zero();  // in that frame, of the side that it came through; 0: it was not within
+
+    bool is_within() const { return !normal.isZero(0); }
   };
 
   void take_samples(SurfaceSamples samples);
-  void forget_touching();  // no sample has an anchor
+  void forget_touching();  // no sample is within
 
   Solid solid_;
   ContactSettings settings_;
@@ -116,13 +123,14 @@ class InstrumentContact {
   std::vector<int> nodes_;           // that move samples
   double spread_ = 1;                // greatest sum of |weights| of a sample: more than 1 of one outside of its nodes
   std::vector<SampleState> states_;  // per sample
-  bool has_touching_ = false;        // some N may be greater than 0
+  bool has_touching_ = false;        // some sample may be within
   Pose pose_before_, pose_;          // at the beginning and at the end of the present step
 
   struct Found {
     bool touches = false;
-    Vec3 place, normal;  // in the frame of the instrument
-    Vec3 first;          // where the sample was, in that frame, when it came to touch
+    Vec3 place;                // in the frame of the instrument
+    Vec3 side = Vec3::Zero();  // normal in that frame, also of a sample that was within and is not expected to touch
+    Vec3 first;                // where the sample was, in that frame, when it came to touch
   };
   std::vector<Found> found_;  // scratch, per sample
   int num_examined_ = 0;

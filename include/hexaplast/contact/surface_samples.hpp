@@ -12,6 +12,13 @@
 
 namespace hexaplast {
 
+/// A sample within a body may be held at the side that it came through, or at the nearest one. It is the former, unless
+/// the latter faces it much more: a sample does not come in through a side that passes along its own surface.
+inline bool faces_more(const Vec3& nearest, const Vec3& side, const Vec3& outwards) {
+  constexpr double kMuchMore = 0.5;  // cosine
+  return outwards.dot(side - nearest) > kMuchMore;
+}
+
 /// Points on the surface of a body, at which contact is looked for: its nodes, and as many between them on every face
 /// as bring neighbours near enough to each other. A point that several faces have is there once.
 ///
@@ -44,8 +51,14 @@ struct SurfaceSamples {
   };
 
   std::vector<Sample> samples;
+  std::vector<std::array<int, 4>> faces = {};  ///< of the surface, by the samples at their corners; triangles a b c a
+  std::vector<int> first_face = {},
+                   faces_around = {};       ///< of sample i: faces_around[first_face[i]] to [first_face[i + 1] - 1]
   double spacing = 0;                       ///< [m] the largest distance between neighbours
   std::shared_ptr<const void> memory = {};  ///< counts as taken while this is there
+
+  /// Out of the body at a sample: the mean normal of the faces around it at x, by their areas, of length 1; or 0.
+  Vec3 outwards(int sample, ConstPoints x) const;
 
   /// On the faces of the mesh. Parts of an edge of a face: as many as make neighbours no farther apart than `wanted`
   /// [m], but not more than `max_parts`. alive: empty, or one per hexahedron. Throws InputError for a `wanted` or

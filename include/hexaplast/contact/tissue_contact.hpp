@@ -18,17 +18,21 @@ namespace hexaplast {
 /// Samples of each surface are looked up in the hexahedra of the other one, where it is expected at the end of the
 /// step: each side with half of the stiffness, so that two surfaces that overlap press with k depth. A sample that lies
 /// in a hexahedron touches; q is the place of the present surface that is nearest to it, found from the one that is
-/// nearest in the initial shape, or from that of the step before, and n the direction from the sample to q. Forces act
-/// at the sample on both bodies, by the weights of the face that it lies on and by the shape functions of the
-/// hexahedron that it lies in: neither a net force nor a net moment is left. They are linear in the step, as those of
-/// InstrumentContact, and contacts that would pull are released in the same way.
+/// nearest in the initial shape, or from that of the step before, and n the direction from the sample to q. Where that
+/// place lies on another side than the one that the sample came through, near an edge or in a thin body, q lies on its
+/// own side, unless the nearest one faces the sample much more. Forces act at the sample on both bodies, by the weights
+/// of the face that it lies on and by the shape functions of the hexahedron that it lies in: neither a net force nor a
+/// net moment is left. They are linear in the step, as those of InstrumentContact, and contacts that would pull are
+/// released in the same way.
 ///
 /// A body does not touch itself within two hexahedra, counted through faces.
 ///
-/// Bodies that move by more than half of an edge against each other in a step are looked at in between as well. Where
-/// their boxes are apart, samples are not looked at.
+/// Bodies that move by more than half of their smallest thickness against each other in a step, that of a hexahedron
+/// at the surface, are looked at in between as well. Where their boxes are apart, samples are not looked at. Nodes that
+/// no hexahedron has any more count nowhere.
 ///
-/// State: per sample its anchor, a place in a hexahedron of the other body, N, and the face that is nearest.
+/// State: per sample its anchor, a place in a hexahedron of the other body, N, and the face of the side that it came
+/// through.
 class TissueContact {
  public:
   /// Of two bodies. The meshes must outlive it. max_parts: of the edge of a face, between samples. Throws InputError
@@ -58,8 +62,8 @@ class TissueContact {
   /// Releases the contacts that would pull at x and v. Returns whether there were any.
   bool release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) { return terms_.release(x, v); }
 
-  /// The step has ended at x and v: anchors follow.
-  void end_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v);
+  /// The step has ended at x: anchors follow, and forces are those by which it was solved.
+  void end_step(const OfTwo<ConstPoints>& x);
 
   /// As it was made: nothing has touched yet.
   void reset();
@@ -75,20 +79,21 @@ class TissueContact {
   double edge() const;     ///< [m] the smaller one of the mean edges of the two surfaces; 0: there is none
   double spacing() const;  ///< [m] the largest distance between neighbouring samples
 
-  /// [N] On the first body, [m] the deepest place of a sample, [J] in the springs, at the end of the latest step. Of
-  /// one body with itself the force is zero.
+  /// [N] On the first body, [m] the deepest place of a sample, [J] in the springs, by the contacts of the latest step.
+  /// Of one body with itself the force is zero.
   const Vec3& force() const { return force_; }
   double depth() const { return depth_; }
   double energy() const { return energy_; }
 
  private:
   struct Side;
-  int num_checks(const OfTwo<ConstPoints>& v, double h) const;
+  double num_checks(const OfTwo<ConstPoints>& v, double h) const;
 
   std::array<const HexMesh*, 2> meshes_;  // the same twice: with itself
   ContactSettings settings_;
   int max_parts_;
   std::array<double, 2> wanted_ = {};         // [m] between the samples of each surface
+  std::array<std::vector<int>, 2> nodes_;     // of the hexahedra that are left of each body
   std::vector<std::unique_ptr<Side>> sides_;  // samples of the first body in the second one, and the other way round
   bool has_touching_ = false;                 // some sample may have a state
   long num_examined_ = 0;

@@ -112,7 +112,8 @@ template <class TDataTypes>
 void InstrumentContactForceField<TDataTypes>::endStep(SReal)
 {
     this->closeStep();
-    m_instrument->end_step(view(this->mstate->readPositions().ref()), view(this->mstate->readVelocities().ref()));
+    m_instrument->end_step(view(this->mstate->readPositions().ref()));
+    pass_on(*this, m_instrument->take_warnings());
     showOutputs();
 }
 

@@ -136,7 +136,7 @@ template <class TDataTypes>
 void TissueContactForceField<TDataTypes>::endStep(SReal)
 {
     this->closeStep();
-    m_tissues->contact().end_step(positions(), velocities());
+    m_tissues->end_step(positions());
     this->showContact(m_tissues->contact());
 }
 

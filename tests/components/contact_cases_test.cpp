@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Small scenes of contact with what hand or symmetry tells of each, as they stand, turned, and mirrored.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hexaplast/body.hpp"
+#include "hexaplast/geometry/grid.hpp"
+#include "support/scene.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using support::at;
+using support::read_and_init;
+
+/// Where a scene stands in space. Its vectors are told, and asked for, as if it were neither turned nor mirrored.
+struct Placed {
+  Mat3 turn;  // may mirror
+
+  std::string vector(const Vec3& v) const { return text(turn * v); }
+  std::string vectors(const std::vector<Vec3>& vs) const {
+    std::string all;
+    for (const Vec3& v : vs) all += vector(v) + "  ";
+    return all;
+  }
+  /// Of a tool that is its own image in its middle, turned by this.
+  std::string orientation(const Eigen::AngleAxisd& own) const {
+    const Eigen::Quaterniond q(Mat3(turn.determinant() * turn * own.toRotationMatrix()));
+    return fmt::format("{:.17g} {:.17g} {:.17g} {:.17g}  ", q.x(), q.y(), q.z(), q.w());
+  }
+  Vec3 own(const Vec3& v) const { return turn.transpose() * v; }
+
+  /// A block in a node of its own. held: of its nodes, where they are.
+  std::string body(const std::string& name, std::array<int, 3> cells, const Vec3& min, const Vec3& max,
+                   const std::string& material, bool (*held)(const Vec3&), const std::string& inside = "") const {
+    const HexMesh mesh = regular_grid({cells[0], cells[1], cells[2]}, min, max);
+    std::string nodes, hexahedra, fixed;
+    for (int n = 0; n < mesh.num_nodes(); ++n) {
+      const Vec3 x = mesh.positions().row(n).transpose();
+      nodes += vector(x) + " ";
+      if (held && held(x)) fixed += std::to_string(n) + " ";
+    }
+    const bool is_mirrored = turn.determinant() < 0;
+    for (const Hexahedron& corners : mesh.hexahedra())
+      for (int a = 0; a < kCorners; ++a) hexahedra += std::to_string(corners[is_mirrored ? a ^ 1 : a]) + " ";
+    return "<Node name='" + name + "'><MeshTopology position='" + nodes + "' hexahedra='" + hexahedra +
+           "'/><MechanicalObject name='state'/><UniformMass totalMass='.02'/>"
+           "<HexahedronElastoplasticFEMForceField name='body' " +
+           material + "/>" + (fixed.empty() ? "" : "<FixedProjectiveConstraint indices='" + fixed + "'/>") + inside +
+           "</Node>";
+  }
+  std::string root(double dt, double gravity, const std::string& integrator, const std::string& inside) const {
+    return fmt::format(
+        "<Node dt='{:g}' gravity='{}'><DefaultAnimationLoop/><EulerImplicitSolver {}/>"
+        "<SparseLDLSolver/>{}</Node>",
+        dt, vector({0, 0, -gravity}), integrator, inside);
+  }
+  std::string tool(const std::string& shape, const std::string& times, const std::vector<Vec3>& positions,
+                   const std::string& name = "tool") const {
+    return "<InstrumentContactForceField name='" + name + "' " + shape + " keyTimes='" + times + "' positions='" +
+           vectors(positions) + "'/>";
+  }
+
+  Vec3 force(scene::Scene& scene, const std::string& path) const {
+    return own(Vec3::Map(at<scene::Component>(scene, path).reals("force").data()));
+  }
+  Vec3 momentum(scene::Scene& scene, const std::string& body) const {
+    return own(kMass * at<scene::MechanicalState>(scene, body + "/state").velocities().colwise().mean().transpose());
+  }
+  PointArray positions(scene::Scene& scene, const std::string& body) const {
+    return at<scene::MechanicalState>(scene, body + "/state").positions() * turn;
+  }
+
+  static constexpr double kMass = 0.02;  // of each body [kg]
+
+ private:
+  static std::string text(const Vec3& v) { return fmt::format("{:.17g} {:.17g} {:.17g}", v.x(), v.y(), v.z()); }
+};
+
+class ContactCases : public testing::TestWithParam<Placed> {};
+INSTANTIATE_TEST_SUITE_P(Placed, ContactCases,
+                         testing::Values(Placed{Mat3::Identity()},
+                                         Placed{Eigen::AngleAxisd(0.7, Vec3(1, -2, 0.5).normalized()).matrix()},
+                                         Placed{Vec3(-1, 1, 1).asDiagonal()},
+                                         Placed{-Eigen::AngleAxisd(2.3, Vec3(2, 1, 3).normalized()).matrix()}));
+
+constexpr double kWeight = Placed::kMass * 9.81;  // [N]
+const std::string kSoft = "youngModulus='10000' poissonRatio='.3'";
+const std::string kBetween = "<TissueContactForceField name='contact' object1='@lower/state' object2='@upper/state' ";
+bool bottom(const Vec3& x) { return x.z() < 1e-9; }
+bool rim(const Vec3& x) { return std::max(std::abs(x.x()), std::abs(x.y())) > 0.0199; }
+
+// Without friction what falls, or begins, beside an edge or a corner is not pushed aside, however long a step is, and
+// comes to be carried.
+TEST_P(ContactCases, ABlockThatLandsBesideAnEdge) {
+  const Placed& p = GetParam();
+  for (const Vec3& min : {Vec3(0.019, 0.009, 0.0205), Vec3(0.0197, 0.0196, 0.02)})
+    for (const double dt : {0.01, 0.004}) {
+      scene::Scene scene = read_and_init(p.root(
+          dt, 9.81, "rayleighMass='.1' rayleighStiffness='.01'",
+          kBetween + "/>" + p.body("lower", {4, 4, 2}, {0, 0, 0}, {0.04, 0.04, 0.02}, "youngModulus='1e7'", bottom) +
+              p.body("upper", {2, 2, 2}, min, min + Vec3::Constant(0.02), kSoft, nullptr)));
+      for (int k = 0; k < 60; ++k) {
+        scene.step();
+        const Vec3 force = p.force(scene, "contact");
+        EXPECT_LT(force.head<2>().norm(), 0.02 * std::abs(force.z()) + 1e-9) << min.x() << " " << dt << " step " << k;
+      }
+      EXPECT_NEAR(p.force(scene, "contact").z(), -kWeight, 0.01 * kWeight) << min.x() << " " << dt;
+    }
+}
+
+// A plate of 1 mm presses as one of 4 mm does, and says that it is too deep for its thickness.
+TEST_P(ContactCases, AThinPlateThatIsPressedSlowly) {
+  const Placed& p = GetParam();
+  const auto pressed = [&](double thickness) {
+    const double above = 0.03 + thickness / 2;
+    scene::Scene scene = read_and_init(p.root(
+        0.01, 0, "rayleighStiffness='.01'",
+        p.body("block", {6, 6, 3}, {0, 0, 0}, {0.06, 0.06, 0.03}, kSoft, bottom,
+               p.tool(fmt::format(
+                          "shape='box' size='.1 .1 {}' contactStiffness='2e6' maxSubdivision='4' orientations='{}'",
+                          thickness, p.orientation({0, Vec3::UnitZ()}) + p.orientation({0, Vec3::UnitZ()})),
+                      "0 .35", {{0.031, 0.029, above}, {0.031, 0.029, above - 0.005}}))));
+    support::run(scene, 50);
+    return std::pair(p.force(scene, "block/tool"), support::warnings_of(scene));
+  };
+  const auto [thick, nothing] = pressed(0.004);
+  const auto [thin, said] = pressed(0.001);
+  EXPECT_EQ(nothing.find("contactStiffness: "), nothing.npos) << nothing;
+  EXPECT_GT(thick.z(), 1);
+  EXPECT_LT((thin - thick).norm(), 1e-6 * thick.norm());
+  EXPECT_NE(said.find("contactStiffness: "), said.npos) << said;
+  EXPECT_EQ(said.find("contactStiffness: "), said.rfind("contactStiffness: ")) << said;
+}
+
+// A block strikes a sheet of 1 mm, at more than that per step, and springs back: what is reported is what turns it.
+TEST_P(ContactCases, AThinSheetThatIsStruck) {
+  const Placed& p = GetParam();
+  const double h = 0.01;
+  scene::Scene scene = read_and_init(p.root(
+      h, 0, "",
+      kBetween + "/>" + p.body("lower", {8, 8, 1}, {-0.02, -0.02, 0}, {0.02, 0.02, 0.001}, "youngModulus='1e5'", rim) +
+          p.body("upper", {2, 2, 2}, {-0.0087, -0.0092, 0.0021}, {0.0113, 0.0108, 0.0221}, kSoft, nullptr)));
+  at<scene::MechanicalState>(scene, "upper/state").velocities().rowwise() =
+      Vec3(p.turn * Vec3(0, 0, -0.15)).transpose();
+  for (int k = 0; k < 60; ++k) {
+    const Vec3 before = p.momentum(scene, "upper");
+    scene.step();
+    EXPECT_LT((p.momentum(scene, "upper") - before + h * p.force(scene, "contact")).norm(), 1e-9);
+    EXPECT_GT(p.positions(scene, "upper").col(2).maxCoeff(), p.positions(scene, "lower").col(2).minCoeff() + 0.015);
+  }
+  EXPECT_GT(p.momentum(scene, "upper").z(), 0.01 * Placed::kMass);
+}
+
+// Pinched between a ball and a plate a free body tears, and its momentum goes on being what these two give it.
+TEST_P(ContactCases, ABodyThatTearsUnderContact) {
+  const Placed& p = GetParam();
+  const double h = 0.005;
+  const std::string plate = "shape='box' size='.1 .1 .02' orientations='" + p.orientation({0, Vec3::UnitZ()}) + "'";
+  scene::Scene scene = read_and_init(p.root(
+      h, 0, "",
+      p.body("block", {4, 4, 2}, {0, 0, 0}, {0.04, 0.04, 0.02},
+             "youngModulus='10000' yieldStress='50' plasticFlowRate='20' hardening='1' fractureStress='150'", nullptr,
+             p.tool("radius='.008' friction='.5'", "0 .3", {{0.019, 0.022, 0.029}, {0.019, 0.022, 0.009}}) +
+                 p.tool(plate, "0", {{0.02, 0.02, -0.0101}}, "plate"))));
+  for (int k = 0; k < 60; ++k) {
+    const Vec3 before = p.momentum(scene, "block");
+    scene.step();
+    const Vec3 force = p.force(scene, "block/tool") + p.force(scene, "block/plate");
+    EXPECT_LT((p.momentum(scene, "block") - before + h * force).norm(), 1e-9) << k;
+  }
+  EXPECT_FALSE(at<scene::ForceField>(scene, "block/body").body()->removed().empty());
+}
+
+// A block that lies on another one whose prescribed motion turns: what is reported is what changes its momentum.
+TEST_P(ContactCases, AMotionThatTurnsBack) {
+  const Placed& p = GetParam();
+  const double h = 0.005, rayleigh_mass = 0.1;
+  const std::string motion = "<LinearMovementProjectiveConstraint indices='0-74' keyTimes='0 .1 .2 1' movements='" +
+                             p.vectors({{0, 0, 0}, {0, 0, 0.006}, {0, 0, 0.002}, {0, 0, 0}}) + "'/>";
+  scene::Scene scene = read_and_init(p.root(
+      h, 9.81, "rayleighMass='.1'",
+      kBetween + "damping='1e3'/>" + p.body("lower", {4, 4, 2}, {0, 0, 0}, {0.04, 0.04, 0.02}, kSoft, nullptr, motion) +
+          p.body("upper", {2, 2, 2}, {0.0113, 0.013, 0.02}, {0.0313, 0.033, 0.04}, kSoft, nullptr)));
+  double greatest = 0;
+  for (int k = 0; k < 60; ++k) {
+    const Vec3 before = p.momentum(scene, "upper");
+    scene.step();
+    const Vec3 force = p.force(scene, "contact"), after = p.momentum(scene, "upper");
+    greatest = std::max(greatest, -force.z());
+    const Vec3 acted = (after - before) / h + rayleigh_mass * after + Vec3(0, 0, kWeight);
+    EXPECT_LT((acted + force).norm(), 1e-8 * kWeight + 1e-6 * greatest) << k;
+  }
+  EXPECT_GT(greatest, 1.5 * kWeight);
+}
+
+// Frictionless, a plate that turns about its normal and a cylinder that rolls press as they do at rest.
+TEST_P(ContactCases, AnInstrumentThatTurns) {
+  const Placed& p = GetParam();
+  for (const auto& [shape, axis, above] :
+       {std::tuple("shape='box' size='.2 .2 .01'", Vec3(0, 0, 1), 0.035),
+        std::tuple("shape='cylinder' radius='.01' length='.1'", Vec3(0, 0, 1), 0.04)}) {
+    const bool rolls = above > 0.035;  // its axis, z, lies along x
+    const auto pressed = [&](double turned) {
+      std::string times, orientations;
+      std::vector<Vec3> positions;
+      for (int k = 0; k <= 40; ++k) {
+        times += fmt::format("{:g} ", 0.01 * k);
+        positions.emplace_back(0.031, 0.029, above - 0.0001 * std::min(k, 20));
+        const Eigen::Quaterniond lies(Eigen::AngleAxisd(rolls ? std::acos(0.0) : 0, Vec3::UnitY()));
+        orientations += p.orientation(Eigen::AngleAxisd(lies * Eigen::AngleAxisd(turned * k, axis)));
+      }
+      scene::Scene scene = read_and_init(
+          p.root(0.01, 0, "rayleighStiffness='.01'",
+                 p.body("block", {6, 6, 3}, {0, 0, 0}, {0.06, 0.06, 0.03}, kSoft, bottom,
+                        p.tool(std::string(shape) + " orientations='" + orientations + "'", times, positions))));
+      support::run(scene, 40);
+      return p.force(scene, "block/tool");
+    };
+    const Vec3 still = pressed(0), turning = pressed(0.6);
+    EXPECT_GT(still.z(), 0.05) << shape;
+    EXPECT_LT((turning - still).norm(), 1e-6 * still.norm()) << shape;
+  }
+}
+
+// What presses on a sheet, leaves it, and comes back from the other side presses there as much.
+TEST_P(ContactCases, ComingBackOnTheOtherSide) {
+  const Placed& p = GetParam();
+  const std::string times = "0 .1 .3 .4 .5 .6 .7 .8 2";
+  const std::vector<Vec3> way = {{0, 0, 0.0155},    {0, 0, 0.0115},  {0, 0, 0.0115},  {0, 0, 0.0255}, {0.1, 0, 0.0255},
+                                 {0.1, 0, -0.0255}, {0, 0, -0.0155}, {0, 0, -0.0115}, {0, 0, -0.0115}};
+  std::vector<Vec3> moved;
+  for (const Vec3& at : way) moved.push_back(at - way[0]);
+  const std::string turned(p.orientation({0, Vec3::UnitZ()}));
+  std::string orientations;
+  for (std::size_t k = 0; k < way.size(); ++k) orientations += turned;
+  const auto sheet = [&](const std::string& inside) {
+    return p.body("lower", {8, 8, 2}, {-0.02, -0.02, -0.002}, {0.02, 0.02, 0.002}, kSoft, rim, inside);
+  };
+  const std::vector<std::pair<std::string, std::string>> scenes = {
+      {"lower/tool", sheet(p.tool("shape='box' size='.02 .02 .02' orientations='" + orientations + "'", times, way))},
+      {"contact", kBetween + "/>" + sheet("") +
+                      p.body("upper", {2, 2, 2}, {-0.01, -0.01, 0.0055}, {0.01, 0.01, 0.0255}, kSoft, nullptr,
+                             "<LinearMovementProjectiveConstraint indices='0-26' keyTimes='" + times + "' movements='" +
+                                 p.vectors(moved) + "'/>")}};
+  for (const auto& [path, text] : scenes) {
+    scene::Scene scene = read_and_init(p.root(0.01, 0, "rayleighMass='5' rayleighStiffness='.01'", text));
+    support::run(scene, 30);
+    const double above = p.force(scene, path).z();
+    support::run(scene, 15);
+    EXPECT_EQ(p.force(scene, path), Vec3::Zero()) << path;
+    support::run(scene, 55);
+    EXPECT_GT(std::abs(above), 0.01) << path;
+    EXPECT_NEAR(p.force(scene, path).z(), -above, 1e-3 * std::abs(above)) << path;
+  }
+}
+
+}  // namespace
