@@ -22,7 +22,6 @@ namespace {
 using hexaplast::output::Colour;
 using hexaplast::output::Drawing;
 
-constexpr Colour kPaper{1, 1, 1};
 constexpr Colour kInk{0.13f, 0.13f, 0.15f};
 
 Drawing::Vertex vertex(const float* at, const Colour& colour) { return {at[0], at[1], at[2], colour}; }
@@ -39,12 +38,9 @@ Drawing read_drawing(const std::filesystem::path& file) {
   if (!in) throw std::runtime_error(file.string() + ": cannot be read");
   const nlohmann::json picture = nlohmann::json::parse(in);
 
-  Drawing drawing{.width = picture.at("width"),
-                  .height = picture.at("height"),
-                  .background = kPaper,
-                  .triangles = {},
-                  .lines = {},
-                  .texts = {}};
+  Drawing drawing;
+  drawing.width = picture.at("width");
+  drawing.height = picture.at("height");
   for (const std::array<float, 11> row : picture.at("triangles")) {
     const Colour full = hexaplast::output::colour_of(row[9]);
     const Colour colour{row[10] * full.red, row[10] * full.green, row[10] * full.blue};

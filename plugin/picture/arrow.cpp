@@ -2,8 +2,10 @@
 #include "picture/arrow.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "picture/ink.hpp"
 
@@ -11,10 +13,10 @@ namespace hexaplast::output {
 
 using Eigen::Vector3f;
 
-std::vector<Arrow::Face> Arrow::faces() const {
-  std::vector<Face> faces;
+void Arrow::draw(Geometry::Vertices& triangles) const {
+  using Vertex = Geometry::Vertex;
   const float length = (to - from).norm();
-  if (!(length > 0)) return faces;
+  if (!(length > 0)) return;
   const Vector3f along = (to - from) / length;
   const Vector3f first = along.unitOrthogonal(), second = along.cross(first);
   // a short arrow is thinner, so that it still has a shaft
@@ -35,31 +37,10 @@ std::vector<Arrow::Face> Arrow::faces() const {
       brim[k] = {neck + kArrowHeadWidth * thick * out[k], (out[k] + slope * along).normalized()};
     }
     const Vertex tip{to, ((out[0] + out[1]).normalized() + slope * along).normalized()};
-    faces.push_back({foot[0], foot[1], top[1]});
-    faces.push_back({foot[0], top[1], top[0]});
-    faces.push_back({brim[0], brim[1], tip});
-    faces.push_back({Vertex{brim[0].place, -along}, {brim[1].place, -along}, {neck, -along}});
-    faces.push_back({Vertex{foot[0].place, -along}, {foot[1].place, -along}, {from, -along}});
+    triangles.insert(triangles.end(), {foot[0], foot[1], top[1], foot[0], top[1], top[0], brim[0], brim[1], tip});
+    for (const auto& [end, middle] : {std::pair(brim, neck), std::pair(foot, from)})
+      triangles.insert(triangles.end(), {{end[0].place, -along}, {end[1].place, -along}, {middle, -along}});
   }
-  return faces;
-}
-
-void Arrow::draw(const Camera& camera, const Pen& pen) const {
-  const Vector3f lamp = kThingLamp.of(camera.right(), camera.up(), camera.towards());
-  const auto lit = [&](const Vertex& vertex) {
-    return Corner{vertex.place, brightness(std::max(0.0f, vertex.normal.dot(lamp))) * colour};
-  };
-  for (const auto& [a, b, c] : faces()) pen.fill({{lit(a), lit(b), lit(c)}});
-}
-
-Arrow ArrowScale::of_load(const Vector3f& place, const Vector3f& load, const Vector3f& outwards) const {
-  const Vector3f along = longest / force * load;
-  const bool presses = outwards.dot(load) < -kArrowPresses * outwards.norm() * load.norm();
-  return {presses ? Vector3f(place - along) : place, presses ? place : Vector3f(place + along), girth, kLoad};
-}
-
-Arrow ArrowScale::of_tool(const Vector3f& place, const Vector3f& load) const {
-  return {place, place + longest / force * load, girth, kSteel};
 }
 
 }  // namespace hexaplast::output

@@ -39,7 +39,7 @@ std::vector<NodalLoad> shown_loads(const HexMesh& mesh, std::span<const unsigned
   std::map<std::array<int, 3>, int> strongest;  // node by neighbourhood
   for (int node = 0; node < mesh.num_nodes(); ++node) {
     if (!(forces.row(node).norm() > min)) continue;
-    if (!hold_together(mesh, alive, {&node, 1})) continue;
+    if (!alive.empty() && !hold_together(mesh, alive, {&node, 1})) continue;
     std::array<int, 3> cell;
     for (int axis = 0; axis < 3; ++axis) cell[axis] = static_cast<int>(std::floor(original(node, axis) / across));
     const auto [found, is_first] = strongest.emplace(cell, node);

@@ -5,11 +5,8 @@
 #include <limits>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "hexaplast/base/types.hpp"
-#include "hexaplast/geometry/plane_cut.hpp"
-#include "picture/renderer.hpp"
 
 namespace hexaplast::output {
 
@@ -39,9 +36,9 @@ class Camera {
   /// A camera that stands in a direction, and is not fitted to anything yet.
   explicit Camera(const Viewpoint& viewpoint);
 
-  const Eigen::Vector3f& right() const { return right_; }
-  const Eigen::Vector3f& up() const { return up_; }
-  const Eigen::Vector3f& towards() const { return towards_; }
+  Eigen::Vector3f right() const { return right_.cast<float>(); }
+  Eigen::Vector3f up() const { return up_.cast<float>(); }
+  Eigen::Vector3f towards() const { return towards_.cast<float>(); }
 
   /// Takes in what is going to be shown [m].
   void see(std::span<const Eigen::Vector3f> points);
@@ -53,28 +50,34 @@ class Camera {
   void fit(const Window& window);
 
   /// Units of the page per metre, in the middle of what is shown.
-  float scale() const { return scale_; }
+  float scale() const { return static_cast<float>(scale_); }
 
-  /// What lies below it is at the viewer's back; none: nothing does.
-  const std::optional<Plane>& front() const { return front_; }
+  /// Whether a place [m] lies before the viewer.
+  bool is_before(const Eigen::Vector3f& point) const;
 
-  /// In colour 0. Depths lie in [0.1, 0.9].
-  Drawing::Vertex project(const Eigen::Vector3f& point) const;
+  /// Where on the page a place [m] before the viewer is seen.
+  Eigen::Vector2f on_page(const Eigen::Vector3f& point) const;
+
+  /// From homogeneous places [m] to clip coordinates of OpenGL, whose square is a page of this size.
+  Eigen::Matrix4d clip(double width, double height) const;
+
+  /// The viewer [m], or the direction to a viewer who is infinitely far away: homogeneous.
+  Eigen::Vector4d eye() const;
 
  private:
   std::optional<Viewpoint::Eye> eye_;
-  Eigen::Vector3f right_, up_, towards_;                         // unit vectors
-  Eigen::AlignedBox3f seen_;                                     // [m] along these three
-  float front_depth_ = -std::numeric_limits<float>::infinity();  // [m] along `towards`, of all that is drawn
-  float back_depth_ = std::numeric_limits<float>::infinity();
-  std::optional<Plane> front_;
+  Vec3 right_, up_, towards_;                                      // unit vectors
+  Eigen::AlignedBox3d seen_;                                       // [m] along these three
+  double front_depth_ = -std::numeric_limits<double>::infinity();  // [m] along `towards`, of all that is drawn
+  double back_depth_ = std::numeric_limits<double>::infinity();
 
-  Eigen::Vector2f middle_ = {0, 0};  // of the window, on the page
-  Eigen::Vector2f centre_ = {0, 0};  // [m] along right and up, of what is shown there
-  float scale_ = 1;
-  float distance_ = 0;                // [m] of a perspective camera from the plane in which `scale` holds; 0: parallel
-  float eye_depth_ = 0;               // [m] along `towards`
-  float nearest_ = 0, farthest_ = 1;  // [m] along `towards`; in perspective 1 / distance from the eye
+  Eigen::Vector2d middle_ = {0, 0};  // of the window, on the page
+  Eigen::Vector2d centre_ = {0, 0};  // [m] along right and up, of what is shown there
+  double scale_ = 1;
+  double distance_ = 0;                // [m] of a perspective camera from the plane in which `scale` holds; 0: parallel
+  double eye_depth_ = 0;               // [m] along `towards`
+  double closest_ = 0;                 // [m] from the eye, at which something is seen
+  double nearest_ = 0, farthest_ = 1;  // [m] along `towards`; in perspective 1 / distance from the eye
 };
 
 /// Beside the long axis of a body, which runs to the right, and a little above; y stands upright unless it is the long

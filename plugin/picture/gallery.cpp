@@ -1,37 +1,24 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "picture/gallery.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 
 #include "hexaplast/geometry/sections.hpp"
 #include "hexaplast/mesh/faces.hpp"
-#include "picture/picture_cut.hpp"
 
 namespace hexaplast::output {
 namespace {
 
 using Eigen::Vector3f;
 
-constexpr float kNoLoad = 1e-6f;  // of the strongest: rounding that is left of loads without pulls
-
-std::vector<Surface::Face> faces_of(const EmbeddedSurface& embedded) {
-  std::vector<Surface::Face> faces = embedded.quads;
-  for (const auto& [a, b, c] : embedded.triangles) faces.push_back({a, b, c, c});
-  return faces;
-}
-
-float diagonal(ConstPoints points) {
-  return static_cast<float>((points.colwise().maxCoeff() - points.colwise().minCoeff()).norm());
-}
-
-std::vector<Vector3f> single(ConstPoints points) {
-  std::vector<Vector3f> places;
-  places.reserve(points.rows());
-  for (Eigen::Index n = 0; n < points.rows(); ++n) places.push_back(points.row(n).transpose().cast<float>());
-  return places;
-}
+constexpr float kAround = 0.5f;  // how far around the body instruments are shown, in diagonals of its box
+constexpr std::array kArrowLengths{1.0f, 0.8f, 0.6f, 0.45f};  // that are tried, in parts of the longest arrow
+constexpr float kSmallest = 0.9f;     // size that arrows leave to the body, in parts of that without
+constexpr float kAlongSight = 0.05f;  // of gravity that is seen: below, it has no direction on the page
 
 }  // namespace
 
@@ -39,178 +26,158 @@ int time_decimals(double dt) {
   return dt > 0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(dt) - 1e-9)), 2, 6) : 2;
 }
 
-Gallery::Boundary::Boundary(const HexMesh& mesh, std::span<const unsigned char> alive) {
-  std::vector<int> point_of_node(mesh.num_nodes(), -1);
-  std::vector<Surface::Face> faces = mesh.boundary_faces(alive);
-  for (Surface::Face& face : faces)
-    for (int& corner : face) {
-      int& point = point_of_node[corner];
-      if (point < 0) {
-        point = static_cast<int>(node_of_point.size());
-        node_of_point.push_back(corner);
-      }
-      corner = point;
-    }
-  surface = std::make_shared<Surface>(points_at(mesh.positions()), std::move(faces));
-}
-
-Gallery::Places Gallery::Boundary::points_at(ConstPoints positions) const {
-  Places points;
-  points.reserve(node_of_point.size());
-  for (const int node : node_of_point) points.push_back(positions.row(node).transpose().cast<float>());
-  return points;
-}
-
 Gallery::Gallery(const HexMesh& mesh, std::string title, int time_decimals, Staging staging)
-    : mesh_(mesh),
-      title_(std::move(title)),
+    : title_(std::move(title)),
       time_decimals_(time_decimals),
-      staging_(std::move(staging)),
-      viewpoint_(staging_.viewpoint.value_or(beside(end_sections(mesh).axis))),
-      longest_arrow_(kLongestArrow * diagonal(mesh.positions())),
-      original_(std::make_shared<Boundary>(mesh, std::span<const unsigned char>())),
-      current_(original_) {
-  for (const EmbeddedSurface& embedded : staging_.embedded_surfaces) {
-    std::vector<Surface::Face> faces = output::faces_of(embedded);
-    auto whole = std::make_shared<Surface>(single(embedded.points), faces);
-    embedded_surfaces_.push_back({embedded.embedding(mesh), std::move(faces), std::move(whole)});
-    current_embedded_surfaces_.push_back(embedded_surfaces_.back().whole);
-  }
-  if (staging_.cut) {
-    // what is left lies above
-    Plane& cut = *staging_.cut;
+      shapes_(mesh, std::move(staging)),
+      viewpoint_(shapes_.staging.viewpoint.value_or(beside(end_sections(mesh).axis))) {
+  if (shapes_.staging.cut) {
+    // what is left out lies above
+    Plane& cut = *shapes_.staging.cut;
     const double viewer = viewpoint_.eye ? cut.height(viewpoint_.eye->position) : cut.normal.dot(viewpoint_.towards);
-    if (viewer > 0) cut = {-cut.normal, -cut.offset};
-  }
-}
-
-// What is left from now on.
-void Gallery::follow(std::span<const unsigned char> alive) {
-  const bool all_alive = std::ranges::all_of(alive, [](unsigned char is_alive) { return is_alive != 0; });
-  if (all_alive) {
-    current_ = original_;
-    for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s)
-      current_embedded_surfaces_[s] = embedded_surfaces_[s].whole;
-    current_alive_.clear();
-  } else if (!std::ranges::equal(alive, current_alive_)) {
-    current_ = std::make_shared<Boundary>(mesh_, alive);
-    for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s) {
-      const CarriedSurface& embedded = embedded_surfaces_[s];
-      std::vector<Surface::Face> left;
-      for (const Surface::Face& face : embedded.faces)
-        if (is_carried(face, staging_.embedded_surfaces[s], embedded.embedding, alive)) left.push_back(face);
-      current_embedded_surfaces_[s] = std::make_shared<Surface>(embedded.whole->original(), std::move(left));
-    }
-    current_alive_.assign(alive.begin(), alive.end());
+    if (viewer < 0) cut = {-cut.normal, -cut.offset};
   }
 }
 
 void Gallery::add(long step, double time, ConstPoints positions, const std::vector<double>& values,
                   std::span<const unsigned char> alive, const BoundaryConditions& conditions, const PointArray* ghost) {
-  follow(alive);
-  State state;
-  state.step = step;
-  state.time = time;
-  PointArray at_nodes = PointArray::Zero(mesh_.num_nodes(), 3);  // in its first column
-  at_nodes.col(0) = Eigen::VectorXd::Map(
-      (entry_of(staging_.quantity).of_nodes ? values : nodal_means(mesh_, values, alive)).data(), mesh_.num_nodes());
-  state.body = {current_->surface, current_->points_at(positions), {}};
-  for (const int node : current_->node_of_point) state.body.values.push_back(static_cast<float>(at_nodes(node, 0)));
-  // an embedded surface that reaches out of the hexahedra continues their values, and shall not pass them
-  float min = std::numeric_limits<float>::infinity(), max = -min;
-  for (const float value : state.body.values) {
-    if (!std::isfinite(value)) continue;
-    min = std::min(min, value);
-    max = std::max(max, value);
+  const bool is_nodal = entry_of(shapes_.staging.quantity).of_nodes;
+  states_.push_back(
+      {shapes_.at(positions, is_nodal ? values : nodal_means(shapes_.mesh(), values, alive), alive, conditions, ghost),
+       step, time});
+}
+
+Strongest Gallery::strongest_forces() const {
+  Strongest strongest{.arrow = shapes_.longest_arrow(), .girth = kArrowGirth * shapes_.longest_arrow()};
+  for (const State& state : states_) {
+    for (const Moment::Load& load : state.loads) strongest.load = std::max(strongest.load, load.force.norm());
+    if (shapes_.staging.shows_loads)
+      for (const Moment::Tool& tool : state.tools) strongest.tool = std::max(strongest.tool, tool.force.norm());
   }
-  for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s) {
-    const Embedding& embedding = embedded_surfaces_[s].embedding;
-    PointArray points(embedding.num_points(), 3), blended(embedding.num_points(), 3);
-    embedding.apply(positions, points);
-    embedding.apply(at_nodes, blended);
-    Shown shown{current_embedded_surfaces_[s], single(points), {}};
-    for (Eigen::Index n = 0; n < blended.rows(); ++n) {
-      const auto value = static_cast<float>(blended(n, 0));
-      shown.values.push_back(std::isfinite(value) && min <= max ? std::clamp(value, min, max) : value);
+  return strongest;
+}
+
+// Where instruments are shown: around all that is shown of the body in any state. What lies farther off would make the
+// body small.
+Eigen::AlignedBox3f Gallery::surroundings() const {
+  Eigen::AlignedBox3f box;
+  const auto hold = [&](const Moment::Places& points) {
+    for (const Vector3f& point : points) box.extend(point);
+  };
+  for (const State& state : states_) {
+    hold(state.body.points);
+    for (const Moment::Shown& embedded : state.embedded_surfaces) hold(embedded.points);
+  }
+  const Vector3f margin = Vector3f::Constant(kAround * box.sizes().norm());
+  return {box.min() - margin, box.max() + margin};
+}
+
+void Gallery::see_arrows(Camera& camera, const Strongest& strongest) const {
+  const auto see = [&](const std::optional<Arrow>& arrow) {
+    if (arrow) camera.see(std::array{arrow->from, arrow->to});
+  };
+  for (const State& state : states_) {
+    for (const Moment::Load& load : state.loads) see(strongest.arrow_of(load));
+    for (const Moment::Tool& tool : state.tools) see(strongest.arrow_of(tool));
+  }
+}
+
+// Arrows that would make the body small are shorter, in all pictures alike.
+void Gallery::fit(Camera& camera, Scale& scale, Strongest& strongest, const Eigen::AlignedBox3f& room) const {
+  const Staging& staging = shapes_.staging;
+  const bool shows_body = !staging.has_surfaces() || staging.shows_hexahedra;
+  const auto is_near = [&](const Vector3f& place) { return room.contains(place); };
+  bool reaches_out = false;
+  for (const State& state : states_) {
+    if (shows_body) camera.see(state.body.points);
+    for (const Moment::Shown& embedded : state.embedded_surfaces) camera.see(embedded.points);
+    for (const Moment::Shown& ghost : state.ghosts) camera.see(ghost.points);
+    for (const Moment::Tool& tool : state.tools) {
+      if (!tool.surface && is_near(tool.place)) camera.see({&tool.place, 1});
+      if (std::ranges::all_of(tool.points, is_near))
+        camera.see(tool.points);
+      else
+        reaches_out = true;
     }
-    state.embedded_surfaces.push_back(std::move(shown));
+    for (const Moment::Spring& spring : state.springs)
+      for (const Vector3f& end : {spring.from, spring.to})
+        if (is_near(end))
+          camera.see({&end, 1});
+        else
+          reaches_out = true;
+    for (const Moment::Shown* shown : state.filled(staging)) scale.see(shown->values);
+    scale.see(state.cut.values);
   }
-  if (!staging_.ghost.empty()) state.ghosts = ghosts_at(ghost);
-  if (staging_.cut && shows_body()) state.cut = cut_face(positions, at_nodes, alive);
-
-  if (!conditions.fixed.empty())
-    for (const int node : current_->node_of_point)
-      if (conditions.fixed[node]) state.fixed.push_back(positions.row(node).transpose().cast<float>());
-  if (staging_.shows_loads && conditions.loads.rows() > 0) state.loads = loads_of(conditions, positions, alive);
-  for (const Instrument& instrument : conditions.instruments) state.tools.push_back(tool_of(instrument, positions));
-  for (const auto& [from, to, is_slack] : conditions.springs)
-    state.springs.push_back({from.cast<float>(), to.cast<float>(), is_slack});
-  states_.push_back(std::move(state));
-}
-
-Gallery::Tool Gallery::tool_of(const Instrument& instrument, ConstPoints positions) {
-  Tool tool{instrument.acts_at(positions).cast<float>(), instrument.force().cast<float>(), nullptr,
-            single(instrument.shape_points)};
-  if (instrument.shape_triangles.empty()) return tool;
-
-  std::vector<Surface::Face> faces;
-  for (const auto& [a, b, c] : instrument.shape_triangles) faces.push_back({a, b, c, c});
-  std::shared_ptr<const Surface>& latest = tools_[instrument.id];
-  if (!latest || latest->faces() != faces || latest->original().size() != tool.points.size())
-    latest = std::make_shared<Surface>(tool.points, std::move(faces));
-  tool.surface = latest;
-  return tool;
-}
-
-// Those of single nodes: the force of an instrument is shown as one.
-std::vector<Gallery::Load> Gallery::loads_of(const BoundaryConditions& conditions, ConstPoints positions,
-                                             std::span<const unsigned char> alive) const {
-  PointArray forces = conditions.loads;
-  for (const Instrument& instrument : conditions.instruments)
-    for (std::size_t k = 0; k < instrument.nodes.size(); ++k)
-      forces.row(instrument.nodes[k]) -= instrument.forces.row(static_cast<Eigen::Index>(k));
-
-  PointArray outwards = PointArray::Zero(mesh_.num_nodes(), 3);
-  const std::vector<Vector3f> normals = current_->surface->point_normals(current_->points_at(positions));
-  for (std::size_t p = 0; p < normals.size(); ++p)
-    outwards.row(current_->node_of_point[p]) = normals[p].transpose().cast<double>();
-
-  std::vector<Load> loads;
-  const double min = kNoLoad * conditions.loads.rowwise().norm().maxCoeff();
-  for (int node = 0; node < mesh_.num_nodes(); ++node) {
-    if (!(forces.row(node).norm() > min)) continue;
-    if (!alive.empty() && !hold_together(mesh_, alive, {&node, 1})) continue;
-    loads.push_back({node, positions.row(node).transpose().cast<float>(), forces.row(node).transpose().cast<float>(),
-                     outwards.row(node).transpose().cast<float>()});
+  if (shows_body) camera.see(shapes_.original().surface->original());
+  // what reaches out is drawn to where it leaves the room
+  for (int corner = 0; reaches_out && corner < kCorners; ++corner) {
+    const Vector3f place = room.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner));
+    camera.see_depths({&place, 1});
   }
-  return loads;
-}
-
-std::vector<Gallery::Shown> Gallery::ghosts_at(const PointArray* nodes) const {
-  std::vector<Shown> ghosts;
-  if (embedded_surfaces_.empty() && nodes) ghosts.push_back({current_->surface, current_->points_at(*nodes), {}});
-  if (embedded_surfaces_.empty() && !nodes) ghosts.push_back({original_->surface, original_->surface->original(), {}});
-  for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s) {
-    if (!nodes) {
-      ghosts.push_back({embedded_surfaces_[s].whole, embedded_surfaces_[s].whole->original(), {}});
-      continue;
-    }
-    PointArray points(embedded_surfaces_[s].embedding.num_points(), 3);
-    embedded_surfaces_[s].embedding.apply(*nodes, points);
-    ghosts.push_back({current_embedded_surfaces_[s], single(points), {}});
+  const Window window = Page(staging.width, staging.height).window();
+  Camera without_arrows = camera;
+  without_arrows.fit(window);
+  for (const float part : kArrowLengths) {
+    Camera with_arrows = camera;
+    strongest.arrow = part * shapes_.longest_arrow();
+    see_arrows(with_arrows, strongest);
+    with_arrows.fit(window);
+    if (with_arrows.scale() < kSmallest * without_arrows.scale() && part > kArrowLengths.back()) continue;
+    camera = with_arrows;
+    return;
   }
-  return ghosts;
 }
 
-Gallery::CutFace Gallery::cut_face(ConstPoints positions, const PointArray& values,
-                                   std::span<const unsigned char> alive) const {
-  const PlaneCut cut = picture_cut(mesh_, positions, *staging_.cut, alive);
-  PointArray points(cut.num_points(), 3), blended(cut.num_points(), 3);
-  cut.apply(positions, points);
-  cut.apply(values, blended);
-  CutFace face{single(points), {}, cut.triangles(), cut.inner_lines(), cut.outline()};
-  for (Eigen::Index n = 0; n < blended.rows(); ++n) face.values.push_back(static_cast<float>(blended(n, 0)));
-  return face;
+Drawing Gallery::drawing(const State& state, const Camera& camera, const Scale& scale, const Strongest& strongest,
+                         const Eigen::AlignedBox3f& room) const {
+  Page page(shapes_.staging.width, shapes_.staging.height);
+  View view{shapes_.geometry(state, camera, strongest), camera, page.width(), page.height(), scale.min(), scale.max()};
+  view.geometry.room = room;
+  page.drawing().view = std::make_shared<View>(std::move(view));
+  for (const Moment::Tool& tool : state.tools) {
+    if (tool.surface || !camera.is_before(tool.place)) continue;
+    const Eigen::Vector2f centre = camera.on_page(tool.place);
+    page.add_ring({centre.x(), centre.y(), 0, {}});  // seen also where it lies within the tissue
+  }
+  page.add_title(title_, fmt::format("t = {:.{}f} s", state.time, time_decimals_));
+  page.add_colour_bar(scale);
+  page.add_keys(keys_of_shapes(scale), keys_of_forces(state, camera, strongest));
+  return std::move(page).finished();
+}
+
+// What the marks mean.
+std::vector<Key> Gallery::keys_of_shapes(const Scale& scale) const {
+  const bool has_fixed = std::ranges::any_of(states_, [](const State& state) { return !state.fixed.empty(); });
+  std::vector<Key> keys;
+  const bool has_springs = std::ranges::any_of(states_, [](const State& state) { return !state.springs.empty(); });
+  if (!shapes_.staging.ghost.empty()) keys.push_back({Key::Mark::kLine, shapes_.staging.ghost, kOriginal});
+  if (has_springs) keys.push_back({Key::Mark::kLine, "spring, paler where slack", kSpring});
+  if (shapes_.staging.shows_hexahedra && has_fixed) keys.push_back({Key::Mark::kDot, "fixed"});
+  if (scale.has_gaps()) keys.push_back({Key::Mark::kGap, fmt::format("no {}", scale.quantity().label)});
+  return keys;
+}
+
+// Those of a state; what they say is the same in all pictures.
+std::vector<Key> Gallery::keys_of_forces(const State& state, const Camera& camera, const Strongest& strongest) const {
+  std::vector<Key> keys;
+  if (!state.loads.empty())
+    keys.push_back({Key::Mark::kArrow, fmt::format("load, up to {} per node", with_unit(strongest.load, "N")), kLoad});
+  if (!state.tools.empty()) {
+    const bool shows_force = shapes_.staging.shows_loads && strongest.tool > 0;
+    const bool has_shapes =
+        std::ranges::all_of(state.tools, [](const Moment::Tool& tool) { return tool.surface != nullptr; });
+    keys.push_back(
+        {has_shapes ? Key::Mark::kShape : Key::Mark::kRing,
+         shows_force ? fmt::format("instrument, force up to {}", with_unit(strongest.tool, "N")) : "instrument",
+         kSteel});
+  }
+  if (!shapes_.staging.gravity.isZero(0)) {
+    const Vector3f down = shapes_.staging.gravity.normalized().cast<float>();
+    const Eigen::Vector2f on_page(camera.right().dot(down), -camera.up().dot(down));
+    keys.push_back({on_page.norm() < kAlongSight ? Key::Mark::kNone : Key::Mark::kArrow,
+                    fmt::format("gravity {:.3g} m/s²", shapes_.staging.gravity.norm()), kInk, on_page});
+  }
+  return keys;
 }
 
 }  // namespace hexaplast::output

@@ -4,19 +4,21 @@
 #include <fmt/format.h>
 #include <ft2build.h>
 #include FT_FREETYPE_H
+#define GL_GLEXT_PROTOTYPES
 #include <GL/gl.h>
+#include <GL/glext.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <type_traits>
 
+#include "picture/painter.hpp"
+
 namespace hexaplast::output {
 namespace {
 
-constexpr int kOversampling = 3;     // per direction: nine samples a pixel
-constexpr float kPushSlope = 4.0f;   // triangles step back by this much of their slope, so that lines as wide as an
-constexpr float kPushUnits = 16.0f;  // element edge lie in front of them over their full width
+constexpr int kOversampling = 3;  // per direction: nine samples a pixel
 
 std::uint8_t byte(float fraction) {
   return static_cast<std::uint8_t>(std::lround(255 * std::clamp(fraction, 0.0f, 1.0f)));
@@ -105,84 +107,105 @@ Fonts open_fonts() {
   return {library, &FT_Done_FreeType};
 }
 
-void emit(const Drawing::Vertex& vertex, float opacity) {
-  glColor4f(vertex.colour.red, vertex.colour.green, vertex.colour.blue, opacity);
-  glVertex3f(vertex.x, vertex.y, vertex.depth);
-}
-
-/// The mean of each pixel's samples.
-Image averaged(const std::vector<std::uint8_t>& samples, int width, int height) {
-  Image image{width, height, std::vector<std::uint8_t>(static_cast<std::size_t>(width) * height * 3)};
-  const std::size_t row_of_samples = static_cast<std::size_t>(width) * kOversampling * 4;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      for (int c = 0; c < 3; ++c) {
-        int sum = 0;
-        for (int j = 0; j < kOversampling; ++j)
-          for (int i = 0; i < kOversampling; ++i)
-            sum += samples[(y * kOversampling + j) * row_of_samples + (x * kOversampling + i) * 4ul + c];
-        constexpr int kCount = kOversampling * kOversampling;
-        image.pixels[(static_cast<std::size_t>(y) * width + x) * 3 + c] =
-            static_cast<std::uint8_t>((sum + kCount / 2) / kCount);
-      }
+/// The mean of each pixel's samples, which are those of the frame that is bound.
+Image averaged(int width, int height) {
+  Image image{width, height, {}};
+  image.pixels.reserve(static_cast<std::size_t>(width) * height * 3);
+  constexpr int kCount = kOversampling * kOversampling;
+  std::vector<std::uint8_t> samples(static_cast<std::size_t>(width) * kCount * 4);
+  std::vector<int> sums;
+  for (int y = height - 1; y >= 0; --y) {  // OpenGL counts rows from below
+    sums.assign(static_cast<std::size_t>(width) * 3, kCount / 2);
+    glReadPixels(0, y * kOversampling, width * kOversampling, kOversampling, GL_RGBA, GL_UNSIGNED_BYTE, samples.data());
+    const std::uint8_t* sample = samples.data();
+    for (int j = 0; j < kOversampling; ++j)
+      for (std::size_t x = 0; x < sums.size(); x += 3)
+        for (int i = 0; i < kOversampling; ++i, sample += 4)
+          for (std::size_t c = 0; c < 3; ++c) sums[x + c] += sample[c];
+    for (const int sum : sums) image.pixels.push_back(static_cast<std::uint8_t>(sum / kCount));
+  }
   return image;
 }
 
-}  // namespace
+/// A frame of OpenGL that is no screen's.
+class Frame {
+ public:
+  Frame() {
+    glGenFramebuffers(1, &frame_);
+    glGenRenderbuffers(2, buffers_.data());
+  }
+  ~Frame() {
+    glDeleteFramebuffers(1, &frame_);
+    glDeleteRenderbuffers(2, buffers_.data());
+  }
+  Frame(const Frame&) = delete;
+  Frame& operator=(const Frame&) = delete;
 
-struct GlRenderer::Letters {
-  Fonts fonts = open_fonts();
-  Typeface regular{fonts.get(), HEXAPLAST_FONT_DIRECTORY "/DejaVuSans.ttf"};
-  Typeface bold{fonts.get(), HEXAPLAST_FONT_DIRECTORY "/DejaVuSans-Bold.ttf"};
+  /// Binds it. Throws RendererUnavailable when it is too large.
+  void bind(int width, int height) {
+    glBindFramebuffer(GL_FRAMEBUFFER, frame_);
+    if (size_ == std::array{width, height}) return;
+    size_ = {};  // until the new one is accepted
+    constexpr std::array<GLenum, 2> kFormats{GL_RGBA8, GL_DEPTH_COMPONENT24},
+        kTargets{GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT};
+    for (std::size_t k = 0; k < 2; ++k) {
+      glBindRenderbuffer(GL_RENDERBUFFER, buffers_[k]);
+      glRenderbufferStorage(GL_RENDERBUFFER, kFormats[k], width, height);
+      glFramebufferRenderbuffer(GL_FRAMEBUFFER, kTargets[k], GL_RENDERBUFFER, buffers_[k]);
+    }
+    if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE || glGetError() != GL_NO_ERROR)
+      throw RendererUnavailable(fmt::format("OpenGL refuses a frame of {} x {} pixels", width, height));
+    size_ = {width, height};
+  }
+
+ private:
+  std::array<int, 2> size_{};  // [pixels]
+  unsigned frame_ = 0;
+  std::array<unsigned, 2> buffers_{};  // colour and depth
 };
 
-GlRenderer::GlRenderer() : letters_(std::make_unique<Letters>()) {}
-GlRenderer::~GlRenderer() = default;
-
-Image GlRenderer::render(const Drawing& drawing) {
-  const int width = drawing.width * kOversampling, height = drawing.height * kOversampling;
-  samples_.resize(static_cast<std::size_t>(width) * height * 4);
-  begin(width, height);
-  glViewport(0, 0, width, height);
-  glMatrixMode(GL_PROJECTION);
-  glLoadIdentity();
-  glOrtho(0, drawing.width, drawing.height, 0, 0, -1);  // y downwards; depth 0 near, 1 far
-  glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_LEQUAL);
-  glDisable(GL_DITHER);
-  glClearColor(drawing.background.red, drawing.background.green, drawing.background.blue, 1);
-  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-
-  glEnable(GL_POLYGON_OFFSET_FILL);
-  glPolygonOffset(kPushSlope, kPushUnits);
-  glBegin(GL_TRIANGLES);
-  for (const Drawing::Triangle& triangle : drawing.triangles)
-    for (const Drawing::Vertex& corner : triangle.corner) emit(corner, 1);
-  glEnd();
-
-  glEnable(GL_BLEND);
-  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-
-  for (const Drawing::Line& line : drawing.lines) {
-    glLineWidth(line.width * kOversampling);
-    glDepthMask(line.opacity < 1 ? GL_FALSE : GL_TRUE);
-    glBegin(GL_LINES);
-    emit(line.from, line.opacity);
-    emit(line.to, line.opacity);
-    glEnd();
+/// Triangles and lines by OpenGL at thrice the size, averaged down; then text by FreeType.
+class GlRenderer final : public Renderer {
+ public:
+  explicit GlRenderer(const Light& light) : painter_(light) {}
+  ~GlRenderer() override {
+    context_->make_current();  // for what is deleted in it
   }
-  glDepthMask(GL_TRUE);
-  glDisable(GL_BLEND);
-  end(width, height);
 
-  Image image = averaged(samples_, drawing.width, drawing.height);
-  for (const Drawing::Text& text : drawing.texts) (text.bold ? letters_->bold : letters_->regular).draw(text, image);
-  return image;
-}
+  Image render(const Drawing& drawing) override {
+    context_->make_current();
+    const int width = drawing.width * kOversampling, height = drawing.height * kOversampling;
+    frame_.bind(width, height);
+    glViewport(0, 0, width, height);
+    if (drawing.view)
+      painter_.draw(*drawing.view, {0, 0, width, height, static_cast<float>(width) / drawing.view->width});
+    painter_.draw_page(drawing, kOversampling);
 
+    Image image = averaged(drawing.width, drawing.height);
+    for (const Drawing::Text& text : drawing.texts) (text.bold ? bold_ : regular_).draw(text, image);
+    return image;
+  }
+
+ private:
+  static std::unique_ptr<Context> current_context() {
+    std::unique_ptr<Context> context = make_context();
+    context->make_current();
+    return context;
+  }
+
+  Fonts fonts_ = open_fonts();
+  Typeface regular_{fonts_.get(), HEXAPLAST_FONT_DIRECTORY "/DejaVuSans.ttf"};
+  Typeface bold_{fonts_.get(), HEXAPLAST_FONT_DIRECTORY "/DejaVuSans-Bold.ttf"};
+  std::unique_ptr<Context> context_ = current_context();
+  Painter painter_;
+  Frame frame_;
+};
+
+}  // namespace
 }  // namespace hexaplast::output
 
 /// Gives away a new renderer. Its name, set by the build, carries the version of the Renderer interface.
-extern "C" __attribute__((visibility("default"))) hexaplast::output::Renderer* HEXAPLAST_RENDER_ENTRY() {
-  return hexaplast::output::make_renderer().release();
+extern "C" __attribute__((visibility("default"))) hexaplast::output::Renderer* HEXAPLAST_RENDER_ENTRY(
+    const hexaplast::output::Light& light) {
+  return std::make_unique<hexaplast::output::GlRenderer>(light).release();
 }

@@ -24,16 +24,17 @@ std::optional<EdgeInk> edge_ink(float length, bool is_cage) {
   return EdgeInk{kEdge, EdgeInk::kWidest * std::sqrt(fraction), EdgeInk::kStrongest * fraction};
 }
 
-float brightness(float received) { return std::min(1.0f, kDarkest + kLit * received); }
-
 std::string light_shader() {
   return fmt::format(R"(
-vec3 lit_tissue(vec3 colour, vec3 normal, vec3 sight, float lit) {{
-  float sky = 0.5 + 0.5 * dot(normal, {zenith});
-  float received = {sky:.6f} * sky + (1.0 - {sky:.6f}) * lit * max(dot(normal, {main}), 0.0);
+float sky(vec3 normal) {{ return {sky:.6f} * (0.5 + 0.5 * dot(normal, {zenith})); }}
+vec3 moist(vec3 colour, vec3 normal, vec3 sight, float received) {{
   float mirrored = max(dot(normal, normalize({gleam_lamp} + sight)), 0.0);
   return mix(colour * min({darkest:.6f} + {lit:.6f} * received, 1.0), vec3(1.0),
              {gleam:.6f} * received * pow(mirrored, {exponent:.6f}));
+}}
+vec3 lit_tissue(vec3 colour, vec3 normal, vec3 sight, float arriving) {{
+  return moist(colour, normal, sight,
+               sky(normal) + (1.0 - {sky:.6f}) * arriving * max(dot(normal, {main}), 0.0));
 }}
 vec3 lit_thing(vec3 colour, vec3 normal) {{
   return colour * min({darkest:.6f} + {lit:.6f} * max(dot(normal, {thing}), 0.0), 1.0);

@@ -9,9 +9,8 @@
 
 namespace hexaplast::output {
 
-// What pictures (picture/gallery_drawing.cpp), the live window (view/painter.cpp) and the viewer of reports
-// (page/viewer.js) draw with: one description for three painters. Widths and sizes are units of a page of 1280 x 720,
-// and pixels of window and viewer.
+// What pictures and the live window (picture/painter.cpp), and the viewer of reports (page/viewer.js), draw with.
+// Widths and sizes are units of a page of 1280 x 720, and pixels of window and viewer.
 
 inline constexpr Colour kPaper{1, 1, 1};
 inline constexpr Colour kInk{0.13f, 0.13f, 0.15f};
@@ -28,6 +27,7 @@ inline constexpr Colour kNoValue{0.80f, 0.81f, 0.82f};
 
 inline constexpr float kOutlineWidth = 1.3f;  // of the shape behind, and of instruments
 inline constexpr float kSpringWidth = 1.6f;
+inline constexpr float kWireWidth = 1.5f;                         // of edges in the colours of the scale
 inline constexpr float kSlackWidth = 1.1f, kSlackOpacity = 0.5f;  // of springs that are shorter than at rest
 inline constexpr float kCutWidth = 1.6f;                          // of the border of a cut face
 inline constexpr float kDotRadius = 3.2f;                         // radius of the mark of a fixed node, at most
@@ -67,22 +67,19 @@ struct Direction {
 };
 
 // The light on bodies is that of a hemisphere. What fraction of it a place receives, pictures find with many lamps
-// (lighting.hpp), window and viewer with the even part of the sky and one lamp.
+// (painter.hpp), window and viewer with the even part of the sky and one lamp.
 inline constexpr Direction kZenith{-0.1f, 0.75f, 0.65f};      // the middle of the hemisphere
 inline constexpr Direction kMainLamp{-0.40f, 0.75f, 0.55f};   // around which half of the light gathers
 inline constexpr Direction kGleamLamp{-0.43f, 0.80f, 0.42f};  // that moist surfaces mirror
 inline constexpr Direction kThingLamp{-0.5f, 1, 1};     // of instruments and arrows, which have a light of their own
 inline constexpr float kDarkest = 0.60f, kLit = 0.43f;  // brightness without light, and what all light adds
 inline constexpr float kGleam = 0.16f, kGleamExponent = 40;
-inline constexpr float kSkyFraction = 0.41f;  // of the even sky, where all light arrives
+inline constexpr float kSkyFraction = 0.41f;  // of the even sky, where all light arrives; the rest is the main lamp's
 
-/// Brightness of what receives a fraction of the light: never dark, so that colours stay comparable with the colour
-/// bar.
-float brightness(float received);
-
-/// The light as functions of GLSL (330 and 300 es), vectors along right, up and towards the viewer:
-///   vec3 lit_tissue(vec3 colour, vec3 normal, vec3 sight, float lit)   lit: fraction of the main lamp's light that
-///   arrives vec3 lit_thing(vec3 colour, vec3 normal)
+/// The light as functions of GLSL (330 and 300 es), vectors along right, up and towards the viewer: what a normal
+/// receives of the even `sky`; `moist` tissue that receives a fraction of the light; `lit_tissue`, the same where a
+/// fraction of the main lamp's light arrives; `lit_thing`. Nothing is ever dark, so that colours stay comparable with
+/// the colour bar.
 std::string light_shader();
 
 }  // namespace hexaplast::output

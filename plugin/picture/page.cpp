@@ -30,16 +30,6 @@ Drawing::Vertex on_circle(Drawing::Vertex centre, float radius, int corner) {
   return centre;
 }
 
-/// "volume ratio: 1 everywhere"
-std::string sentence_on(const Scale& scale) {
-  const QuantityEntry& quantity = scale.quantity();
-  if (!scale.is_empty() && scale.max() == 0 && quantity.from_zero)
-    return fmt::format("no {} in this run", quantity.label);
-  if (scale.is_empty()) return fmt::format("{}: none", quantity.label);
-  return fmt::format("{} [{}]: {:.4g} {}", quantity.label, quantity.unit, scale.max(),
-                     scale.has_gaps() ? "where there is one" : "everywhere");
-}
-
 }  // namespace
 
 Scale::Scale(Quantity quantity, std::optional<std::pair<double, double>> range)
@@ -69,11 +59,19 @@ Colour Scale::colour(float value) const {
   return colour_of(is_flat() ? 0 : (value - min_) / (max_ - min_));
 }
 
+std::string Scale::words() const {
+  if (!is_flat()) return fmt::format("{} [{}]", quantity_.label, quantity_.unit);
+  if (is_empty()) return fmt::format("{}: none", quantity_.label);
+  if (max() == 0 && quantity_.from_zero) return fmt::format("no {} in this run", quantity_.label);
+  return fmt::format("{} [{}]: {:.4g} {}", quantity_.label, quantity_.unit, max(),
+                     has_gaps() ? "where there is one" : "everywhere");
+}
+
 Page::Page(int width, int height)
     : unit_(std::min(static_cast<float>(width) / kPageWidth, static_cast<float>(height) / kPageHeight)),
       width_(static_cast<float>(width) / unit_),
       height_(static_cast<float>(height) / unit_),
-      drawing_{.width = width, .height = height, .background = kPaper, .triangles = {}, .lines = {}, .texts = {}} {}
+      drawing_{.width = width, .height = height, .triangles = {}, .lines = {}, .texts = {}} {}
 
 Window Page::window() const {
   return {.left = kMargin, .top = kTop, .width = width_ - 2 * kMargin, .height = height_ - kTop - kBottom};
@@ -93,7 +91,7 @@ void Page::add_title(std::string title, std::string remark) {
 void Page::add_colour_bar(const Scale& scale) {
   const float top = height_ - kBarFromBottom, bottom = top + kBarHeight, left = (width_ - kBarWidth) / 2;
   if (scale.is_flat()) {
-    write(width_ / 2, (top + bottom) / 2 + 5, 17, Drawing::Align::kCentre, kInk, sentence_on(scale));
+    write(width_ / 2, (top + bottom) / 2 + 5, 17, Drawing::Align::kCentre, kInk, scale.words());
     return;
   }
 
@@ -112,8 +110,7 @@ void Page::add_colour_bar(const Scale& scale) {
   if (scale.passes_min()) add_arrow(left - 2, left - 2 - kArrow, colour_of(0));
   if (scale.passes_max()) add_arrow(left + kBarWidth + 2, left + kBarWidth + 2 + kArrow, colour_of(1));
 
-  write(width_ / 2, top - 12, 17, Drawing::Align::kCentre, kInk,
-        fmt::format("{} [{}]", scale.quantity().label, scale.quantity().unit));
+  write(width_ / 2, top - 12, 17, Drawing::Align::kCentre, kInk, scale.words());
   const Ticks ticks = ticks_within(scale.min(), scale.max(), 6);
   for (const double value : ticks.values) {
     const double fraction = (value - scale.min()) / (scale.max() - scale.min());
@@ -142,7 +139,7 @@ void Page::add_keys(const std::vector<Key>& keys, float left) {
         drawing_.lines.push_back({{x - 16, y, 0, key.colour}, {x + 16, y, 0, key.colour}, 1.5f});
         break;
       case Key::Mark::kDot:
-        add_dot({x, y, 0, {}}, kDotRadius);
+        add_dot(x, y);
         break;
       case Key::Mark::kRing:
         add_ring({x, y, 0, {}});
@@ -175,11 +172,10 @@ void Page::add_arrow(float x, float y, const Key& key) {
       {{vertex(tip), vertex(neck + kKeyHead / 2.6f * across), vertex(neck - kKeyHead / 2.6f * across)}});
 }
 
-void Page::add_dot(Drawing::Vertex centre, float radius) {
-  centre.colour = kInk;
-  radius = std::min(radius, kDotRadius);
+void Page::add_dot(float x, float y) {
+  const Drawing::Vertex centre{x, y, 0, kInk};
   for (int k = 0; k < kCircle; ++k)
-    drawing_.triangles.push_back({{centre, on_circle(centre, radius, k), on_circle(centre, radius, k + 1)}});
+    drawing_.triangles.push_back({{centre, on_circle(centre, kDotRadius, k), on_circle(centre, kDotRadius, k + 1)}});
 }
 
 void Page::add_ring(Drawing::Vertex centre) {

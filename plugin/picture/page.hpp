@@ -34,8 +34,11 @@ class Scale {
 
   Colour colour(float value) const;
 
+  /// What is written over the colours, and where there is but one value in place of them.
+  std::string words() const;
+
  private:
-  const QuantityEntry& quantity_;
+  QuantityEntry quantity_;
   bool is_given_;
   double min_ = 0, max_ = 0;
   double lowest_ = 0, highest_ = 0;  // of what was seen
@@ -72,7 +75,6 @@ class Page {
 
   /// One below the other, to the left and to the right of the colour bar.
   void add_keys(const std::vector<Key>& left, const std::vector<Key>& right = {});
-  void add_dot(Drawing::Vertex centre, float radius);
   void add_ring(Drawing::Vertex centre);  ///< with a rim that sets it off from any colour
 
   /// The page in pixels.
@@ -81,6 +83,7 @@ class Page {
  private:
   void add_keys(const std::vector<Key>& keys, float left);
   void add_arrow(float x, float y, const Key& key);
+  void add_dot(float x, float y);
 
   float unit_;  // [pixels]
   float width_, height_;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "picture/colour_map.hpp"
+#include "picture/geometry.hpp"
 
 namespace hexaplast::output {
 
@@ -20,11 +21,12 @@ struct Image {
   std::vector<std::uint8_t> pixels;  ///< height x width x 3
 };
 
-/// What a picture consists of, in pixels: x to the right, y downwards, from the upper left corner of the image.
+/// What a picture consists of: bodies in space, and before them what is drawn in the plane of the image, in pixels: x
+/// to the right, y downwards, from its upper left corner.
 struct Drawing {
   struct Vertex {
     float x = 0, y = 0;
-    float depth = 0;  ///< in [0, 1]; the smaller is nearer and hides what lies behind it
+    float depth = 0;  ///< in [0, 1]; the smaller is nearer and hides what lies behind it in the plane
     Colour colour;    ///< blended between the vertices
   };
   struct Triangle {
@@ -47,11 +49,20 @@ struct Drawing {
 
   int width = 0;
   int height = 0;
-  Colour background;
+  std::shared_ptr<const View> view = {};  ///< null: nothing stands behind the rest
   std::vector<Triangle> triangles;
   std::vector<Line> lines;  ///< at equal depth in front of the triangles
   std::vector<Text> texts;  ///< over everything else
 };
+
+/// The light on bodies: that of a hemisphere, as far as they do not keep it from each other. One lamp lights every
+/// pixel, many light the vertices, between which the light is blended.
+struct Light {
+  int num_lamps = 1;    ///< 1: an even sky without shadows and the main lamp; more: lamps all over the hemisphere
+  int map_size = 1024;  ///< depths per direction in each lamp's map, which tells what it reaches
+  bool tools_cast_shadows = true;  ///< else they keep no light from the tissue, whose colours are to be compared
+};
+inline constexpr Light kPictureLight{72, 256, false}, kWindowLight{1, 1024, true};
 
 /// No pictures can be made here; the message says what is missing.
 class RendererUnavailable : public std::runtime_error {
@@ -80,9 +91,10 @@ enum class Backend {
 
 /// An off-screen renderer (OpenGL and FreeType), loaded from a module so that nothing else depends on its libraries.
 /// directory: where the modules lie. Throws RendererUnavailable with the loader's reason.
-std::unique_ptr<Renderer> load_renderer(const std::filesystem::path& directory, Backend backend = Backend::kAny);
+std::unique_ptr<Renderer> load_renderer(const std::filesystem::path& directory, Backend backend = Backend::kAny,
+                                        const Light& light = kPictureLight);
 
 /// The same from its place beside this library.
-std::unique_ptr<Renderer> load_renderer(Backend backend = Backend::kAny);
+std::unique_ptr<Renderer> load_renderer(Backend backend = Backend::kAny, const Light& light = kPictureLight);
 
 }  // namespace hexaplast::output

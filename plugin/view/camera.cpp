@@ -66,8 +66,6 @@ Mat3 Camera::axes() const {
 
 Vec3 Camera::eye() const { return target_ + distance_ * axes().row(2).transpose(); }
 
-double Camera::field_of_view() { return 2 * kHalfAngle; }
-
 Ray Camera::ray(double x, double y) const {
   const double scale = 2 * kHalfHeight / height_;
   const Vec3 seen(scale * (x - width_ / 2), scale * (height_ / 2 - y), -1);
@@ -90,24 +88,18 @@ double Camera::metres_per_pixel(const Vec3& place) const {
   return 2 * kHalfHeight / height_ * (eye() - place).dot(axes().row(2).transpose());
 }
 
-Eigen::Matrix4d Camera::view() const {
-  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
-  matrix.topLeftCorner<3, 3>() = axes();
-  matrix.topRightCorner<3, 1>() = -axes() * eye();
-  return matrix;
+output::Viewpoint Camera::viewpoint() const {
+  return {eye() - target_, up(), output::Viewpoint::Eye{eye(), target_, 2 * kHalfAngle, true}};
 }
 
-Eigen::Matrix4d Camera::clip(const Eigen::AlignedBox3d& seen) const {
-  const double depth = (eye() - seen.center()).dot(axes().row(2).transpose()), reach = 0.51 * seen.sizes().norm();
-  const double far_plane = std::max(depth + reach, 1e-6), near_plane = std::max(depth - reach, 0.01 * far_plane);
-  const double aspect = width_ / height_;
-  Eigen::Matrix4d projection = Eigen::Matrix4d::Zero();
-  projection(0, 0) = 1 / (kHalfHeight * aspect);
-  projection(1, 1) = 1 / kHalfHeight;
-  projection(2, 2) = -(far_plane + near_plane) / (far_plane - near_plane);
-  projection(2, 3) = -2 * far_plane * near_plane / (far_plane - near_plane);
-  projection(3, 2) = -1;
-  return projection * view();
+output::Camera Camera::fitted_to(const Eigen::AlignedBox3d& box) const {
+  output::Camera camera(viewpoint());
+  for (int k = 0; k < kCorners; ++k) {
+    const Eigen::Vector3f corner = box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k)).cast<float>();
+    camera.see({&corner, 1});
+  }
+  camera.fit({0, 0, width(), height()});
+  return camera;
 }
 
 }  // namespace hexaplast::view

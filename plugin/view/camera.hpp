@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include "geometry/pick.hpp"
+#include "picture/camera.hpp"
 
 namespace hexaplast::view {
 
@@ -28,10 +29,13 @@ class Camera {
   Vec3 eye() const;                               ///< [m]
   const Vec3& target() const { return target_; }  ///< [m]
   Vec3 up() const { return axes().row(1).transpose(); }
-  static double field_of_view();  ///< [deg] from the lower to the upper border
+  float width() const { return static_cast<float>(width_); }  ///< [pixels]
+  float height() const { return static_cast<float>(height_); }
 
-  Eigen::Matrix4d view() const;                                 ///< world to eye: right, up, towards the viewer
-  Eigen::Matrix4d clip(const Eigen::AlignedBox3d& seen) const;  ///< world to clip; `seen` fits between near and far
+  output::Viewpoint viewpoint() const;
+
+  /// The same for pictures, whose depths are those of a box [m].
+  output::Camera fitted_to(const Eigen::AlignedBox3d& box) const;
 
  private:
   Mat3 axes() const;  ///< rows: right, up, towards

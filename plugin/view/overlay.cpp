@@ -73,29 +73,26 @@ void draw_name(const WindowState& window, ImDrawList* draw) {
   const auto hexahedron = static_cast<std::size_t>(window.pointed_at->hexahedron);
   std::string words = window.names.of(window.pointed_at->hexahedron);
   const std::vector<double>& values = window.now.of_hexahedra;
-  const std::string_view unit = window.colouring().unit;
+  const output::QuantityEntry& quantity = window.scale.quantity();
   if (hexahedron < values.size() && std::isfinite(values[hexahedron]))
-    words += fmt::format(", {} {:.3g}{}{}", window.colouring().name, values[hexahedron], unit == "-" ? "" : " ",
-                         unit == "-" ? "" : unit);
+    words += fmt::format(", {} {:.3g}{}", quantity.label, values[hexahedron],
+                         quantity.unit == "–" ? "" : fmt::format(" {}", quantity.unit));
   draw->AddText({window.left + 16, 34}, kInk, words.c_str());
 }
 
 void draw_colour_bar(const WindowState& window, ImDrawList* draw) {
   const float bar = std::min(380.0f, window.width - 80), left = window.left + (window.width - bar) / 2,
               top = window.height - 54;
-  const auto [min, max] = window.scale().value_or(std::pair(0.0, 0.0));
-  const std::string words =
-      !window.scale() ? fmt::format("{}: it never yields", window.colouring().name)
-      : max > min     ? fmt::format("{} [{}]", window.colouring().name, window.colouring().unit)
-                  : fmt::format("{} [{}]: {:.4g} everywhere", window.colouring().name, window.colouring().unit, max);
+  const std::string words = window.scale.words();
   draw->AddText({window.left + (window.width - text_size(words).x) / 2, top - 22}, kInk, words.c_str());
-  if (!(max > min)) return;
+  if (window.scale.is_flat()) return;
   for (int k = 0; k < static_cast<int>(bar); ++k) {
     const output::Colour colour = output::colour_of((k + 0.5) / bar);
     const float x = left + static_cast<float>(k);
     draw->AddRectFilled({x, top}, {x + 1, top + 13},
                         ImGui::ColorConvertFloat4ToU32({colour.red, colour.green, colour.blue, 1}));
   }
+  const double min = window.scale.min(), max = window.scale.max();
   const output::Ticks ticks = output::ticks_within(min, max, 5);
   for (const double value : ticks.values) {
     const float x = left + bar * static_cast<float>((value - min) / (max - min));

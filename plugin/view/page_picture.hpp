@@ -11,12 +11,9 @@
 
 namespace hexaplast::view {
 
-/// What pictures call the quantities of the window.
-output::Quantity picture_quantity(Quantity quantity);
-
 /// A snapshot as `hexaplast render` draws it, from where the window looks at it: with title, time, scale, loads and
-/// instruments, and the cut and the ghost of the look. range: of the colours; none: of what is shown.
+/// instruments, and the cut and the ghost of the look, and the colours of a scale where that is not flat.
 output::Drawing page_picture(const Source& source, const Snapshot& snapshot, const output::Staging& staging,
-                             const Look& look, const Camera& camera, std::optional<std::pair<double, double>> range);
+                             const Look& look, const Camera& camera, const output::Scale& scale);
 
 }  // namespace hexaplast::view

@@ -113,10 +113,11 @@ void draw_motion(WindowState& window) {
 }
 
 void draw_view(WindowState& window) {
-  int chosen = static_cast<int>(window.now.quantity);
-  if (ImGui::BeginCombo("colour", window.colouring().name)) {
-    for (int k = 0; k < static_cast<int>(kColourings.size()); ++k)
-      if (ImGui::Selectable(kColourings[k].name, k == chosen)) window.source.show(kColourings[k].quantity);
+  if (ImGui::BeginCombo("colour", window.scale.quantity().label.data())) {
+    for (const output::QuantityEntry& entry : output::kQuantities)
+      if (entry.quantity != Quantity::kRegion &&
+          ImGui::Selectable(entry.label.data(), entry.quantity == window.now.quantity))
+        window.source.show(entry.quantity);
     ImGui::EndCombo();
   }
   int ghost = static_cast<int>(window.look.ghost);

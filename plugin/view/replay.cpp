@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "hexaplast/mesh/faces.hpp"
-#include "view/page_picture.hpp"
 
 namespace hexaplast::view {
 Replay::Replay(output::RecordedRun run) : run_(std::move(run)) {
@@ -76,8 +75,8 @@ bool Replay::take(Snapshot& snapshot) {
   snapshot.is_running = is_running_;
   snapshot.quantity = quantity_;
   try {
-    output::RecordedRun::State state = run_.state(entry, picture_quantity(quantity_));
-    const bool is_of_nodes = output::entry_of(picture_quantity(quantity_)).of_nodes;
+    output::RecordedRun::State state = run_.state(entry, quantity_);
+    const bool is_of_nodes = output::entry_of(quantity_).of_nodes;
     snapshot.step = entry.step.value_or(state_);
     snapshot.sample = {.time = entry.time, .measures = {}};
     snapshot.of_hexahedra = is_of_nodes ? std::vector<double>() : state.values;

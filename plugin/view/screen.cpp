@@ -22,7 +22,9 @@ std::string& problem() {
 
 void dress() {
   const std::string font = HEXAPLAST_FONT_DIRECTORY "/DejaVuSans.ttf";
-  if (std::filesystem::exists(font)) ImGui::GetIO().Fonts->AddFontFromFileTTF(font.c_str(), kFontSize);
+  static constexpr ImWchar kLetters[] = {0x20, 0xFF, 0x2013, 0x2013, 0};  // Latin, and the dash of what has no unit
+  if (std::filesystem::exists(font))
+    ImGui::GetIO().Fonts->AddFontFromFileTTF(font.c_str(), kFontSize, nullptr, kLetters);
   ImGui::StyleColorsLight();
   ImGuiStyle& style = ImGui::GetStyle();
   style.WindowRounding = 0;

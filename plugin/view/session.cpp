@@ -436,8 +436,8 @@ void Session::publish_values(const ElementFields& fields) {
     back_.values = output::speeds(gather(&scene::MechanicalState::velocities, velocities_));
     return;
   }
-  back_.of_hexahedra = quantity_ == Quantity::kStressNorm    ? fields.stress_norm
-                       : quantity_ == Quantity::kYieldStress ? fields.yield_stress
+  back_.of_hexahedra = quantity_ == Quantity::kStress        ? fields.stress_norm
+                       : quantity_ == Quantity::kYield       ? fields.yield_stress
                        : quantity_ == Quantity::kVolumeRatio ? fields.volume_ratio
                                                              : fields.plastic_strain;
   back_.values = nodal_means(mesh(), back_.of_hexahedra, shown_.alive());

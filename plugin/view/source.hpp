@@ -7,12 +7,12 @@
 
 #include "hexaplast/mesh/hex_mesh.hpp"
 #include "picture/boundary_conditions.hpp"
+#include "picture/quantity.hpp"
 #include "record/measures.hpp"
 
 namespace hexaplast::view {
 
-/// What the colours of the body tell.
-enum class Quantity { kPlasticStrain, kStressNorm, kYieldStress, kVolumeRatio, kSpeed };
+using output::Quantity;
 
 /// How fast the simulation goes on.
 enum class Pace {

@@ -12,10 +12,10 @@
 #include <future>
 #include <utility>
 
+#include "picture/painter.hpp"
 #include "picture/png_file.hpp"
 #include "view/mouse.hpp"
 #include "view/overlay.hpp"
-#include "view/painter.hpp"
 #include "view/panels.hpp"
 #include "view/screen.hpp"
 
@@ -152,10 +152,9 @@ class Window {
     int pixels_across = 0, pixels_down = 0;
     glfwGetFramebufferSize(screen_.window(), &pixels_across, &pixels_down);
     const float density = size.x > 0 ? static_cast<float>(pixels_across) / size.x : 1;
-    const auto [min, max] = state_.scale().value_or(std::pair(0.0, 0.0));
-    const Viewport viewport{static_cast<int>(state_.left * density), 0, static_cast<int>(state_.width * density),
-                            pixels_down, density};
-    painter_.draw(state_.figure, state_.camera, viewport, min, max);
+    painter_.draw(
+        state_.figure.view(state_.camera, state_.scale),
+        {static_cast<int>(state_.left * density), 0, static_cast<int>(state_.width * density), pixels_down, density});
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   }
 
@@ -180,7 +179,7 @@ class Window {
   void write_picture(const std::filesystem::path& file) {
     int width = 0, height = 0;
     glfwGetFramebufferSize(screen_.window(), &width, &height);
-    output::write_png(file, Painter::picture(width, height));
+    output::write_png(file, output::Painter::read(width, height));
     state_.message = file.string() + " written";
   }
 
@@ -199,7 +198,7 @@ class Window {
   std::function<bool()> is_asked_to_end_;
   WindowState state_;
   Screen screen_;
-  Painter painter_;
+  output::Painter painter_{output::kWindowLight};
   Mouse mouse_;
   bool is_fitted_ = false;
   double last_frame_ = 0;  // [s]

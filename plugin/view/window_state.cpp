@@ -11,15 +11,9 @@ namespace {
 
 /// Where the viewer stands at first: as in the pictures of a run.
 Camera first_camera(const HexMesh& mesh, const output::Staging& staging) {
-  const int long_axis = end_sections(mesh).axis;
-  if (staging.viewpoint) {
-    const Vec3& towards = staging.viewpoint->towards;
-    const bool from_above = Vec3::UnitY().cross(towards.normalized()).norm() < 0.05;
-    const Vec3 up = staging.viewpoint->up.value_or(from_above ? Vec3(-Vec3::UnitZ()) : Vec3(Vec3::UnitY()));
-    return {up, towards};
-  }
-  const Vec3 upright = Vec3::Unit(long_axis == 1 ? 2 : 1), along = Vec3::Unit(long_axis);
-  return {upright, along.cross(upright) + 0.45 * along + 0.42 * upright};
+  const output::Viewpoint viewpoint = staging.viewpoint.value_or(output::beside(end_sections(mesh).axis));
+  const bool from_above = Vec3::UnitY().cross(viewpoint.towards.normalized()).norm() < 0.05;
+  return {viewpoint.up.value_or(from_above ? Vec3(-Vec3::UnitZ()) : Vec3(Vec3::UnitY())), viewpoint.towards};
 }
 
 }  // namespace
@@ -50,17 +44,16 @@ void WindowState::take(double clock) {
     num_steps = static_cast<long>(now.step_ms.size());
     if (session) traces.add(now);
     for (const std::string& said : now.messages) message = said;
-    if (shown_quantity_ != now.quantity) greatest_.setEmpty();
-    shown_quantity_ = now.quantity;
+    if (scale.quantity().quantity != now.quantity) scale = output::Scale(now.quantity);
     for (const output::Instrument& instrument : now.conditions.instruments)
-      strongest.tool = std::max(strongest.tool, instrument.force().norm());
+      strongest.tool = std::max(strongest.tool, static_cast<float>(instrument.force().norm()));
     for (const output::NodalLoad& load : output::shown_loads(source.mesh(), now.alive, now.conditions))
-      strongest.load = std::max(strongest.load, load.force.norm());
+      strongest.load = std::max(strongest.load, static_cast<float>(load.force.norm()));
   }
   steps.count(num_steps, clock);
   place_cut();
   figure.update(now, look, strongest);
-  greatest_.extend(figure.range());
+  figure.see_values(scale);
 }
 
 /// The viewer stands above it.
@@ -83,7 +76,7 @@ void WindowState::toggle_running() {
 void WindowState::reset() {
   source.reset();
   if (session) traces = Traces();
-  greatest_.setEmpty();
+  scale = output::Scale(now.quantity);
   strongest = {};
 }
 
@@ -94,13 +87,8 @@ void WindowState::undo() {
   session->undo();
 }
 
-output::Drawing WindowState::page() const { return page_picture(source, now, figure.staging(), look, camera, scale()); }
+output::Drawing WindowState::page() const { return page_picture(source, now, figure.staging(), look, camera, scale); }
 
 void WindowState::fit() { camera.fit(figure.box()); }
-
-std::optional<std::pair<double, double>> WindowState::scale() const {
-  if (greatest_.isEmpty()) return std::nullopt;
-  return std::pair(colouring().begins_at_zero ? 0 : greatest_.min()[0], greatest_.max()[0]);
-}
 
 }  // namespace hexaplast::view

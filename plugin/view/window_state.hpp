@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "picture/renderer.hpp"
+#include "picture/page.hpp"
 #include "view/camera.hpp"
 #include "view/figure.hpp"
 #include "view/rate.hpp"
@@ -12,19 +12,6 @@
 #include "view/window.hpp"
 
 namespace hexaplast::view {
-
-/// A quantity that colours show.
-struct Colouring {
-  Quantity quantity;
-  const char* name;
-  const char* unit;
-  bool begins_at_zero;
-};
-inline constexpr std::array kColourings{Colouring{Quantity::kPlasticStrain, "plastic strain", "-", true},
-                                        Colouring{Quantity::kStressNorm, "stress norm", "Pa", true},
-                                        Colouring{Quantity::kYieldStress, "yield stress", "Pa", false},
-                                        Colouring{Quantity::kVolumeRatio, "volume ratio", "-", false},
-                                        Colouring{Quantity::kSpeed, "speed", "m/s", true}};
 
 /// What the parts of a window share: the session, what is seen of it at the moment, and how it is looked at.
 struct WindowState {
@@ -38,11 +25,6 @@ struct WindowState {
   void set_pace();
   output::Drawing page() const;  ///< what is shown, as `render` draws it
 
-  const Colouring& colouring() const { return kColourings[static_cast<std::size_t>(now.quantity)]; }
-
-  /// Values at the ends of the colour bar: of all that was shown since the beginning; none where nothing had a value.
-  std::optional<std::pair<double, double>> scale() const;
-
   Source& source;
   Session* session;  ///< null: what is shown is a run that is finished
   Replay* replay;    ///< null: it is a scene in motion
@@ -52,12 +34,13 @@ struct WindowState {
   float left = 0, width = 1, height = 1;  ///< [pixels] of the part of the window that shows the body
 
   Look look;
+  output::Scale scale{Quantity::kPlasticStrain};  ///< of all that was shown since the beginning
   HandSettings hand;
   Names names;
   int cut_axis = -1;                       ///< what lies before a plane across this axis is cut off; -1: nothing is
   double cut_place = 0.5;                  ///< of the plane: fraction of the way through the initial shape
   std::optional<Figure::Seen> pointed_at;  ///< under the mouse
-  Figure::Strongest strongest;             ///< of what was shown since the beginning
+  output::Strongest strongest;             ///< of what was shown since the beginning
   std::optional<Vec3> grabbed;             ///< [m] where the mouse took hold of the tissue; none: it holds nothing
   Pace pace;
   double speed;  ///< in real time
@@ -70,9 +53,6 @@ struct WindowState {
 
  private:
   void place_cut();
-
-  Quantity shown_quantity_ = Quantity::kPlasticStrain;
-  Eigen::AlignedBox1d greatest_;  // values shown since the beginning
 };
 
 }  // namespace hexaplast::view

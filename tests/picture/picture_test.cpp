@@ -4,7 +4,7 @@
 #include <set>
 
 #include "picture/gallery.hpp"
-#include "picture/lighting.hpp"
+#include "picture/ink.hpp"
 #include "picture/png_file.hpp"
 #include "support/output.hpp"
 #include "support/png.hpp"
@@ -52,9 +52,9 @@ std::vector<Image> pictures_of(const Gallery& gallery) {
 }
 
 /// A bar of 1 x 1 x 4 hexahedra, at rest and stretched by a half, plastic strain 0, 1, 2, 3 tenths.
-Gallery bar_at_rest_and_stretched() {
+Gallery bar_at_rest_and_stretched(const output::Staging& staging = {}) {
   static const Body body(support::block({1, 1, 4}, 0.1), {Material{}});
-  Gallery gallery(body.mesh(), "bar", 2);
+  Gallery gallery(body.mesh(), "bar", 2, staging);
   const std::vector<double> strain{0, 0.1, 0.2, 0.3};
   gallery.add(0, 0, body.mesh().positions(), strain);
   gallery.add(10, 0.1, support::mapped(body.mesh().positions(), Vec3(0.8, 0.8, 1.5).asDiagonal()), strain);
@@ -119,29 +119,47 @@ double fraction_at(const Rgb& pixel) {
 // Strain belongs to hexahedra; what is shown at their common nodes is the mean, and in between it is blended: 0, 1/6,
 // 1/2, 5/6 and 1 of the greatest at the five sections of the bar.
 TEST(Picture, BlendsTheStrainOfNeighbours) {
-  const Gallery gallery = bar_at_rest_and_stretched();
-  const Drawing drawing = drawings_of(gallery)[1];
-  const Image image = pictures_of(gallery)[1];
+  output::Staging staging;
+  staging.shows_edges = false;
+  const Image image = pictures_of(bar_at_rest_and_stretched(staging))[1];
   const auto [first, last] = coloured_columns(image);
+  const auto is_coloured = [&](int x, int y) {
+    const Rgb at = pixel(image, x, y);
+    return std::ranges::max(at) - std::ranges::min(at) >= 22;
+  };
   int num_seen = 0;
-  for (const Drawing::Triangle& triangle : drawing.triangles) {
-    const auto& [a, b, c] = triangle.corner;
-    const float x = (a.x + b.x + c.x) / 3, y = (a.y + b.y + c.y) / 3;
-    const Rgb at = pixel(image, static_cast<int>(x), static_cast<int>(y));
-    // the drawing's list also holds what is hidden: there another colour is seen
-    const Rgb own =
-        bytes({(a.colour.red + b.colour.red + c.colour.red) / 3, (a.colour.green + b.colour.green + c.colour.green) / 3,
-               (a.colour.blue + b.colour.blue + c.colour.blue) / 3});
-    if (y > 600 || std::ranges::max(own) - std::ranges::min(own) < 22 || difference(at, own) > 3) continue;
-    ++num_seen;
-    const double section = 4.0 * (x - first) / (last - first);
-    static constexpr std::array kFraction{0.0, 1.0 / 6, 0.5, 5.0 / 6, 1.0, 1.0};
-    const int from = std::clamp(static_cast<int>(section), 0, 4);
-    const double expected = kFraction[from] + (section - from) * (kFraction[from + 1] - kFraction[from]);
-    EXPECT_NEAR(fraction_at(at), expected, 0.13)
-        << "at " << x << ", " << y;  // the sections stand aslant in the picture
+  for (int y = 90; y < 590; y += 9)
+    for (int x = first; x < last; x += 9) {
+      // on the rim colours are blended with those behind the body
+      if (!is_coloured(x, y - 2) || !is_coloured(x, y + 2)) continue;
+      ++num_seen;
+      const Rgb at = pixel(image, x, y);
+      const double section = 4.0 * (x - first) / (last - first);
+      static constexpr std::array kFraction{0.0, 1.0 / 6, 0.5, 5.0 / 6, 1.0, 1.0};
+      const int from = std::clamp(static_cast<int>(section), 0, 4);
+      const double expected = kFraction[from] + (section - from) * (kFraction[from + 1] - kFraction[from]);
+      EXPECT_NEAR(fraction_at(at), expected, 0.13)
+          << "at " << x << ", " << y;  // the sections stand aslant in the picture
+    }
+  EXPECT_GT(num_seen, 1000);
+}
+
+// What faces away lies in the dark, and nearly as near as the bright face above it along the rim that the two share.
+TEST(Picture, ShowsNothingAlongTheRimOfWhatFacesAway) {
+  output::Staging staging;
+  staging.shows_edges = false;
+  staging.ghost.clear();
+  const Image image = pictures_of(bar_at_rest_and_stretched(staging))[1];
+  const auto sum = [&](int x, int y) {
+    const Rgb at = pixel(image, x, y);
+    return at[0] + at[1] + at[2];
+  };
+  const auto [first, last] = coloured_columns(image);
+  for (int x = first + 80; x < last - 80; ++x) {
+    int y = 90;
+    while (sum(x, y) > 3 * 252) ++y;
+    for (int k = 0; k < 4; ++k) ASSERT_GT(sum(x, y + k), sum(x, y + 6) - 12) << "at " << x << ", " << y + k;
   }
-  EXPECT_GT(num_seen, 100);
 }
 
 /// A square of two triangles in the middle plane of a bar of 1 x 1 x 4 hexahedra, from z = 0.05 to z = 0.35, cut into
@@ -166,11 +184,6 @@ output::Staging with_surface_of_bar(bool shows_hexahedra) {
   return staging;
 }
 
-int num_translucent_lines(const Drawing& drawing) {
-  return static_cast<int>(
-      std::ranges::count_if(drawing.lines, [](const Drawing::Line& line) { return line.opacity < 1; }));
-}
-
 TEST(EmbeddedSurface, IsShownInPlaceOfTheHexahedraAndFollowsThem) {
   const Body body(support::block({1, 1, 4}, 0.1), {Material{}});
   const std::vector<double> strain{0.3, 0.3, 0.3, 0.3};
@@ -186,14 +199,17 @@ TEST(EmbeddedSurface, IsShownInPlaceOfTheHexahedraAndFollowsThem) {
   EXPECT_NEAR(width(1), 1.5 * width(0), 3);
   // without the second hexahedron, where the first two of the three pieces have corners, only the third is left
   EXPECT_NEAR(width(2), width(0) / 3.0, 3);
-  for (const Drawing& drawing : drawings_of(gallery)) EXPECT_EQ(num_translucent_lines(drawing), 0);
+  for (const Drawing& drawing : drawings_of(gallery)) EXPECT_TRUE(drawing.view->geometry.edges.empty());
 }
 
 TEST(EmbeddedSurface, HasItsCageAroundItWhereItIsWanted) {
   const Body body(support::block({1, 1, 4}, 0.1), {Material{}});
   Gallery gallery(body.mesh(), "cage", 2, with_surface_of_bar(true));
   gallery.add(0, 0, body.mesh().positions(), {0, 0, 0, 1});
-  EXPECT_EQ(num_translucent_lines(drawings_of(gallery)[0]), 4 * 4 + 5 * 4) << "the edges of the bar";
+  const Drawing drawing = drawings_of(gallery)[0];
+  const output::Geometry& geometry = drawing.view->geometry;
+  EXPECT_EQ(geometry.edges.size(), 2u * (4 * 4 + 5 * 4)) << "the edges of the bar";
+  EXPECT_TRUE(geometry.is_cage);
 }
 
 TEST(EmbeddedSurface, BlendsStrainByItsPlaceInTheHexahedra) {
@@ -336,18 +352,12 @@ TEST(Loads, OfManyNodesAreThinnedOut) {
   conditions.loads = PointArray::Constant(mesh.num_nodes(), 3, 1);
   const std::vector<double> values(mesh.num_elements(), 0);
   gallery.add(0, 0, mesh.positions(), values);
-  const std::size_t without = drawings_of(gallery)[0].triangles.size();
+  EXPECT_TRUE(drawings_of(gallery)[0].view->geometry.load_arrows.empty());
   gallery.add(0, 0, mesh.positions(), values, {}, conditions);
-  const Drawing drawing = drawings_of(gallery)[1];
-  const auto is_teal = [](const Drawing::Triangle& triangle) {
-    const Colour& colour = triangle.corner[0].colour;
-    return colour.green > colour.red + 0.15f && colour.green > colour.blue;
-  };
-  const auto num_teal = static_cast<int>(std::ranges::count_if(drawing.triangles, is_teal));
-  constexpr int kPerArrow = 80;  // triangles
-  EXPECT_GT(drawing.triangles.size(), without);
-  EXPECT_GT(num_teal, 100 * kPerArrow);
-  EXPECT_LT(num_teal, 9261 / 2 * kPerArrow);
+  constexpr std::size_t kPerArrow = 3 * 80;  // vertices
+  const std::size_t num_arrows = drawings_of(gallery)[1].view->geometry.load_arrows.size() / kPerArrow;
+  EXPECT_GT(num_arrows, 100u);
+  EXPECT_LT(num_arrows, 9261u / 2);
 }
 
 TEST(Loads, LeaveTheBodyNearlyAsLargeAsItIsWithoutThem) {
@@ -356,26 +366,18 @@ TEST(Loads, LeaveTheBodyNearlyAsLargeAsItIsWithoutThem) {
   output::BoundaryConditions conditions;
   conditions.loads = PointArray::Zero(mesh.num_nodes(), 3);
   conditions.loads.row(mesh.num_nodes() - 1) << 0, 1, 0;
-  const auto is_teal = [](const Colour& colour) {
-    return colour.green > colour.red + 0.15f && colour.green > colour.blue;
-  };
-  // of what has, or has not, the colour of loads, between title and colour bar
-  const auto height = [&](const Drawing& drawing, bool of_loads) {
-    float top = 720, bottom = 0;
-    for (const Drawing::Triangle& triangle : drawing.triangles)
-      for (const Drawing::Vertex& corner : triangle.corner) {
-        if (corner.y > 600 || is_teal(corner.colour) != of_loads) continue;
-        top = std::min(top, corner.y);
-        bottom = std::max(bottom, corner.y);
-      }
-    return bottom - top;
+  const auto height = [](const output::View& view, const output::Geometry::Vertices& vertices) {
+    Eigen::AlignedBox2f box;
+    for (const output::Geometry::Vertex& vertex : vertices) box.extend(view.camera.on_page(vertex.place));
+    return box.sizes().y();
   };
   Gallery without(mesh, "cube", 2), with(mesh, "cube", 2);
   without.add(0, 0, mesh.positions(), values);
   with.add(0, 0, mesh.positions(), values, {}, conditions);
-  const Drawing loaded = drawings_of(with)[0];
-  EXPECT_GT(height(loaded, false), 0.85f * height(drawings_of(without)[0], false));
-  EXPECT_GT(height(loaded, true), 40) << "the arrow is seen all the same";
+  const auto view_of = [](const Gallery& gallery) { return *drawings_of(gallery)[0].view; };
+  const output::View loaded = view_of(with), unloaded = view_of(without);
+  EXPECT_GT(height(loaded, loaded.geometry.surface), 0.85f * height(unloaded, unloaded.geometry.surface));
+  EXPECT_GT(height(loaded, loaded.geometry.load_arrows), 40) << "the arrow is seen all the same";
 }
 
 TEST(WithUnit, TakesThePrefixThatSuits) {
@@ -387,26 +389,60 @@ TEST(WithUnit, TakesThePrefixThatSuits) {
   EXPECT_EQ(output::with_unit(12345, "Pa"), "12.3 kPa");
 }
 
-TEST(Lighting, IsFullInTheOpenAndFailsUnderARoof) {
-  const Eigen::Vector3f up(0, 1, 0), towards(0, 0, 1);
-  // a floor of 4 x 4 m, and a roof of 1 x 1 m that is 0.2 m above its middle
-  const std::vector<Eigen::Vector3f> points{{-2, 0, -2},       {-2, 0, 2},       {2, 0, 2},       {2, 0, -2},
-                                            {-.5f, .2f, -.5f}, {-.5f, .2f, .5f}, {.5f, .2f, .5f}, {.5f, .2f, -.5f}};
-  const std::vector<Triangle> floor{{0, 1, 2}, {0, 2, 3}};
-  std::vector<Triangle> both = floor;
-  both.insert(both.end(), {{4, 5, 6}, {4, 6, 7}});
-  output::Lighting lighting(up, towards);
-  lighting.place(points, floor);
-  const float open = lighting.received({0, 0, 0}, up);
-  EXPECT_GT(open, 0.6f);
-  EXPECT_LE(open, 1.0f);
-  EXPECT_NEAR(lighting.received({1, 0, 1}, up), open, 0.02f) << "a plane does not shade itself";
+/// A floor of 4 x 4 m, and a roof of 1 x 1 m that is 0.2 m above its middle, which is seen below it.
+Drawing floor_and_roof(bool has_roof) {
+  Drawing drawing{.width = 400, .height = 400, .view = {}, .triangles = {}, .lines = {}, .texts = {}};
+  output::Camera camera(output::Viewpoint{.towards = Vec3(0, 0.3, 1), .up = Vec3::UnitY()});
+  output::Geometry geometry;
+  // in squares of 0.1 m, at whose corners the light of many lamps is found
+  const auto add = [&](float half, float level) {
+    constexpr float kSide = 0.1f;
+    const auto at = [&](int i, int j) {
+      return Eigen::Vector3f(kSide * static_cast<float>(i) - half, level, kSide * static_cast<float>(j) - half);
+    };
+    const int count = static_cast<int>(std::lround(2 * half / kSide));
+    for (int i = 0; i < count; ++i)
+      for (int j = 0; j < count; ++j)
+        for (const Eigen::Vector3f& place :
+             {at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i + 1, j)}) {
+          camera.see({&place, 1});
+          geometry.surface.push_back({place, Eigen::Vector3f::UnitY(), 0.2f});
+        }
+  };
+  add(2, 0);
+  if (has_roof) add(0.5f, 0.2f);
+  camera.fit({0, 0, 400, 400});
+  drawing.view = std::make_shared<output::View>(output::View{geometry, camera, 400, 400, 0, 1});
+  return drawing;
+}
 
-  lighting.place(points, both);
-  EXPECT_LT(lighting.received({0, 0, 0}, up), 0.3f * open);
-  EXPECT_GT(lighting.received({0, 0, 1.8f}, up), 0.9f * open);
-  EXPECT_NEAR(lighting.received({0, .2f, 0}, up), open, 0.02f);
-  EXPECT_LT(lighting.received({0, 0, 0}, -up), 0.3f * open) << "from below only what passes over the horizon";
+/// Of a place [m] that is seen there.
+double brightness_at(const Image& image, const Drawing& drawing, const Eigen::Vector3f& place) {
+  const Eigen::Vector2f at = drawing.view->camera.on_page(place);
+  const Rgb colour = pixel(image, static_cast<int>(at.x()), static_cast<int>(at.y()));
+  const Rgb full = bytes(output::colour_of(0.2));
+  return (colour[0] + colour[1] + colour[2]) / static_cast<double>(full[0] + full[1] + full[2]);
+}
+
+// For any number of lamps: bright in the open, never dark, and a plane does not shade itself.
+TEST(Light, IsFullInTheOpenAndFailsUnderARoof) {
+  const Drawing open = floor_and_roof(false), roofed = floor_and_roof(true);
+  for (const output::Light& light : {output::kPictureLight, output::kWindowLight, output::Light{9, 512}}) {
+    SCOPED_TRACE(light.num_lamps);
+    const auto renderer = output::load_renderer(output::Backend::kAny, light);
+    const Image without = renderer->render(open), with = renderer->render(roofed);
+    const double full = brightness_at(without, open, {0, 0, 0});
+    EXPECT_GT(full, 0.9);
+    EXPECT_LE(full, 1.05);
+    EXPECT_NEAR(brightness_at(without, open, {1, 0, 1}), full, 0.01);
+    EXPECT_NEAR(brightness_at(without, open, {-1.5f, 0, -1.5f}), full, 0.01);
+    EXPECT_NEAR(brightness_at(with, roofed, {0, 0.2f, 0}), full, 0.02) << "on the roof";
+    EXPECT_NEAR(brightness_at(with, roofed, {1.8f, 0, 1.8f}), full, 0.03) << "far from it";
+    const double received = brightness_at(with, roofed, {0, 0, 0}) - output::kDarkest;
+    EXPECT_LT(received, (light.num_lamps == 1 ? 0.5 : 0.3) * (full - output::kDarkest))
+        << "no roof keeps the even sky off";
+    EXPECT_GE(received, -0.01);
+  }
 }
 
 TEST(Surface, IsSmoothExceptAtCreases) {

@@ -34,7 +34,7 @@ TEST(Session, MovesTheSceneAsACommandDoesWhileItIsLookedAt) {
     Session session(played.subject(), hand);
     session.advance(30);
     wait_for(session, [](const Snapshot& at) { return at.step >= 10; });
-    for (const Quantity quantity : {Quantity::kStressNorm, Quantity::kVolumeRatio, Quantity::kSpeed})
+    for (const Quantity quantity : {Quantity::kStress, Quantity::kVolumeRatio, Quantity::kSpeed})
       session.show(quantity);
     session.advance(10);
     const Snapshot end = wait_for_step(session, 40);

@@ -36,13 +36,15 @@ TEST(Camera, TheRayThroughAPixelMeetsWhatIsSeenThere) {
   const Vec3 dragged = camera.at_depth_of(place, pixel.x() + 30, pixel.y() - 40);
   EXPECT_NEAR((dragged - place).norm(), 50 * camera.metres_per_pixel(place), 1e-12);
   EXPECT_TRUE(support::agrees(camera.pixel_of(dragged), Eigen::Vector2d(pixel + Eigen::Vector2d(30, -40)), 1e-9));
-  EXPECT_NEAR((camera.view() * dragged.homogeneous()).z(), (camera.view() * place.homogeneous()).z(), 1e-12);
+  EXPECT_NEAR((dragged - place).dot((camera.eye() - camera.target()).normalized()), 0, 1e-12);
 }
 
+// What is drawn lies where the mouse meets it.
 TEST(Camera, ClipCoordinatesAreThoseOfThePixels) {
   const Camera camera = turned_camera();
+  const Eigen::Matrix4d clip = camera.fitted_to(kBox).clip(1000, 600);
   for (const Vec3& place : {Vec3(0.4, 3.3, 3.2), Vec3(-1, 2, 3), Vec3(2, 4, 4)}) {
-    const Eigen::Vector3d seen = (camera.clip(kBox) * place.homogeneous()).hnormalized();
+    const Eigen::Vector3d seen = (clip * place.homogeneous()).hnormalized();
     const Eigen::Vector2d pixel = camera.pixel_of(place);
     EXPECT_NEAR(500 + 500 * seen.x(), pixel.x(), 1e-9);
     EXPECT_NEAR(300 - 300 * seen.y(), pixel.y(), 1e-9);
@@ -91,6 +93,20 @@ Snapshot moment(const HexMesh& mesh) {
   return snapshot;
 }
 
+/// What is drawn of it, so small that every quad is one piece.
+output::Geometry drawn(const Figure& figure) {
+  Camera camera(Vec3::UnitY(), Vec3(1, 2, 3));
+  camera.resize(20, 20);
+  camera.fit(figure.box());
+  return figure.view(camera, output::Scale(Quantity::kPlasticStrain)).geometry;
+}
+
+output::Scale scale_of(const Figure& figure, Quantity quantity) {
+  output::Scale scale(quantity);
+  figure.see_values(scale);
+  return scale;
+}
+
 void fix(Snapshot& snapshot, std::initializer_list<int> nodes) {
   snapshot.conditions.fixed.assign(static_cast<std::size_t>(snapshot.positions.rows()), 0);
   for (const int node : nodes) snapshot.conditions.fixed[static_cast<std::size_t>(node)] = 1;
@@ -102,24 +118,24 @@ TEST(Figure, ShowsTheFacesThatAreLeft) {
   Snapshot snapshot = moment(mesh);
   fix(snapshot, {0, 1});
   figure.update(snapshot, {}, {});
-  EXPECT_EQ(figure.triangles().size(), 14u * 4 * 3);
-  EXPECT_EQ(figure.edges().size(), 2u * 28);
-  EXPECT_EQ(figure.fixed_places().size(), 2u);
-  EXPECT_EQ(figure.range().min()[0], 0);
-  EXPECT_EQ(figure.range().max()[0], 3);
+  EXPECT_EQ(drawn(figure).surface.size(), 14u * 4 * 3);
+  EXPECT_EQ(drawn(figure).edges.size(), 2u * 28);
+  EXPECT_EQ(drawn(figure).fixed.size(), 2u);
+  EXPECT_EQ(scale_of(figure, Quantity::kYield).min(), 0);
+  EXPECT_EQ(scale_of(figure, Quantity::kYield).max(), 3);
   EXPECT_EQ(figure.box().max().z(), 4.5);
-  for (const Figure::Vertex& vertex : figure.triangles()) {
+  for (const output::Geometry::Vertex& vertex : drawn(figure).surface) {
     EXPECT_NEAR(vertex.normal.norm(), 1, 1e-6);
     EXPECT_GT(vertex.normal.dot(vertex.place - Eigen::Vector3f(0.5f, 0.5f, 2.25f)), 0) << "it points outwards";
     EXPECT_NEAR(vertex.value, vertex.place.z() / 1.5f, 1e-6);
   }
-  EXPECT_EQ(figure.ghost_outline(Vec3(1, 2, 3)).size(), 2u * (4 * 3 + 2 * 4)) << "where it bends sharply";
+  EXPECT_EQ(drawn(figure).ghost_outline.size(), 2u * (4 * 3 + 2 * 4)) << "where it bends sharply";
 
   snapshot.alive[1] = 0;
   figure.update(snapshot, {.shows_edges = false, .ghost = Ghost::kNone}, {});
-  EXPECT_EQ(figure.triangles().size(), 12u * 4 * 3);
-  EXPECT_TRUE(figure.edges().empty() && figure.ghost_triangles().empty());
-  EXPECT_TRUE(figure.ghost_outline(Vec3(1, 2, 3)).empty());
+  EXPECT_EQ(drawn(figure).surface.size(), 12u * 4 * 3);
+  EXPECT_TRUE(drawn(figure).edges.empty() && drawn(figure).ghost.empty());
+  EXPECT_TRUE(drawn(figure).ghost_outline.empty());
 }
 
 TEST(Figure, TheMouseMeetsWhatIsShown) {
@@ -136,8 +152,9 @@ TEST(Figure, TheMouseMeetsWhatIsShown) {
   EXPECT_NEAR(figure.hit(down)->place.z(), 4.5, 1e-12);
   figure.update(snapshot, {.shows_embedded_surfaces = true}, {});
   EXPECT_NEAR(figure.hit(down)->place.z(), 1.5 * 1.7, 1e-12) << "it is carried by the hexahedra";
-  EXPECT_EQ(figure.triangles().size(), 6u);
-  for (const Figure::Vertex& vertex : figure.triangles()) EXPECT_NEAR(vertex.value, vertex.place.z() / 1.5f, 1e-6);
+  EXPECT_EQ(drawn(figure).surface.size(), 6u);
+  for (const output::Geometry::Vertex& vertex : drawn(figure).surface)
+    EXPECT_NEAR(vertex.value, vertex.place.z() / 1.5f, 1e-6);
   EXPECT_FALSE(figure.hit({Vec3(2, 0.5, 9), Vec3(0, 0, -1)}));
 }
 
@@ -147,8 +164,8 @@ TEST(Figure, WhatNeverYieldsHasNoRangeOfYield) {
   Snapshot snapshot = moment(mesh);
   snapshot.values.assign(8, std::numeric_limits<double>::infinity());
   figure.update(snapshot, {}, {});
-  EXPECT_TRUE(figure.range().isEmpty());
-  for (const Figure::Vertex& vertex : figure.triangles()) EXPECT_EQ(vertex.value, 0);
+  EXPECT_EQ(scale_of(figure, Quantity::kYield).words(), "yield stress: none");
+  for (const output::Geometry::Vertex& vertex : drawn(figure).surface) EXPECT_FALSE(std::isfinite(vertex.value));
 }
 
 TEST(Figure, ACutShowsTheInside) {
@@ -159,16 +176,16 @@ TEST(Figure, ACutShowsTheInside) {
   const Look look{.ghost = Ghost::kNone, .cut = Plane{Vec3::UnitZ(), 2.25}};  // in the middle of the bar, drawn out
   figure.update(snapshot, look, {});
   double area = 0;
-  for (std::size_t k = 0; k < figure.cut_triangles().size(); k += 3) {
-    const auto place = [&](std::size_t corner) { return figure.cut_triangles()[k + corner].place; };
+  for (std::size_t k = 0; k < drawn(figure).cut_faces.size(); k += 3) {
+    const auto place = [&](std::size_t corner) { return drawn(figure).cut_faces[k + corner].place; };
     area += (place(1) - place(0)).cross(place(2) - place(0)).norm() / 2;
-    EXPECT_NEAR(figure.cut_triangles()[k].value, 1.5, 1e-6);
-    EXPECT_EQ(figure.cut_triangles()[k].normal, Eigen::Vector3f::UnitZ());
+    EXPECT_NEAR(drawn(figure).cut_faces[k].value, 1.5, 1e-6);
+    EXPECT_EQ(drawn(figure).cut_faces[k].normal, Eigen::Vector3f::UnitZ());
   }
   EXPECT_NEAR(area, 1, 1e-6);
-  EXPECT_FALSE(figure.cut_outline().empty());
-  EXPECT_TRUE(figure.cut_edges().empty()) << "it is that of one hexahedron";
-  EXPECT_EQ(figure.fixed_places().size(), 1u) << "the others are above";
+  EXPECT_FALSE(drawn(figure).cut_outline.empty());
+  EXPECT_TRUE(drawn(figure).cut_edges.empty()) << "it is that of one hexahedron";
+  EXPECT_EQ(drawn(figure).fixed.size(), 1u) << "the others are above";
 
   // from above the cut is met, from the side only what is left, from below the foot
   const auto seen = figure.hit({Vec3(0.4, 0.5, 9), Vec3(0, 0, -1)});
@@ -184,7 +201,7 @@ TEST(Figure, ACutShowsTheInside) {
   EXPECT_NEAR(foot->outwards.z(), -1, 1e-12);
 
   figure.update(snapshot, {}, {});
-  EXPECT_TRUE(figure.cut_triangles().empty() && figure.cut_outline().empty());
+  EXPECT_TRUE(drawn(figure).cut_faces.empty() && drawn(figure).cut_outline.empty());
 }
 
 TEST(Figure, InstrumentsHaveTheirShapes) {
@@ -194,20 +211,41 @@ TEST(Figure, InstrumentsHaveTheirShapes) {
   output::Instrument instrument{.id = 2, .place = Vec3(4, 0, 0), .nodes = {}, .forces = PointArray(0, 3)};
   snapshot.conditions.instruments = {instrument};
   figure.update(snapshot, {}, {});
-  EXPECT_TRUE(figure.tool_triangles().empty()) << "a grip has none";
+  EXPECT_TRUE(drawn(figure).tools.empty()) << "a grip has none";
   instrument.shape_points.resize(4, 3);
   instrument.shape_points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1;
   instrument.shape_triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
   snapshot.conditions.instruments = {instrument};
   figure.update(snapshot, {}, {});
-  ASSERT_EQ(figure.tool_triangles().size(), 12u);
-  EXPECT_NEAR(figure.tool_triangles()[0].normal.z(), -1, 1e-6);
+  ASSERT_EQ(drawn(figure).tools.size(), 12u);
+  EXPECT_NEAR(drawn(figure).tools[0].normal.z(), -1, 1e-6);
   instrument.shape_points.col(0).array() += 7;
   snapshot.conditions.instruments = {instrument};
   figure.update(snapshot, {}, {});
-  EXPECT_EQ(figure.tool_triangles()[0].place.x(), 7) << "it has moved";
+  EXPECT_EQ(drawn(figure).tools[0].place.x(), 7) << "it has moved";
   figure.update(snapshot, {.shows_instruments = false}, {});
-  EXPECT_TRUE(figure.tool_triangles().empty());
+  EXPECT_TRUE(drawn(figure).tools.empty());
+}
+
+TEST(Figure, DepthsReachToInstrumentsBeforeTheBody) {
+  const HexMesh mesh = support::block({1, 1, 3}, 1);
+  Figure figure(mesh, {});
+  Snapshot snapshot = moment(mesh);
+  output::Instrument instrument{.id = 2, .place = Vec3(4, 0, 0), .nodes = {}, .forces = PointArray(0, 3)};
+  instrument.shape_points.resize(3, 3);
+  instrument.shape_points << 2, 0, 0, 4, 1, 0, 3, 0, 1;
+  instrument.shape_triangles = {{0, 1, 2}};
+  snapshot.conditions.instruments = {instrument};
+  figure.update(snapshot, {}, {});
+  Camera camera(Vec3::UnitY(), Vec3::UnitX());
+  camera.resize(20, 20);
+  camera.fit(figure.box());
+  const output::View view = figure.view(camera, output::Scale(Quantity::kPlasticStrain));
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 point = instrument.shape_points.row(k).transpose();
+    const Vec3 seen = (view.camera.clip(20, 20) * point.homogeneous()).hnormalized();
+    EXPECT_TRUE(seen.z() > -1 && seen.z() < 1) << seen.z();
+  }
 }
 
 TEST(Figure, SpringsAreTautOrSlack) {
@@ -218,8 +256,8 @@ TEST(Figure, SpringsAreTautOrSlack) {
   const std::vector<Eigen::Vector3f> taut{{1, 2, 3}, {4, 5, 6}}, slack{{7, 8, 9}, {0, 0, 1}};
   for (const bool shows_instruments : {true, false}) {
     figure.update(snapshot, {.shows_instruments = shows_instruments}, {});
-    EXPECT_EQ(figure.taut_springs(), taut);
-    EXPECT_EQ(figure.slack_springs(), slack);
+    EXPECT_EQ(drawn(figure).taut_springs, taut);
+    EXPECT_EQ(drawn(figure).slack_springs, slack);
   }
 }
 
@@ -238,23 +276,24 @@ TEST(Figure, ArrowsAreThoseOfThePictures) {
   figure.update(snapshot, {}, {.load = 4, .tool = 6});
 
   const double longest = output::kLongestArrow * std::sqrt(1 + 1 + 9.0);
-  const auto reach = [](const std::vector<Figure::Vertex>& vertices, int axis) {
+  const auto reach = [](const output::Geometry::Vertices& vertices, int axis) {
     Eigen::AlignedBox1f box;
-    for (const Figure::Vertex& vertex : vertices) box.extend(vertex.place.segment<1>(axis));
+    for (const output::Geometry::Vertex& vertex : vertices) box.extend(vertex.place.segment<1>(axis));
     return box;
   };
   const double foot = snapshot.positions(below, 2), top = snapshot.positions(above, 2);
-  EXPECT_NEAR(reach(figure.load_arrows(), 2).min()[0], foot - longest, 1e-6) << "it ends at its node";
-  EXPECT_NEAR(reach(figure.load_arrows(), 2).max()[0], std::max(foot, top + longest / 2), 1e-6) << "it begins there";
-  EXPECT_NEAR(reach(figure.tool_arrows(), 0).min()[0], 1, 1e-6);
-  EXPECT_NEAR(reach(figure.tool_arrows(), 0).max()[0], 1 + longest / 2, 1e-6);
+  EXPECT_NEAR(reach(drawn(figure).load_arrows, 2).min()[0], foot - longest, 1e-6) << "it ends at its node";
+  EXPECT_NEAR(reach(drawn(figure).load_arrows, 2).max()[0], std::max(foot, top + longest / 2), 1e-6)
+      << "it begins there";
+  EXPECT_NEAR(reach(drawn(figure).tool_arrows, 0).min()[0], 1, 1e-6);
+  EXPECT_NEAR(reach(drawn(figure).tool_arrows, 0).max()[0], 1 + longest / 2, 1e-6);
   ASSERT_EQ(figure.rings().size(), 1u);
   ASSERT_EQ(figure.tool_forces().size(), 1u);
   EXPECT_NEAR(figure.tool_forces()[0].tip.x(), 1 + longest / 2, 1e-6);
   EXPECT_EQ(figure.tool_forces()[0].size, 3);
 
   figure.update(snapshot, {.shows_instruments = false}, {.load = 4, .tool = 6});
-  EXPECT_TRUE(figure.load_arrows().empty() && figure.tool_arrows().empty() && figure.rings().empty());
+  EXPECT_TRUE(drawn(figure).load_arrows.empty() && drawn(figure).tool_arrows.empty() && figure.rings().empty());
 }
 
 TEST(Names, SayWhereAHexahedronBelongs) {

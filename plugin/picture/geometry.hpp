@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <vector>
+
+#include "hexaplast/geometry/plane_cut.hpp"
+#include "picture/camera.hpp"
+
+namespace hexaplast::output {
+
+/// The triangles, lines and points that show a moment, for pictures and for the live window: three vertices a triangle,
+/// two ends a line, in space [m]. What each list is drawn with stands in ink.hpp.
+struct Geometry {
+  struct Vertex {
+    Eigen::Vector3f place;   ///< [m]
+    Eigen::Vector3f normal;  ///< unit vector
+    float value = 0;         ///< of the quantity shown; infinite: it has none
+  };
+  using Vertices = std::vector<Vertex>;
+  using Places = std::vector<Eigen::Vector3f>;
+
+  Vertices surface;    ///< of the body or what is embedded in it, in the colours of the scale
+  Vertices cut_faces;  ///< where the body is cut through, the same
+  Vertices wires;      ///< lines in the colours of the scale
+  Places edges, cut_edges, cut_outline;
+  float edge_length = 0;  ///< [m] mean of the hexahedra that are left
+  bool is_cage = false;   ///< the edges stand around embedded surfaces
+  Places ghost, ghost_outline;
+  Vertices tools;
+  Places tool_outline;
+  Vertices load_arrows, tool_arrows;  ///< those of instruments are seen also where they lie within the tissue
+  Places taut_springs, slack_springs;
+  Places fixed;  ///< points
+
+  std::optional<Plane> cut;  ///< what lies above it is left out, but for cut faces, their lines and arrows of tools
+  Eigen::AlignedBox3f room;  ///< [m] in which instruments and springs are shown; empty: everywhere
+};
+
+/// A geometry, from where it is seen, and which values its colours stand for.
+struct View {
+  Geometry geometry;
+  Camera camera;            ///< fitted to a page
+  float width, height;      ///< of that page, in its units
+  double min = 0, max = 0;  ///< values at the ends of the scale; equal: all have the colour of its beginning
+};
+
+}  // namespace hexaplast::output

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <vector>
+
+#include "picture/renderer.hpp"
+
+namespace hexaplast::output {
+
+/// A rectangle of the frame [pixels], from its lower left corner as OpenGL counts.
+struct Viewport {
+  int left = 0, bottom = 0, width = 1, height = 1;
+  float density = 1;  ///< pixels per unit of the page
+};
+
+/// Draws with OpenGL 3.3 (core) into the frame that is bound, in the current context, which must outlive it.
+class Painter {
+ public:
+  /// Throws RendererUnavailable when the graphics driver refuses a program.
+  explicit Painter(const Light& light);
+  ~Painter();
+  Painter(const Painter&) = delete;
+  Painter& operator=(const Painter&) = delete;
+
+  /// Empties the frame, and draws a view in a part of it.
+  void draw(const View& view, const Viewport& viewport);
+
+  /// Draws what lies in the plane of a picture: over its view, which is drawn, or on empty paper. density: samples per
+  /// pixel and direction.
+  void draw_page(const Drawing& page, int density);
+
+  /// The lower left part of the frame that is bound.
+  static Image read(int width, int height);
+
+ private:
+  struct Batch {
+    unsigned array = 0, buffer = 0;
+  };
+
+  void draw_shadows(const Geometry& geometry, const Eigen::Matrix4f& seen);
+  int bind(const Geometry::Vertices& vertices);  // and says how many there are
+  void draw_lines(const Geometry::Places& ends, const Colour& colour, float opacity, float width);
+  void draw_places(const Geometry::Places& places, unsigned mode, const Colour& colour, float opacity = 1);
+
+  Light light_;
+  std::vector<Eigen::Matrix3f> lamps_;  // rows: to the right, up and towards each, seen from the viewer
+  unsigned surface_ = 0, flat_ = 0;     // programs
+  Batch vertices_, places_, page_;
+  unsigned numbers_ = 0;                    // of those of vertices_ that are drawn
+  unsigned colours_ = 0;                    // texture: the colour scale
+  unsigned shadow_ = 0, shadow_frame_ = 0;  // texture: depths from the lamps, and the frame that is drawn to
+};
+
+}  // namespace hexaplast::output

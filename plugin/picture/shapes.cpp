@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "picture/shapes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <utility>
+
+#include "picture/ink.hpp"
+#include "picture/picture_cut.hpp"
+
+namespace hexaplast::output {
+namespace {
+
+using Eigen::Vector3f;
+
+constexpr float kPatch = 24;  // size on the page of the pieces of a face, at whose corners and middles light is found
+constexpr int kMaxParts = 6;  // of them along an edge
+
+std::vector<Surface::Face> faces_of(const std::vector<Triangle>& triangles) {
+  std::vector<Surface::Face> faces;
+  for (const auto& [a, b, c] : triangles) faces.push_back({a, b, c, c});
+  return faces;
+}
+
+float diagonal(ConstPoints points) {
+  return static_cast<float>((points.colwise().maxCoeff() - points.colwise().minCoeff()).norm());
+}
+
+Moment::Places single(ConstPoints points) {
+  Moment::Places places;
+  places.reserve(static_cast<std::size_t>(points.rows()));
+  for (Eigen::Index n = 0; n < points.rows(); ++n) places.push_back(points.row(n).transpose().cast<float>());
+  return places;
+}
+
+PointArray applied(const Embedding& embedding, ConstPoints nodes) {
+  PointArray points(embedding.num_points(), 3);
+  embedding.apply(nodes, points);
+  return points;
+}
+
+/// Weights of a quad's corners at a place in it.
+std::array<float, 4> weights_at(float s, float t) { return {(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t}; }
+
+void add_lines(const std::vector<Edge>& edges, const Moment::Places& points, Geometry::Places& lines) {
+  for (const auto& [a, b] : edges) lines.insert(lines.end(), {points[a], points[b]});
+}
+
+}  // namespace
+
+std::vector<const Moment::Shown*> Moment::filled(const Staging& staging) const {
+  std::vector<const Shown*> shown;
+  if (staging.shows_body()) shown.push_back(&body);
+  for (const Shown& embedded : embedded_surfaces) shown.push_back(&embedded);
+  return shown;
+}
+
+std::optional<Arrow> Strongest::arrow_of(const Moment::Load& one) const {
+  if (!(load > 0)) return std::nullopt;
+  const Vector3f along = arrow / load * one.force;
+  const bool presses = one.outwards.dot(one.force) < -kArrowPresses * one.outwards.norm() * one.force.norm();
+  return Arrow{presses ? Vector3f(one.place - along) : one.place, presses ? one.place : Vector3f(one.place + along),
+               girth};
+}
+
+std::optional<Arrow> Strongest::arrow_of(const Moment::Tool& one) const {
+  if (!(tool > 0) || one.force.isZero(0)) return std::nullopt;
+  return Arrow{one.place, one.place + arrow / tool * one.force, girth};
+}
+
+Shapes::Boundary::Boundary(const HexMesh& mesh, std::span<const unsigned char> alive) {
+  std::vector<int> point_of_node(static_cast<std::size_t>(mesh.num_nodes()), -1);
+  std::vector<Surface::Face> faces = mesh.boundary_faces(alive);
+  for (Surface::Face& face : faces)
+    for (int& corner : face) {
+      int& point = point_of_node[corner];
+      if (point < 0) {
+        point = static_cast<int>(node_of_point.size());
+        node_of_point.push_back(corner);
+      }
+      corner = point;
+    }
+  surface = std::make_shared<Surface>(single(points_at(mesh.positions())), std::move(faces));
+}
+
+PointArray Shapes::Boundary::points_at(ConstPoints nodes) const {
+  PointArray points(std::ssize(node_of_point), 3);
+  for (Eigen::Index p = 0; p < points.rows(); ++p)
+    points.row(p) = nodes.row(node_of_point[static_cast<std::size_t>(p)]);
+  return points;
+}
+
+Shapes::Shapes(const HexMesh& mesh, Staging staging_of_all)
+    : staging(std::move(staging_of_all)),
+      mesh_(mesh),
+      longest_arrow_(kLongestArrow * diagonal(mesh.positions())),
+      original_(std::make_shared<Boundary>(mesh, std::span<const unsigned char>())),
+      current_(original_) {
+  for (const EmbeddedSurface& embedded : staging.embedded_surfaces) {
+    std::vector<Surface::Face> faces = embedded.quads;
+    std::ranges::copy(faces_of(embedded.triangles), std::back_inserter(faces));
+    const auto whole = std::make_shared<Surface>(single(embedded.points), std::move(faces));
+    embedded_surfaces_.push_back({embedded.embedding(mesh), whole, whole});
+  }
+}
+
+// What is left from now on.
+void Shapes::follow(std::span<const unsigned char> alive) {
+  const bool all_alive = std::ranges::all_of(alive, [](unsigned char is_alive) { return is_alive != 0; });
+  if (all_alive) {
+    current_ = original_;
+    for (Carried& embedded : embedded_surfaces_) embedded.current = embedded.whole;
+    current_alive_.clear();
+  } else if (!std::ranges::equal(alive, current_alive_)) {
+    current_ = std::make_shared<Boundary>(mesh_, alive);
+    for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s) {
+      Carried& embedded = embedded_surfaces_[s];
+      std::vector<Surface::Face> left;
+      for (const Surface::Face& face : embedded.whole->faces())
+        if (is_carried(face, staging.embedded_surfaces[s], embedded.embedding, alive)) left.push_back(face);
+      embedded.current = std::make_shared<Surface>(embedded.whole->original(), std::move(left));
+    }
+    current_alive_.assign(alive.begin(), alive.end());
+  }
+}
+
+Moment Shapes::at(ConstPoints positions, std::span<const double> values, std::span<const unsigned char> alive,
+                  const BoundaryConditions& conditions, const PointArray* ghost) {
+  follow(alive);
+  Moment moment;
+  PointArray at_nodes = PointArray::Zero(mesh_.num_nodes(), 3);  // in its first column
+  at_nodes.col(0) = Eigen::VectorXd::Map(values.data(), mesh_.num_nodes());
+  moment.body = {current_->surface, single(current_->points_at(positions)), {}};
+  for (const int node : current_->node_of_point) moment.body.values.push_back(static_cast<float>(at_nodes(node, 0)));
+  // an embedded surface that reaches out of the hexahedra continues their values, and shall not pass them
+  float min = std::numeric_limits<float>::infinity(), max = -min;
+  for (const float value : moment.body.values) {
+    if (!std::isfinite(value)) continue;
+    min = std::min(min, value);
+    max = std::max(max, value);
+  }
+  if (staging.has_surfaces())
+    for (const Carried& embedded : embedded_surfaces_) {
+      Moment::Shown shown{embedded.current, single(applied(embedded.embedding, positions)), {}};
+      const PointArray blended = applied(embedded.embedding, at_nodes);
+      for (Eigen::Index n = 0; n < blended.rows(); ++n) {
+        const auto value = static_cast<float>(blended(n, 0));
+        shown.values.push_back(std::isfinite(value) && min <= max ? std::clamp(value, min, max) : value);
+      }
+      moment.embedded_surfaces.push_back(std::move(shown));
+    }
+  if (!staging.ghost.empty()) moment.ghosts = ghosts_at(ghost);
+  if (staging.cut && staging.shows_body()) moment.cut = cut_face(positions, at_nodes, alive);
+
+  if (staging.shows_hexahedra && !conditions.fixed.empty())
+    for (const int node : current_->node_of_point)
+      if (conditions.fixed[static_cast<std::size_t>(node)])
+        moment.fixed.push_back(positions.row(node).transpose().cast<float>());
+  if (staging.shows_loads) moment.loads = loads_of(conditions, positions, alive);
+  for (const Instrument& instrument : conditions.instruments) moment.tools.push_back(tool_of(instrument, positions));
+  for (const auto& [from, to, is_slack] : conditions.springs)
+    moment.springs.push_back({from.cast<float>(), to.cast<float>(), is_slack});
+  return moment;
+}
+
+Moment::Tool Shapes::tool_of(const Instrument& instrument, ConstPoints positions) {
+  Moment::Tool tool{instrument.acts_at(positions).cast<float>(), instrument.force().cast<float>(), nullptr,
+                    single(instrument.shape_points)};
+  if (instrument.shape_triangles.empty()) return tool;
+
+  std::vector<Surface::Face> faces = faces_of(instrument.shape_triangles);
+  std::shared_ptr<const Surface>& latest = tools_[instrument.id];
+  if (!latest || latest->faces() != faces || latest->original().size() != tool.points.size())
+    latest = std::make_shared<Surface>(tool.points, std::move(faces));
+  tool.surface = latest;
+  return tool;
+}
+
+std::vector<Moment::Load> Shapes::loads_of(const BoundaryConditions& conditions, ConstPoints positions,
+                                           std::span<const unsigned char> alive) const {
+  std::vector<Moment::Load> loads;
+  if (conditions.loads.rows() == 0) return loads;
+  Moment::Places outwards(static_cast<std::size_t>(mesh_.num_nodes()), Vector3f::Zero());
+  const Moment::Places normals = current_->surface->point_normals(single(current_->points_at(positions)));
+  for (std::size_t p = 0; p < normals.size(); ++p) outwards[current_->node_of_point[p]] = normals[p];
+  for (const auto& [node, force] : shown_loads(mesh_, alive, conditions))
+    loads.push_back({positions.row(node).transpose().cast<float>(), force.cast<float>(), outwards[node]});
+  return loads;
+}
+
+std::vector<Moment::Shown> Shapes::ghosts_at(const PointArray* nodes) const {
+  std::vector<Moment::Shown> ghosts;
+  if (!staging.has_surfaces()) {
+    const Boundary& shown = nodes ? *current_ : *original_;
+    ghosts.push_back({shown.surface, nodes ? single(shown.points_at(*nodes)) : shown.surface->original(), {}});
+    return ghosts;
+  }
+  for (const auto& [embedding, whole, current] : embedded_surfaces_)
+    if (nodes)
+      ghosts.push_back({current, single(applied(embedding, *nodes)), {}});
+    else
+      ghosts.push_back({whole, whole->original(), {}});
+  return ghosts;
+}
+
+Moment::CutFace Shapes::cut_face(ConstPoints positions, const PointArray& values,
+                                 std::span<const unsigned char> alive) const {
+  const PlaneCut cut = picture_cut(mesh_, positions, *staging.cut, alive);
+  PointArray points(cut.num_points(), 3), blended(cut.num_points(), 3);
+  cut.apply(positions, points);
+  cut.apply(values, blended);
+  Moment::CutFace face{single(points), {}, cut.triangles(), cut.inner_lines(), cut.outline()};
+  for (Eigen::Index n = 0; n < blended.rows(); ++n) face.values.push_back(static_cast<float>(blended(n, 0)));
+  return face;
+}
+
+Geometry Shapes::geometry(const Moment& moment, const Camera& camera, const Strongest& strongest) const {
+  Geometry geometry;
+  geometry.cut = staging.cut;
+  const auto is_left = [&](const Vector3f& place) {
+    return !staging.cut || staging.cut->height(place.cast<double>()) <= 0;
+  };
+  for (const Moment::Shown& ghost : moment.ghosts) {
+    for (const auto& [a, b, c, d] : ghost.surface->faces())
+      for (const int point : {a, b, c, a, c, d}) geometry.ghost.push_back(ghost.points[point]);
+    add_lines(ghost.surface->outline(ghost.points, camera.towards()), ghost.points, geometry.ghost_outline);
+  }
+
+  const Surface& hexahedra = *moment.body.surface;
+  geometry.edge_length = hexahedra.mean_edge();
+  geometry.is_cage = staging.has_surfaces();
+  if (staging.is_wireframe) {
+    std::vector<const Moment::Shown*> shown = moment.filled(staging);
+    if (geometry.is_cage && staging.shows_hexahedra) shown.push_back(&moment.body);
+    for (const Moment::Shown* one : shown)
+      for (const Edge& edge : one->surface->edges())
+        for (const int point : edge)
+          geometry.wires.push_back({one->points[point], camera.towards(), one->values[point]});
+  } else {
+    for (const Moment::Shown* one : moment.filled(staging)) draw_surface(*one, camera.scale(), geometry);
+    const Vector3f above = staging.cut ? Vector3f(staging.cut->normal.cast<float>()) : Vector3f(0, 0, 0);
+    for (const Triangle& triangle : moment.cut.triangles)
+      for (const int point : triangle)
+        geometry.cut_faces.push_back({moment.cut.points[point], above, moment.cut.values[point]});
+    if (staging.shows_hexahedra && staging.shows_edges) {
+      add_lines(hexahedra.edges(), moment.body.points, geometry.edges);
+      add_lines(moment.cut.inner_lines, moment.cut.points, geometry.cut_edges);
+    }
+    add_lines(moment.cut.outline, moment.cut.points, geometry.cut_outline);
+  }
+  std::ranges::copy_if(moment.fixed, std::back_inserter(geometry.fixed), is_left);
+
+  for (const Moment::Tool& tool : moment.tools) {
+    if (const std::optional<Arrow> arrow = strongest.arrow_of(tool)) arrow->draw(geometry.tool_arrows);
+    if (!tool.surface) continue;
+    add_lines(tool.surface->outline(tool.points, camera.towards()), tool.points, geometry.tool_outline);
+    if (staging.is_wireframe) continue;
+    const std::vector<std::array<Vector3f, 4>> normals = tool.surface->corner_normals(tool.points);
+    for (std::size_t f = 0; f < normals.size(); ++f)
+      for (int k = 0; k < 3; ++k) geometry.tools.push_back({tool.points[tool.surface->faces()[f][k]], normals[f][k]});
+  }
+  for (const Moment::Load& load : moment.loads)
+    if (const std::optional<Arrow> arrow = strongest.arrow_of(load)) arrow->draw(geometry.load_arrows);
+  for (const auto& [from, to, is_slack] : moment.springs) {
+    Geometry::Places& lines = is_slack ? geometry.slack_springs : geometry.taut_springs;
+    lines.insert(lines.end(), {from, to});
+  }
+  return geometry;
+}
+
+// A quad is a bilinear patch, and a triangle one with two corners in one place: their pieces are drawn as four
+// triangles around the middle of each, so that none shows a preferred diagonal.
+void Shapes::draw_surface(const Moment::Shown& shown, float scale, Geometry& geometry) const {
+  const Surface& surface = *shown.surface;
+  const std::vector<std::array<Vector3f, 4>> normals = surface.corner_normals(shown.points);
+  const int fine = std::clamp(static_cast<int>(surface.mean_edge() * scale / kPatch), 1, kMaxParts);
+  std::vector<Geometry::Vertex> grid;
+  for (std::size_t f = 0; f < normals.size(); ++f) {
+    const Surface::Face& face = surface.faces()[f];
+    if (Surface::is_triangle(face) && fine == 1) {
+      for (int k = 0; k < 3; ++k)
+        geometry.surface.push_back({shown.points[face[k]], normals[f][k], shown.values[face[k]]});
+      continue;
+    }
+    // where the cut crosses it, as the cut face sees it, so that the two meet
+    const auto is_above = [&](int point) {
+      return staging.cut && staging.cut->height(shown.points[point].cast<double>()) > 0;
+    };
+    const bool meets_cut =
+        !Surface::is_triangle(face) && std::ranges::any_of(face, is_above) && !std::ranges::all_of(face, is_above);
+    const int parts = meets_cut ? kCutParts : fine;
+    const auto at = [&](float i, float j) {
+      const std::array weight = weights_at(i / static_cast<float>(parts), j / static_cast<float>(parts));
+      Geometry::Vertex vertex{Vector3f::Zero(), Vector3f::Zero()};
+      for (int k = 0; k < 4; ++k) {
+        vertex.place += weight[k] * shown.points[face[k]];
+        vertex.normal += weight[k] * normals[f][k];
+        vertex.value += weight[k] * shown.values[face[k]];
+      }
+      vertex.normal.normalize();
+      return vertex;
+    };
+    grid.clear();
+    for (int j = 0; j <= parts; ++j)
+      for (int i = 0; i <= parts; ++i) grid.push_back(at(static_cast<float>(i), static_cast<float>(j)));
+    for (int j = 0; j < parts; ++j)
+      for (int i = 0; i < parts; ++i) {
+        const Geometry::Vertex *low = &grid[j * (parts + 1) + i], *high = low + parts + 1;
+        const Geometry::Vertex middle = at(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f);
+        for (const auto& [from, to] :
+             {std::pair(low, low + 1), std::pair(low + 1, high + 1), std::pair(high + 1, high), std::pair(high, low)})
+          geometry.surface.insert(geometry.surface.end(), {*from, *to, middle});
+      }
+  }
+}
+
+}  // namespace hexaplast::output
