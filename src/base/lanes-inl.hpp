@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "base/blocks.hpp"
+#include "base/number-inl.hpp"
 #include "hwy/contrib/math/math-inl.h"
 #include "hwy/highway.h"
 
@@ -85,26 +86,10 @@ HWY_INLINE bool any_positive(Lanes<T> a) {
   return !hn::AllFalse(typename Lanes<T>::Tag(), a > Lanes<T>(T(0)));
 }
 
-// The same of one number, so that a formula may be a template on its number type.
-template <class N>
-struct ScalarOfNumber {
-  using type = N;
-};
 template <class T>
 struct ScalarOfNumber<Lanes<T>> {
   using type = T;
 };
-/// float or double: what one lane of N holds.
-template <class N>
-using ScalarOf = typename ScalarOfNumber<N>::type;
-
-HWY_INLINE double sqrt(double a) { return std::sqrt(a); }
-HWY_INLINE double abs(double a) { return std::abs(a); }
-HWY_INLINE double log(double a) { return std::log(a); }
-HWY_INLINE double min(double a, double b) { return std::min(a, b); }
-HWY_INLINE double max(double a, double b) { return std::max(a, b); }
-HWY_INLINE double select(bool condition, double a, double b) { return condition ? a : b; }
-HWY_INLINE bool any_positive(double a) { return a > 0; }
 
 /// One bit per lane.
 template <class T, class Mask>
