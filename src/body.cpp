@@ -36,7 +36,7 @@ double moved(double threshold, double before, double now) {
 }
 
 // To be raised with each change of History::serialize. Members of Material and Settings are part of the identity.
-constexpr std::uint32_t kSavedVersion = 3;
+constexpr std::uint32_t kSavedVersion = 4;
 constexpr SavedKind kSavedBody{{'H', 'X', 'P', 'B', 'O', 'D', 'Y', '\0'}, kSavedVersion, "body"};
 
 /// What saved members are: their names, in their order, and the words that enumerators stand for.
@@ -359,8 +359,10 @@ ElementFields Body::fields(ConstPoints x) const {
     const ElementPoints plastic_rest = gather(state_->history.plastic_rest_positions, corners),
                         current = gather(x, corners);
     const Lame& k = state_->model.lame[e];
-    const ElementSamples samples = state_->is_plain() ? plain::Element(plastic_rest, current, k, settings).samples()
-                                                      : element_samples(plastic_rest, current, k, settings);
+    const ElementSamples samples =
+        state_->is_plain()
+            ? plain::Element(plastic_rest, current, k, settings, state_->history.plastic_inverse_of(e)).samples()
+            : element_samples(plastic_rest, current, k, settings);
     out.volume_ratio[e] = samples.volume / state_->model.volume[e];
     for (int i = 0; i < kCorners; ++i) {
       out.stress_norm[e] = std::max(out.stress_norm[e], stress_norm(samples.stress[i], settings.yield_norm));
@@ -399,6 +401,7 @@ void Body::add_to(StateHash& hash) const {
            state_->history.plastic_rest_positions.size() * sizeof(double));
   add_array(hash, state_->history.plastic_strain);
   add_array(hash, state_->history.plastic_stretch);
+  add_array(hash, state_->history.plastic_inverse);
   hash.add(&state_->history.dissipated_energy, sizeof(double));
   add_array(hash, state_->history.alive);
   add_array(hash, state_->history.removed);

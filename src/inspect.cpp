@@ -94,7 +94,9 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
   const Model model(mesh_of(state.initial), {material}, exact);
   check_time_step(model.materials, settings, dt, names);
   const History before = history_of(model, state);
-  const ElementSamples samples = plain::Element(state.plastic_rest, state.current, model.lame[0], settings).samples();
+  const plain::Element element(state.plastic_rest, state.current, model.lame[0], settings,
+                               before.plastic_inverse_of(0));
+  const ElementSamples& samples = element.samples();
 
   HexahedronStep found;
   found.F_centre = centre_jacobian(state.current) * centre_jacobian(state.plastic_rest).inverse();
@@ -115,30 +117,43 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
   if (settings.rotation_plasticity == RotationPlasticity::kCentre)
     found.phi.fill(*std::max_element(found.phi.begin(), found.phi.end()));
 
-  // what flows, corner by corner
-  const ElementStep step = flow_element({.material = model.material(0),
-                                         .settings = settings,
-                                         .initial_shape = model.initial_shape(0),
-                                         .corner_jacobian = model.corner_jacobian(0),
-                                         .initial_volume = model.volume[0],
-                                         .x = state.plastic_rest,
-                                         .samples = samples,
-                                         .current = state.current,
-                                         .frame = frame_of(state, settings.rotation_frame)},
-                                        before.element(0), dt);
-  for (int i = 0; i < kCorners; ++i) {
-    found.stretch_flow_fraction[i] = step.stretch[i].fraction;
-    found.stretch_increment[i] = step.stretch[i].increment;
-    found.rotation_flow_fraction[i] = step.rotation[i].fraction;
-    found.rotation_increment[i] = step.rotation[i].increment;
-  }
-  found.volume_ratio = step.volume_ratio;
-  found.skipped = step.skipped;
-
-  // and the step as a body takes it
+  // the step as a body takes it
   History after = before;
   PreconditionedConjugateGradients solver = averaging_solver(model);
-  plain::flow(model, state.current, dt, solver, after);
+  found.skipped = plain::flow(model, state.current, dt, solver, after).skipped > 0;
+
+  // and what flows, corner by corner
+  if (settings.rest_shape == RestShape::kIsolated) {
+    const CornerTensors &G = before.plastic_inverse[0], &flowed = after.plastic_inverse[0];
+    const plain::IsolatedStep step =
+        element.flow_isolated(model.material(0), settings.yield_norm, before.yield_stress[0], dt);
+    for (int i = 0; i < kCorners; ++i) {
+      found.stretch_flow_fraction[i] = found.skipped ? 0 : step.fraction[i];
+      found.stretch_increment[i] = flowed[i].inverse() * G[i];
+    }
+    found.rotation_flow_fraction.fill(0);
+    found.rotation_increment.fill(Mat3::Identity());
+    found.volume_ratio = 1;
+  } else {
+    const ElementStep step = flow_element({.material = model.material(0),
+                                           .settings = settings,
+                                           .initial_shape = model.initial_shape(0),
+                                           .corner_jacobian = model.corner_jacobian(0),
+                                           .initial_volume = model.volume[0],
+                                           .x = state.plastic_rest,
+                                           .samples = samples,
+                                           .current = state.current,
+                                           .frame = frame_of(state, settings.rotation_frame)},
+                                          before.element(0), dt);
+    for (int i = 0; i < kCorners; ++i) {
+      found.stretch_flow_fraction[i] = step.stretch[i].fraction;
+      found.stretch_increment[i] = step.stretch[i].increment;
+      found.rotation_flow_fraction[i] = step.rotation[i].fraction;
+      found.rotation_increment[i] = step.rotation[i].increment;
+    }
+    found.volume_ratio = step.volume_ratio;
+  }
+
   found.history = after.element(0);
   found.rest_volume = volume(found.history.rest_shape);
   found.plastic_rest = after.plastic_rest_positions;

@@ -17,7 +17,7 @@ struct HexahedronState {
   ElementPoints initial;       ///< X
   ElementPoints plastic_rest;  ///< x
   ElementPoints current;       ///< xh
-  ElementHistory history;      ///< isolated rest shape, rotation maps, thresholds
+  ElementHistory history;      ///< isolated rest shape, rotation maps, thresholds; of isolated rest shapes G
 };
 
 /// The initial state: plastic rest and current positions are the initial ones.
@@ -40,16 +40,16 @@ HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Mate
                                         const Settings& settings);
 
 struct HexahedronStep {
-  CornerTensors F_corner;    ///< F_i                                                                          eq. 1
-  Mat3 F_centre;             ///< F_o                                                                          eq. 1
-  CornerTensors F_blended;   ///< (F_i + F_o) / 2
-  CornerTensors F;           ///< F~, the gradient of the chosen scheme                                        eq. 7
-  CornerTensors R, S;        ///< of F~                                                                        eq. 6
-  Mat3 R_centre;             ///< R_o
-  CornerTensors Q;           ///< R_o^T R_i
-  CornerValues phi;          ///< [rad]; in the centre mode the maximum of the corners                        eq. 24
+  CornerTensors F_corner;   ///< F_i                                                                          eq. 1
+  Mat3 F_centre;            ///< F_o                                                                          eq. 1
+  CornerTensors F_blended;  ///< (F_i + F_o) / 2
+  CornerTensors F;     ///< F~, the gradient of the chosen scheme, of isolated rest shapes F^e                eq. 7, P1
+  CornerTensors R, S;  ///< of F~                                                                        eq. 6
+  Mat3 R_centre;       ///< R_o
+  CornerTensors Q;     ///< R_o^T R_i
+  CornerValues phi;    ///< [rad]; in the centre mode the maximum of the corners                        eq. 24
   CornerTensors strain;      ///< S - I
-  CornerTensors stress;      ///< [Pa] sigma                                                                   eq. 12
+  CornerTensors stress;      ///< [Pa] sigma; of isolated rest shapes without what is relieved             eq. 12, P8
   CornerValues stress_norm;  ///< [Pa]                                                              eq. 20
   CornerValues stretch_flow_fraction;   ///< gamma                                                             eq. 21
   CornerTensors stretch_increment;      ///< S^p                                                               eq. 22

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "body_state.hpp"
 #include "hexaplast/material/rows.hpp"
@@ -113,6 +114,22 @@ std::vector<std::string> fracture_warnings(const std::vector<Material>& material
     sentences.push_back(fmt::format("{} exceeds {} in {} of {} hexahedra: they tear as soon as they flow",
                                     name("yield_stress"), name("fracture_stress"), count(begins_beyond),
                                     materials.size()));
+  return sentences;
+}
+
+std::vector<std::string> idle_option_warnings(const Settings& settings, Names names) {
+  std::vector<std::string> sentences;
+  if (settings.rest_shape != RestShape::kIsolated) return sentences;
+  for (const auto& [member, reason] : {std::pair("rotation_frame", "rotation does not flow"),
+                                       {"averaging", "nothing is averaged"},
+                                       {"averaging_steps", "nothing is averaged"},
+                                       {"averaging_tolerance", "nothing is averaged"},
+                                       {"volume_restitution", "flow keeps the volume of a hexahedron"}}) {
+    const Row<Settings>& row = *find_row(settings_rows(), member, Names::kMembers);
+    if (row.at.get(settings) != row.at.get(Settings()))
+      sentences.push_back(fmt::format("{} has no effect with {} = isolated: {}", row.called(names),
+                                      called("rest_shape", names), reason));
+  }
   return sentences;
 }
 

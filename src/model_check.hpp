@@ -44,4 +44,8 @@ std::vector<std::string> model_warnings(const ModelCheck& check, Names names = N
 /// One sentence for each limit of fracture that nothing can reach, or beyond which elements begin.
 std::vector<std::string> fracture_warnings(const std::vector<Material>& materials, Names names = Names::kMembers);
 
+/// One sentence for each option that RestShape::kIsolated leaves without effect, and that has another value than the
+/// default.
+std::vector<std::string> idle_option_warnings(const Settings& settings, Names names = Names::kMembers);
+
 }  // namespace hexaplast

@@ -96,7 +96,7 @@ class Body {
   ///
   ///   bytes | content, little-endian
   ///       8 | "HXPBODY" and a zero
-  ///       4 | format version: 3
+  ///       4 | format version: 4
   ///       8 | XXH64 of mesh and settings, and of the names of all members and words
   ///       8 | size of what follows
   ///       n | materials, history: lists preceded by their lengths (base/archive.hpp)

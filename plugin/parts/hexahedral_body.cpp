@@ -47,8 +47,10 @@ Body HexahedralBody::made(ConstPoints rest, const std::vector<Hexahedron>& hexah
 void HexahedralBody::check(const HexahedralBodyOptions& options, double dt) {
   validate(options.materials, Names::kScenes);
   validate(options.settings, Names::kScenes);
+  validate(options.materials, options.settings, Names::kScenes);
   warn(check_time_step(options.materials, options.settings, dt, Names::kScenes));
   warn(fracture_warnings(options.materials, Names::kScenes));
+  warn(idle_option_warnings(options.settings, Names::kScenes));
   dt_ = dt;
 }
 

@@ -213,6 +213,8 @@ def test_settings_and_materials_are_plain_data():
         "law": ("corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin"),
         "recovery": ("none", "cluster"),
         "yield_norm": ("vonMises", "frobenius", "spectral"),
+        "yield_stress_measure": ("biot", "cauchy"),
+        "rest_shape": ("joined", "isolated"),
         "rotation_plasticity": ("objective", "vertex", "centre", "none"),
         "rotation_frame": ("bestFit", "world"),
         "averaging": ("gaussNewton", "jacobi"),

@@ -35,10 +35,10 @@ void require_fracture_beyond_yield(const std::vector<Material>& materials, Names
          fmt::format("lie in [{}, inf] Pa, from {} on", min->yield_stress, called("yield_stress", names)));
 }
 
-/// The rates among the members: their largest products with the time step.
+/// The rates among the members: their largest products with the time step, which warn only where they have no limit.
 template <class Options>
 void check_rates(std::span<const Row<Options>> rows, std::span<const Options> all, double dt, Names names,
-                 std::vector<std::string>& warnings) {
+                 bool have_limits, std::vector<std::string>& warnings) {
   for (const Row<Options>& row : rows) {
     if (std::isinf(row.per_step.max) && std::isinf(row.recommended_per_step)) continue;
     double rate = 0;
@@ -48,11 +48,28 @@ void check_rates(std::span<const Row<Options>> rows, std::span<const Options> al
       return fmt::format("{} = {} {} times dt = {} s is {:.6g}: {}", row.called(names), rate, row.unit, dt, product,
                          judgement);
     };
-    if (!row.per_step.contains(product))
-      throw InputError(sentence(
-          fmt::format("must be {} {:.6g}", row.per_step.exclusive_max ? "below" : "at most", row.per_step.max)));
-    if (product > row.recommended_per_step)
+    if (!row.per_step.contains(product)) {
+      if (have_limits)
+        throw InputError(sentence(
+            fmt::format("must be {} {:.6g}", row.per_step.exclusive_max ? "below" : "at most", row.per_step.max)));
+      warnings.push_back(sentence("all of the excess flows in each step, at no rate"));
+    } else if (product > row.recommended_per_step) {
       warnings.push_back(sentence(fmt::format("results lose accuracy above {}", row.recommended_per_step)));
+    }
+  }
+}
+
+/// Isolated rest shapes let a sample change its volume, which volumetric = sample resists there: where more flows in a
+/// step, this can raise the energy.                                                              theory.md section 5.9
+void require_flow_that_lowers_energy(const std::vector<Material>& materials, double dt, Names names) {
+  for (std::size_t e = 0; e < materials.size(); ++e) {
+    const Material& m = materials[e];
+    const double product = m.flow_rate * dt, max = 1 - 2 * m.poisson_ratio;
+    if (can_stretch(m) && product > max * (1 + 1e-12))  // rounding of decimal numbers
+      refuse(called("flow_rate", names), m.flow_rate, place_of(e, materials),
+             fmt::format("be at most (1 - 2 {}) / dt = {:.6g} 1/s with {} = isolated and {} = sample",
+                         called("poisson_ratio", names), max / dt, called("rest_shape", names),
+                         called("volumetric", names)));
   }
 }
 
@@ -75,20 +92,41 @@ void validate(const Settings& settings, Names names) {
   for (const Row<Settings>& row : settings_rows())
     if (const double value = row.at.get(settings); !row.admits(value))
       refuse(row.called(names), value, "", row.condition());
-  const auto require = [&](Implementation implementation, std::string_view member, auto value) {
+  const auto require = [&](std::string_view member, auto value, std::string_view other_member, auto needed,
+                           std::string_view reason = "") {
     const Row<Settings>& row = *find_row(settings_rows(), member, Names::kMembers);
-    const Row<Settings>& other = *find_row(settings_rows(), "implementation", Names::kMembers);
-    if (row.at.get(settings) == static_cast<double>(value) && settings.implementation != implementation)
-      throw InputError(fmt::format("{} = {} needs {} = {}", row.called(names),
+    const Row<Settings>& other = *find_row(settings_rows(), other_member, Names::kMembers);
+    if (row.at.get(settings) == static_cast<double>(value) && other.at.get(settings) != static_cast<double>(needed))
+      throw InputError(fmt::format("{} = {} needs {} = {}{}", row.called(names),
                                    row.words[static_cast<std::size_t>(value)], other.called(names),
-                                   other.words[static_cast<std::size_t>(implementation)]));
+                                   other.words[static_cast<std::size_t>(needed)], reason));
   };
-  for (const Bending bending : {Bending::kVertex, Bending::kCentre})
-    require(Implementation::kPlain, "bending", bending);
-  for (const RotationPlasticity mode : {RotationPlasticity::kVertex, RotationPlasticity::kCentre})
-    require(Implementation::kPlain, "rotation_plasticity", mode);
-  require(Implementation::kPlain, "averaging", AveragingMethod::kJacobi);
-  require(Implementation::kFast, "precision", Precision::kMixed);
+  const auto require_plain = [&](std::string_view member, auto value) {
+    require(member, value, "implementation", Implementation::kPlain, ": the fast kernels do not have it");
+  };
+  for (const Bending bending : {Bending::kVertex, Bending::kCentre}) {
+    require_plain("bending", bending);
+    require("bending", bending, "rest_shape", RestShape::kJoined);
+  }
+  for (const RotationPlasticity mode : {RotationPlasticity::kVertex, RotationPlasticity::kCentre}) {
+    require_plain("rotation_plasticity", mode);
+    require("rotation_plasticity", mode, "rest_shape", RestShape::kJoined);
+  }
+  require_plain("averaging", AveragingMethod::kJacobi);
+  require_plain("rest_shape", RestShape::kIsolated);
+  require("rest_shape", RestShape::kIsolated, "law", ElasticLaw::kCorotated);
+  require("yield_stress_measure", YieldStressMeasure::kCauchy, "rest_shape", RestShape::kIsolated);
+  require("yield_stress_measure", YieldStressMeasure::kCauchy, "volumetric", Volumetric::kVolumeRatio);
+  require("precision", Precision::kMixed, "implementation", Implementation::kFast);
+}
+
+void validate(const std::vector<Material>& materials, const Settings& settings, Names names) {
+  if (settings.rest_shape == RestShape::kJoined) return;
+  for (std::size_t e = 0; e < materials.size(); ++e)
+    if (can_rotate(materials[e], settings))
+      refuse(called("rotation_flow_rate", names), materials[e].rotation_flow_rate, place_of(e, materials),
+             fmt::format("be 0 with {} = isolated: a turn holds no energy, and stretch alone keeps a twist",
+                         called("rest_shape", names)));
 }
 
 bool can_stretch(const Material& material) { return material.flow_rate > 0 && std::isfinite(material.yield_stress); }
@@ -104,14 +142,16 @@ bool can_flow(const std::vector<Material>& materials, const Settings& settings) 
 
 double bytes_per_hexahedron(const std::vector<Material>& materials, const Settings& settings) {
   const bool flows = can_flow(materials, settings);
-  const bool tracks_stretch =
-      std::ranges::any_of(materials, [](const Material& material) { return std::isfinite(material.fracture_stretch); });
+  const bool is_isolated = settings.rest_shape == RestShape::kIsolated;
+  const bool has_stretches = is_isolated || std::ranges::any_of(materials, [](const Material& material) {
+                               return std::isfinite(material.fracture_stretch);
+                             });
   const bool turns_at_corners = settings.rotation_plasticity == RotationPlasticity::kVertex ||
                                 settings.rotation_plasticity == RotationPlasticity::kCentre;
   // what not every history has stands in the trial history of a step once more
-  const double tensors = (tracks_stretch ? kCorners : 0) + (turns_at_corners ? kCorners - 1 : 0);
+  const double tensors = (has_stretches ? kCorners : 0) + (turns_at_corners ? kCorners - 1 : 0);
   if (settings.implementation == Implementation::kPlain)
-    return 15000 + (flows ? 2 : 1) * tensors * sizeof(Mat3) + (flows ? 1000 : 0);
+    return 15000 + (is_isolated ? 2600 : 0) + (flows ? 2 : 1) * tensors * sizeof(Mat3) + (flows ? 1000 : 0);
   const double coefficients = (settings.bending == Bending::kAssumedCorner ? 51 : 0) +
                               (settings.volumetric != Volumetric::kSample ? 42 : 0) +
                               (settings.law != ElasticLaw::kCorotated ? 56 : 0);
@@ -130,8 +170,12 @@ std::vector<std::string> check_time_step(const std::vector<Material>& materials,
   std::vector<std::string> warnings;
   // without yield a body is at rest in its initial shape for ever: the plastic step does nothing
   if (!can_flow(materials, settings)) return warnings;
-  check_rates<Material>(material_rows(), materials, dt, names, warnings);
-  check_rates<Settings>(settings_rows(), std::span(&settings, 1), dt, names, warnings);
+  const bool is_joined = settings.rest_shape == RestShape::kJoined;
+  check_rates<Material>(material_rows(), materials, dt, names, is_joined, warnings);
+  if (is_joined)
+    check_rates<Settings>(settings_rows(), std::span(&settings, 1), dt, names, true, warnings);
+  else if (settings.volumetric == Volumetric::kSample)
+    require_flow_that_lowers_energy(materials, dt, names);
   return warnings;
 }
 

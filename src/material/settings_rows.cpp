@@ -12,6 +12,8 @@ constexpr std::string_view kVolumetrics[] = {"sample", "volumeRatio"};
 constexpr std::string_view kRecoveries[] = {"none", "cluster"};
 constexpr std::string_view kLaws[] = {"corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin"};
 constexpr std::string_view kYieldNorms[] = {"vonMises", "frobenius", "spectral"};
+constexpr std::string_view kMeasures[] = {"biot", "cauchy"};
+constexpr std::string_view kRestShapes[] = {"joined", "isolated"};
 constexpr std::string_view kRotations[] = {"objective", "vertex", "centre", "none"};
 constexpr std::string_view kFrames[] = {"bestFit", "world"};
 constexpr std::string_view kAveragings[] = {"gaussNewton", "jacobi"};
@@ -84,6 +86,21 @@ constexpr Row<Settings> kSettingsRows[] = {
      .help = "Norm of the stress that is compared with yieldStress. vonMises is independent of pressure under "
              "law=\"corotated\".",
      .at = kMember<&Settings::yield_norm>},
+    {.member = "yield_stress_measure",
+     .name = "yieldStressMeasure",
+     .group = kYield,
+     .words = kMeasures,
+     .help = "Stress that is compared with yieldStress. biot: that of the law, in the rotated frame; cauchy: true "
+             "stress, advised above strains of 5 %; for restShape=\"isolated\".",
+     .at = kMember<&Settings::yield_stress_measure>},
+    {.member = "rest_shape",
+     .name = "restShape",
+     .group = kFlow,
+     .words = kRestShapes,
+     .help = "Where permanent deformation lives. joined: in one mesh that fits all hexahedra best, without residual "
+             "stress; isolated: in each quadrature point (implementation=\"plain\"), with residual stress, without "
+             "flow of rotation.",
+     .at = kMember<&Settings::rest_shape>},
     {.member = "rotation_plasticity",
      .name = "rotationPlasticity",
      .group = kFlow,
@@ -130,8 +147,8 @@ constexpr Row<Settings> kSettingsRows[] = {
      .group = kNumerics,
      .words = kImplementations,
      .help = "What computes. plain: one hexahedron after the other, in double precision, for reading and comparing; it "
-             "alone has bending=\"vertex\" and \"centre\", averaging=\"jacobi\", and rotationPlasticity=\"vertex\" and "
-             "\"centre\".",
+             "alone has bending=\"vertex\" and \"centre\", averaging=\"jacobi\", rotationPlasticity=\"vertex\" and "
+             "\"centre\", and restShape=\"isolated\".",
      .at = kMember<&Settings::implementation>},
     {.member = "volume_restitution",
      .name = "volumeRestitution",
@@ -148,7 +165,7 @@ constexpr Row<Settings> kSettingsRows[] = {
      .group = kVolume,
      .range = {.min = 0, .max = 1, .exclusive_max = true},
      .help = "Hexahedra whose volume at a corner is below this fraction of the initial one, or that are inverted, do "
-             "not flow.",
+             "not flow. restShape=\"isolated\": below three times this fraction at a corner of the current positions.",
      .at = kMember<&Settings::inversion_threshold>},
 };
 static_assert(std::size(kSettingsRows) == num_members<Settings>(), "a member has no row");

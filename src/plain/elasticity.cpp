@@ -30,7 +30,7 @@ Elasticity::Elasticity(const Model& model, const History& history, ConstPoints x
     if (!history.alive[e]) continue;
     const Hexahedron& corners = hexahedra_[e];
     const ElementPoints plastic_rest = gather(history.plastic_rest_positions, corners), current = gather(x, corners);
-    elements_[e].emplace(plastic_rest, current, model.lame[e], model.settings);
+    elements_[e].emplace(plastic_rest, current, model.lame[e], model.settings, history.plastic_inverse_of(e));
     if (recovers) recovery_.corner_ratios[model.partition->place_of_element[e]] = corner_ratio(plastic_rest, current);
   }
   if (recovers) recovery_.find(model, history.alive, history.plastic_rest_positions, x);

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 
+#include "element/isolated-inl.hpp"
 #include "kinematics/gradients.hpp"
 #include "kinematics/sampling.hpp"
 #include "material/law-inl.hpp"
 #include "mesh/trilinear.hpp"
 #include "plain/plain.hpp"
+#include "plastic/point_flow.hpp"
 
 namespace hexaplast::plain {
 
@@ -24,6 +28,20 @@ double free_modulus(Volumetric volumetric, const Lame& k) {
   return 2 * k.mu * k.lambda / (k.lambda + 2 * k.mu);
 }
 
+/// Gm of eq. P2.
+Mat3 mean_of(const CornerTensors& plastic_inverse) {
+  scalar::Mat<double> G[kCorners];
+  for (int i = 0; i < kCorners; ++i) G[i] = scalar::entries(plastic_inverse[i]);
+  return to_eigen(scalar::mean_plastic_inverse(G));
+}
+
+/// log S minus its mean.
+Mat3 deviatoric_log(const Mat3& S) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(S);
+  const Vec3 log = eigen.eigenvalues().array().log();
+  return eigen.eigenvectors() * Vec3(log.array() - log.mean()).asDiagonal() * eigen.eigenvectors().transpose();
+}
+
 /// (tr S I - S)^-1, bounded where two stretches are opposite.                                                 eq. E13
 Mat3 inverse_of_turning(const Mat3& S) {
   const Mat3 K = S.trace() * Mat3::Identity() - S, cof = cofactor(K);
@@ -34,10 +52,12 @@ Mat3 inverse_of_turning(const Mat3& S) {
 
 // ---- assumed strain
 
-AssumedStrain::AssumedStrain(const ElementPoints& plastic_rest, const ElementPoints& current, double weight)
+AssumedStrain::AssumedStrain(const ElementPoints& plastic_rest, const ElementPoints& current, double weight,
+                             const Mat3& mean_plastic_inverse)
     : weight_(weight),
       J_inverse_(centre_jacobian(plastic_rest).inverse()),
-      mean_gradient_(mean_gradient(plastic_rest)) {
+      mean_gradient_(mean_gradient(plastic_rest)),
+      G_(mean_plastic_inverse) {
   ElementPoints h;  // columns: eta zeta, xi zeta, xi eta
   for (int a = 0; a < kCorners; ++a) {
     const Vec3 s = reference_coordinates(a);
@@ -45,10 +65,10 @@ AssumedStrain::AssumedStrain(const ElementPoints& plastic_rest, const ElementPoi
   }
   gamma_ = (h - mean_gradient_ * plastic_rest.transpose() * h) / kCorners;  //                                  eq. E8
 
-  const Polar mean = polar(Mat3(current.transpose() * mean_gradient_));  //                                      eq. E9
+  const Polar mean = polar(Mat3(current.transpose() * mean_gradient_ * G_));  //                             eq. E9, P2
   R_ = mean.R;
   S_ = mean.S;
-  const Mat3 j = R_ * J_inverse_.transpose();  // columns j_n
+  const Mat3 j = R_ * G_.transpose() * J_inverse_.transpose();  // columns j_n
   for (int n = 0; n < 3; ++n) {
     const Vec3 j_n = j.col(n);
     const double square = j_n.squaredNorm();
@@ -98,22 +118,27 @@ ElementPoints AssumedStrain::turning(const std::array<Mat3, kCorners>& P, const 
   for (int n = 0; n < 3; ++n) M += A.col(n).cross(g.col(n)) - q.col(n).cross(h.col(n));
   const Vec3 y = R_ * inverse_of_turning(S_) * R_.transpose() * M;  //                                          eq. E13
   ElementPoints acting;
-  for (int a = 0; a < kCorners; ++a) acting.row(a) = y.cross(R_ * mean_gradient_.row(a).transpose()).transpose();
+  for (int a = 0; a < kCorners; ++a)
+    acting.row(a) = y.cross(R_ * G_.transpose() * mean_gradient_.row(a).transpose()).transpose();
   return acting;
 }
 
 // ---- element
 
 Element::Element(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame,
-                 const Settings& settings)
+                 const Settings& settings, const CornerTensors* plastic_inverse)
     : lame_(lame), law_(settings.law), mooney_fraction_(settings.mooney_fraction), current_(current) {
   const Sampling sampling = sampling_of(settings);
   const RestOperator rest = rest_operator(plastic_rest, sampling);
   samples_.volume = rest.volume;
   for (int i = 0; i < kCorners; ++i) gradient_[i] = sample_gradient(rest, i);
-  if (sampling.assumed == Assumed::kCorner) assumed_.emplace(plastic_rest, current, sampling.corner_weight);
+  if (plastic_inverse)
+    for (const Mat3& G : *plastic_inverse) isolated_.emplace_back().plastic_inverse = G;
+  if (sampling.assumed == Assumed::kCorner)
+    assumed_.emplace(plastic_rest, current, sampling.corner_weight,
+                     plastic_inverse ? mean_of(*plastic_inverse) : Mat3(Mat3::Identity()));
 
-  samples_.F = gradients(current);  //                                                                   eq. 7, E11c
+  samples_.F = gradients(current);  //                                                               eq. 7, E11c, P1
   for (int i = 0; i < kCorners; ++i) {
     samples_.polar[i] = polar(samples_.F[i]);  //                                                               eq. 6
     const auto& [R, S] = samples_.polar[i];
@@ -142,6 +167,66 @@ Element::Element(const ElementPoints& plastic_rest, const ElementPoints& current
     samples_.stress[i] = to_eigen(matrix(scalar::stress(law_, mooney_fraction_, S, lame.mu, k)));
     guard_[i] = law_ == ElasticLaw::kCorotated ? 0 : scalar::tangent_guard(law_, mooney_fraction_, S, lame.mu, k);
   }
+  if (plastic_inverse) find_isolated_stress(plastic_rest, settings.yield_stress_measure);
+}
+
+void Element::find_isolated_stress(const ElementPoints& initial, YieldStressMeasure measure) {
+  const bool is_cauchy = measure == YieldStressMeasure::kCauchy;
+  const double pressure = of_volume_ * volume_excess_;  // p; with `sample` it is in that of the law
+  const auto J_inverse = scalar::entries(centre_jacobian(initial).inverse());
+  scalar::Mat<double> normals[kCorners];
+  scalar::Sym<double> relieved[kCorners];
+  for (int i = 0; i < kCorners; ++i) {
+    normals[i] = scalar::face_normals(scalar::entries(isolated_[i].plastic_inverse), J_inverse);
+    isolated_[i].normals = to_eigen(normals[i]);
+    isolated_[i].corotated_stress = samples_.stress[i] - pressure * Mat3::Identity();
+    relieved[i] = scalar::symmetric_entries(samples_.stress[i]);  //                                        eq. P7, P7t
+    if (is_cauchy)
+      relieved[i] =
+          scalar::cauchy_stress(scalar::symmetric_entries(samples_.polar[i].S),
+                                scalar::symmetric_entries(isolated_[i].corotated_stress), pressure, volume_excess_ + 1);
+    isolated_[i].flow_stress = to_eigen(matrix(relieved[i]));
+  }
+  scalar::relieve(normals, relieved);  //                                                                        eq. P8
+  for (int i = 0; i < kCorners; ++i) samples_.stress[i] = to_eigen(matrix(relieved[i]));
+}
+
+IsolatedStep Element::flow_isolated(const Material& material, YieldNorm norm, const CornerValues& yield_stress,
+                                    double dt) const {
+  IsolatedStep step;
+  step.yield_stress = yield_stress;
+  step.log_stretch.fill(Mat3::Zero());
+  for (int i = 0; i < kCorners; ++i) {
+    step.plastic_inverse[i] = isolated_[i].plastic_inverse;
+    step.norm[i] = stress_norm(samples_.stress[i], norm);
+    step.fraction[i] = scalar::isolated_flow_fraction(step.norm[i], yield_stress[i], material.flow_rate * dt);
+    step.yielded = step.yielded || step.fraction[i] > 0;
+    if (!std::isfinite(step.norm[i])) step.dissipated = step.norm[i];  // an overflow, which the caller refuses
+  }
+  if (!step.yielded) return step;
+
+  scalar::Mat<double> normals[kCorners];
+  scalar::Sym<double> M[kCorners];
+  for (int i = 0; i < kCorners; ++i) {
+    normals[i] = scalar::entries(isolated_[i].normals);
+    M[i] = {};
+    if (step.fraction[i] > 0)
+      M[i] = scalar::flow_direction(scalar::symmetric_entries(deviatoric_log(samples_.polar[i].S)),
+                                    scalar::symmetric_entries(samples_.stress[i]),
+                                    scalar::symmetric_entries(isolated_[i].flow_stress), lame_.mu, step.fraction[i]);
+  }
+  scalar::relieve(normals, M);  //                                                                              eq. P11
+  for (int i = 0; i < kCorners; ++i) {
+    step.log_stretch[i] = to_eigen(matrix(M[i]));
+    step.strain[i] =
+        std::sqrt(2.0 / 3) * (step.log_stretch[i] - step.log_stretch[i].trace() / 3 * Mat3::Identity()).norm();
+    step.plastic_inverse[i] =
+        to_eigen(scalar::flowed_plastic_inverse(scalar::entries(isolated_[i].plastic_inverse), M[i]));
+    step.yield_stress[i] = hardened(yield_stress[i], material.hardening, step.fraction[i], step.norm[i]);
+    step.dissipated += samples_.volume / kCorners *
+                       (samples_.polar[i].S * isolated_[i].corotated_stress).cwiseProduct(step.log_stretch[i]).sum();
+  }
+  return step;
 }
 
 std::array<Mat3, kCorners> Element::gradients(const ElementPoints& u) const {
@@ -149,8 +234,14 @@ std::array<Mat3, kCorners> Element::gradients(const ElementPoints& u) const {
   for (int i = 0; i < kCorners; ++i) {
     F[i] = u.transpose() * gradient_[i];
     if (assumed_) F[i] += assumed_->gradient(u, i);
+    if (!isolated_.empty()) F[i] *= isolated_[i].plastic_inverse;
   }
   return F;
+}
+
+std::array<Mat3, kCorners> Element::on_gradients(std::array<Mat3, kCorners> P) const {
+  for (std::size_t i = 0; i < isolated_.size(); ++i) P[i] *= isolated_[i].plastic_inverse.transpose();  //      eq. P4
+  return P;
 }
 
 ElementPoints Element::transpose(const std::array<Mat3, kCorners>& P) const {
@@ -180,6 +271,7 @@ ElementPoints Element::force() const {
     P[i] = R * to_eigen(matrix(
                    scalar::stress(law_, mooney_fraction_, scalar::symmetric_entries(S), lame_.mu, k)));  // eq. 12, 13
   }
+  P = on_gradients(P);
   ElementPoints acting = transpose(P) / kCorners;
   if (assumed_) acting += assumed_->turning(P, current_) / kCorners;
   if (of_volume_ != 0) acting += of_volume_ * volume_excess_ * volume_gradient_;
@@ -201,7 +293,7 @@ ElementPoints Element::force_increment(const ElementPoints& dx) const {
     dP[i] =
         R * lame_.mu * (Z + Z.transpose()) + (free_ * t[i] + shared_ * mean) * along_dilatation_[i] + guard_[i] * dF[i];
   }
-  ElementPoints acting = transpose(dP) / kCorners;
+  ElementPoints acting = transpose(on_gradients(dP)) / kCorners;
   if (of_volume_ != 0) acting += of_volume_ * volume_gradient_.cwiseProduct(dx).sum() * volume_gradient_;
   return -samples_.volume * acting;
 }

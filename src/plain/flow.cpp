@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/finite.hpp"
 #include "hexaplast/base/error.hpp"
@@ -165,7 +166,54 @@ class Step {
 
 }  // namespace
 
+FlowReport flow_isolated(const Model& model, ConstPoints x, double dt, History& history) {
+  FlowReport report;
+  History next = history;
+  for (int e = 0; e < model.mesh.num_elements(); ++e) {
+    if (!history.alive[e]) continue;
+    const Hexahedron& corners = model.mesh.hexahedra()[e];
+    const ElementPoints initial = gather(model.mesh.positions(), corners), current = gather(x, corners);
+    const Element element(initial, current, model.lame[e], model.settings, history.plastic_inverse_of(e));
+
+    // protection against inversion, of samples and of current corners
+    double min_det = std::numeric_limits<double>::infinity();
+    for (const Mat3& F : element.samples().F) min_det = std::min(min_det, F.determinant());
+    report.inverted += min_det < 0;
+    if (min_det < model.settings.inversion_threshold ||
+        min_jacobian_ratio(model.corner_jacobian(e), current) < model.settings.corner_threshold()) {
+      ++report.skipped;
+      continue;
+    }
+
+    const Material& material = model.material(e);
+    if (!can_stretch(material)) continue;
+    const IsolatedStep step = element.flow_isolated(material, model.settings.yield_norm, history.yield_stress[e], dt);
+    if (step.yielded) {
+      ++report.yielded;
+      next.plastic_inverse[e] = step.plastic_inverse;
+      next.yield_stress[e] = step.yield_stress;
+      for (int i = 0; i < kCorners; ++i) next.plastic_strain[e][i] += step.strain[i];
+      next.dissipated_energy += step.dissipated;
+    }
+    if (!(next.is_finite(e) && std::isfinite(step.dissipated)))
+      throw NumericalError(fmt::format("the plastic history of hexahedron {} is not finite", e));
+    if (!step.yielded) continue;
+    CornerTensors plastic;  // F^p
+    for (int i = 0; i < kCorners; ++i) plastic[i] = next.plastic_inverse[e][i].inverse();
+    if (is_broken(material, history.yield_stress[e], next.yield_stress[e], &plastic)) {
+      next.alive[e] = 0;
+      next.removed.push_back(e);
+      ++report.removed;
+    }
+  }
+  if (report.yielded == 0) return report;
+  next.version = history.version + 1;
+  history = std::move(next);
+  return report;
+}
+
 FlowReport flow(const Model& model, ConstPoints x, double dt, LinearSolver& solver, History& history) {
+  if (model.settings.rest_shape == RestShape::kIsolated) return flow_isolated(model, x, dt, history);
   Step step(model, x, history);
   step.flow_elements(dt);
   if (!model.can_flow() || !step.has_changed()) return step.report;

@@ -28,14 +28,16 @@
 ///            joined rest shape              | 30 to 32          | join_rest_shapes
 ///            pure elasticity near inversion | 5.4               | flow
 ///            fracture                       | 5.7               | flow
+///   (not in the paper) isolated rest shapes | 5.9, P1 to P12    | Element, element/isolated-inl.hpp, flow_isolated
 namespace hexaplast::plain {
 
 /// The strain of `assumedCorner`: its part linear in a coordinate n is tangential to the faces of that coordinate.
 /// Linear in nodal values u while R is held fixed.                                                     theory.md 2.1
 class AssumedStrain {
  public:
-  /// Corners [m]; weight: c.
-  AssumedStrain(const ElementPoints& plastic_rest, const ElementPoints& current, double weight);
+  /// Corners [m]; weight: c; mean_plastic_inverse: Gm of isolated rest shapes.                                eq. P2
+  AssumedStrain(const ElementPoints& plastic_rest, const ElementPoints& current, double weight,
+                const Mat3& mean_plastic_inverse);
 
   /// c sum_n s_n A_n (x) J^n of u, at sample i.                                                         eq. E10, E11c
   Mat3 gradient(const ElementPoints& u, int sample) const;
@@ -55,25 +57,45 @@ class AssumedStrain {
   double weight_;
   Mat3 J_inverse_;               // rows J^n [1/m]
   ElementPoints mean_gradient_;  // Gm_a [1/m]
-  Mat3 R_, S_;                   // of the mean gradient F_m
+  Mat3 G_;                       // mean_plastic_inverse
+  Mat3 R_, S_;                   // of the mean gradient F_m, times G_
   ElementPoints gamma_;          // column l: gamma_l                                                          eq. E8
   Mat3 of_hourglass_[3][3];      // A_n = sum_l of_hourglass_[n][l] q_l                                       eq. E10
+};
+
+/// One plastic step of a hexahedron with isolated rest shapes.                                       theory.md 5.9
+struct IsolatedStep {
+  bool yielded = false;
+  CornerValues norm = {};         ///< [Pa] of the stress without what a hexahedron cannot show              eq. P8
+  CornerValues fraction = {};     ///< gamma                                                                   eq. P9
+  CornerValues strain = {};       ///< [-] accumulated in the step: sqrt(2/3) |dev M|_F
+  CornerTensors log_stretch;      ///< M: logarithm of S^p                                                    eq. P11
+  CornerTensors plastic_inverse;  ///< G after the step                                                       eq. P12
+  CornerValues yield_stress;      ///< [Pa] tau after the step                                                eq. P12
+  double dissipated = 0;          ///< [J]
 };
 
 /// One hexahedron at one set of current positions.
 class Element {
  public:
-  /// Corners [m].
-  Element(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame, const Settings& settings);
+  /// Corners [m]. plastic_inverse: the G_i of isolated rest shapes, null of joined ones.
+  Element(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame, const Settings& settings,
+          const CornerTensors* plastic_inverse = nullptr);
 
   double energy() const;                                         ///< [J]                        eq. 18, E5, E14
   ElementPoints force() const;                                   ///< [N] per corner     eq. 15, E3, E6, E13, E15
   ElementPoints force_increment(const ElementPoints& dx) const;  ///< [N] rotations fixed    eq. 16, E4, E7, E20
-  const ElementSamples& samples() const { return samples_; }
+  const ElementSamples& samples() const { return samples_; }     ///< of isolated rest shapes: of F^e; stress of eq. P8
+
+  /// yield_stress [Pa]: tau before the step; dt [s]. For isolated rest shapes.                         eq. P6 to P12
+  IsolatedStep flow_isolated(const Material& material, YieldNorm norm, const CornerValues& yield_stress,
+                             double dt) const;
 
  private:
   std::array<Mat3, kCorners> gradients(const ElementPoints& u) const;
   ElementPoints transpose(const std::array<Mat3, kCorners>& P) const;
+  std::array<Mat3, kCorners> on_gradients(std::array<Mat3, kCorners> P) const;  // P^e -> P                     eq. P4
+  void find_isolated_stress(const ElementPoints& initial, YieldStressMeasure measure);
 
   Lame lame_;
   ElasticLaw law_;
@@ -82,6 +104,12 @@ class Element {
   std::array<ElementPoints, kCorners> gradient_;  // g~_ia [1/m]
   std::optional<AssumedStrain> assumed_;
   ElementSamples samples_;  // F, R, S, and the stress that yields
+  struct IsolatedSample {
+    Mat3 plastic_inverse;                // G_i
+    Mat3 normals;                        // rows n_in                                                          eq. P6
+    Mat3 corotated_stress, flow_stress;  // [Pa] sigma_i, without p and as it yields                      eq. P7, P7t
+  };
+  std::vector<IsolatedSample> isolated_;  // eight of isolated rest shapes, none of joined ones
 
   CornerValues dilatation_;                      // theta_i
   std::array<Mat3, kCorners> along_dilatation_;  // d theta_i / d F_i
@@ -129,6 +157,9 @@ struct StiffnessTerm final : NodalOperator {
 /// stay.
 AveragingReport join_rest_shapes(const Model& model, const std::vector<unsigned char>& changed, LinearSolver& solver,
                                  History& history);
+
+/// The same without a mesh of plastic rest positions: each sample keeps its own deformation.           theory.md 5.9
+FlowReport flow_isolated(const Model& model, ConstPoints x, double dt, History& history);
 
 /// One plastic step at the accepted current positions x (num_nodes x 3) [m].                              theory.md 5
 /// Throws NumericalError naming the element whose history, or the node whose plastic rest position, is not finite; the

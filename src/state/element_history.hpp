@@ -17,6 +17,7 @@ struct ElementHistory {
   CornerValues rotation_yield;    ///< [rad] tau^R
   CornerValues plastic_strain;    ///< [-] accumulated sqrt(2/3) gamma |dev log D|_F
   CornerTensors plastic_stretch;  ///< product of the S^p, in the rest frame; identity unless the model tracks it
+  CornerTensors plastic_inverse;  ///< G = (F^p)^-1 of isolated rest shapes; identity elsewhere
 };
 
 }  // namespace hexaplast

@@ -38,6 +38,7 @@ History::History(const Model& model)
       plastic_rest_positions(model.mesh.positions()),
       plastic_strain(model.mesh.num_elements(), CornerValues{}),
       plastic_stretch(model.tracks_plastic_stretch ? model.mesh.num_elements() : 0, identities()),
+      plastic_inverse(model.settings.rest_shape == RestShape::kIsolated ? model.mesh.num_elements() : 0, identities()),
       alive(model.mesh.num_elements(), 1) {
   averaging_increment.setZero(model.mesh.num_nodes(), 3);
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
@@ -49,9 +50,13 @@ History::History(const Model& model)
 }
 
 ElementHistory History::element(int e) const {
-  ElementHistory element{rest_shape[e],     {},
-                         yield_stress[e],   rotation_yield.empty() ? CornerValues{} : rotation_yield[e],
-                         plastic_strain[e], plastic_stretch.empty() ? identities() : plastic_stretch[e]};
+  ElementHistory element{rest_shape[e],
+                         {},
+                         yield_stress[e],
+                         rotation_yield.empty() ? CornerValues{} : rotation_yield[e],
+                         plastic_strain[e],
+                         plastic_stretch.empty() ? identities() : plastic_stretch[e],
+                         plastic_inverse.empty() ? identities() : plastic_inverse[e]};
   const std::size_t maps = rotation_map.size() / rest_shape.size();
   for (int i = 0; i < kCorners; ++i) element.rotation_map[i] = rotation_map[e * maps + (maps == 1 ? 0 : i)];
   return element;
@@ -65,6 +70,7 @@ void History::set_element(int e, const ElementHistory& element) {
   if (!rotation_yield.empty()) rotation_yield[e] = element.rotation_yield;
   plastic_strain[e] = element.plastic_strain;
   if (!plastic_stretch.empty()) plastic_stretch[e] = element.plastic_stretch;
+  if (!plastic_inverse.empty()) plastic_inverse[e] = element.plastic_inverse;
 }
 
 // By sums, which take a fraction of the time and are no numbers where one of their terms is none.
@@ -75,15 +81,16 @@ bool History::is_finite(int e) const {
   const std::size_t maps = rotation_map.size() / rest_shape.size();
   double numbers = rest_shape[e].sum() + sum(plastic_strain[e]), thresholds = sum(yield_stress[e]);
   for (std::size_t m = 0; m < maps; ++m) numbers += rotation_map[e * maps + m].sum();
-  if (!plastic_stretch.empty())
-    for (const Mat3& stretch : plastic_stretch[e]) numbers += stretch.sum();
+  for (const auto* tensors : {&plastic_stretch, &plastic_inverse})
+    if (!tensors->empty())
+      for (const Mat3& tensor : (*tensors)[e]) numbers += tensor.sum();
   if (!rotation_yield.empty()) thresholds += sum(rotation_yield[e]);
   return std::isfinite(numbers) && !std::isnan(thresholds);
 }
 
 void History::serialize(Archive& archive) {
   archive(rest_shape, rotation_map, yield_stress, rotation_yield, plastic_rest_positions, plastic_strain,
-          plastic_stretch, dissipated_energy, alive, removed, averaging_increment);
+          plastic_stretch, plastic_inverse, dissipated_energy, alive, removed, averaging_increment);
   if (archive.reads()) removed.reserve(alive.size());  // a step allocates nothing
 }
 
@@ -95,10 +102,12 @@ void validate(const Model& model, const History& history) {
               history.plastic_strain.size() == num_elements && history.alive.size() == num_elements,
           "it is of another number of hexahedra");
   require(history.plastic_rest_positions.rows() == num_nodes, "it is of another number of nodes");
-  require(history.rotation_map.size() == num_maps && history.averaging_increment.rows() == num_nodes &&
-              history.plastic_stretch.size() == (model.tracks_plastic_stretch ? num_elements : 0) &&
-              (history.rotation_yield.size() == num_elements || (history.rotation_yield.empty() && !model.can_rotate)),
-          "it is of other settings or materials");
+  require(
+      history.rotation_map.size() == num_maps && history.averaging_increment.rows() == num_nodes &&
+          history.plastic_stretch.size() == (model.tracks_plastic_stretch ? num_elements : 0) &&
+          history.plastic_inverse.size() == (model.settings.rest_shape == RestShape::kIsolated ? num_elements : 0) &&
+          (history.rotation_yield.size() == num_elements || (history.rotation_yield.empty() && !model.can_rotate)),
+      "it is of other settings or materials");
 
   const auto is_threshold = [](double value) { return value >= 0; };
   require(all_values(history.yield_stress, is_threshold) && all_values(history.rotation_yield, is_threshold),

@@ -20,6 +20,8 @@ struct History {
   PointArray plastic_rest_positions;           ///< [m] x: joined rest shape, num_nodes x 3; all that elasticity sees
   std::vector<CornerValues> plastic_strain;    ///< [-] per element
   std::vector<CornerTensors> plastic_stretch;  ///< per element; empty unless the model tracks it
+  std::vector<CornerTensors> plastic_inverse;  ///< G = (F^p)^-1 per element; empty unless rest shapes are isolated: in
+                                               ///< place of y, Pi and x, which stay as they are
   double dissipated_energy = 0;                ///< [J] accumulated plastic work
   std::vector<unsigned char> alive;            ///< per element: 0 once it is removed
   std::vector<int> removed;                    ///< removed elements in the order of their removal
@@ -33,6 +35,9 @@ struct History {
 
   ElementHistory element(int e) const;
   void set_element(int e, const ElementHistory& element);
+  const CornerTensors* plastic_inverse_of(int e) const {  ///< null unless rest shapes are isolated
+    return plastic_inverse.empty() ? nullptr : &plastic_inverse[e];
+  }
 
   /// Whether every number of one element is finite; its thresholds may be infinite, but must be numbers.
   bool is_finite(int e) const;

@@ -40,8 +40,10 @@ void Model::take_materials() {
     throw InputError(
         fmt::format("{} materials for {} hexahedra: one, or one per hexahedron", materials.size(), num_elements));
   validate(materials);
+  validate(materials, settings);
 
-  tracks_plastic_stretch = std::any_of(materials.begin(), materials.end(),
+  tracks_plastic_stretch = settings.rest_shape == RestShape::kJoined &&
+                           std::any_of(materials.begin(), materials.end(),
                                        [](const Material& m) { return std::isfinite(m.fracture_stretch); });
   can_stretch =
       std::any_of(materials.begin(), materials.end(), [](const Material& m) { return hexaplast::can_stretch(m); });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <string>
 #include <vector>
@@ -66,6 +67,18 @@ enum class YieldNorm {
   kSpectral    ///< largest |principal stress|
 };
 
+/// Which stress is compared with the yield stress.
+enum class YieldStressMeasure {
+  kBiot,   ///< the stress of the law, in the rotated frame
+  kCauchy  ///< true stress in the rotated frame; kIsolated alone
+};
+
+/// Where permanent deformation lives.
+enum class RestShape {
+  kJoined,   ///< one mesh fits the rest shapes of all elements best: no residual stress
+  kIsolated  ///< each sample keeps its own; plain implementation                                  theory.md section 5.9
+};
+
 /// How rotation within an element becomes permanent.
 enum class RotationPlasticity {
   kObjective,  ///< relative rotation of corner and centre, carried by the rest shape
@@ -111,6 +124,8 @@ struct Settings {
   double recovery_from = 0.05;   ///< [-] corner ratio below which springs act
   double recovery_full = -1;     ///< [-] at and below which they have their full strength, at most 0
   YieldNorm yield_norm = YieldNorm::kVonMises;
+  YieldStressMeasure yield_stress_measure = YieldStressMeasure::kBiot;
+  RestShape rest_shape = RestShape::kJoined;
   RotationPlasticity rotation_plasticity = RotationPlasticity::kObjective;
   RotationFrame rotation_frame = RotationFrame::kBestFit;  ///< of the modes kVertex and kCentre
   AveragingMethod averaging =
@@ -121,6 +136,10 @@ struct Settings {
   Implementation implementation = Implementation::kFast;
   double volume_restitution = 1;     ///< c [1/s], >= 0; c dt < 2/3
   double inversion_threshold = 0.1;  ///< elements whose smallest det F or det J ratio lies below do not flow; in [0, 1)
+
+  /// The threshold of kIsolated for the Jacobians of the current corners: without one, these fold under loads on few
+  /// nodes.
+  double corner_threshold() const { return std::min(3 * inversion_threshold, 1.0); }
 
   /// The tolerance itself: what a step leaves is in the next one's right-hand side.
   double averaging_residual() const {
@@ -152,6 +171,8 @@ double bytes_per_hexahedron(const std::vector<Material>& materials, const Settin
 /// the other implementation has.
 void validate(const std::vector<Material>& materials, Names names = Names::kMembers);
 void validate(const Settings& settings, Names names = Names::kMembers);
+/// Throws InputError where a material has a flow of rotation, which RestShape::kIsolated has not.
+void validate(const std::vector<Material>& materials, const Settings& settings, Names names = Names::kMembers);
 
 /// Largest admissible products with the time step, and those above which results lose accuracy.
 inline constexpr double kLargestFlowPerStep = 1.0;               // more than all of the excess cannot flow
@@ -160,7 +181,8 @@ inline constexpr double kLargestRestitutionPerStep = 2.0 / 3.0;  // volume error
 inline constexpr double kRecommendedRestitutionPerStep = 0.3;
 
 /// Checks nu dt, nu^R dt, c dt and those of any further rate, unless nothing can flow: none of them acts then. Throws
-/// InputError where a limit is passed, otherwise returns one sentence per recommended limit that is passed.
+/// InputError where a limit is passed, otherwise returns one sentence per recommended limit that is passed. With
+/// RestShape::kIsolated c does not act, and nu dt has no limit but 1 - 2 nu_P with Volumetric::kSample.
 std::vector<std::string> check_time_step(const std::vector<Material>& materials, const Settings& settings, double dt,
                                          Names names = Names::kMembers);
 

@@ -26,12 +26,13 @@ using Json = nlohmann::ordered_json;
 // ---- input ----------------------------------------------------------------------------------------------------------
 
 /// Short keys of reference files and the names they stand for.
-constexpr std::array<std::pair<const char*, const char*>, 18> kShortKeys{{
+constexpr std::array<std::pair<const char*, const char*>, 19> kShortKeys{{
     {"X0", "initial"},
     {"x", "plasticRest"},
     {"y", "rest"},
     {"xh", "current"},
     {"Pi", "rotationMap"},
+    {"G", "plasticInverse"},
     {"tau", "yieldStress"},
     {"tauR", "rotationYield"},
     {"params", "parameters"},
@@ -118,17 +119,30 @@ CornerValues corner_values(const std::string& key, const Json& value) {
   return values;
 }
 
-CornerTensors rotation_maps(const Json& value) {
-  CornerTensors maps;
+/// One, or one per corner.
+CornerTensors tensors(const std::string& key, const Json& value) {
+  CornerTensors found;
   if (value.is_array() && value.size() == kCorners) {
-    for (int i = 0; i < kCorners; ++i) maps[i] = matrix("rotationMap", value[i]);
+    for (int i = 0; i < kCorners; ++i) found[i] = matrix(key, value[i]);
   } else {
-    maps.fill(matrix("rotationMap", value));
+    found.fill(matrix(key, value));
   }
+  return found;
+}
+
+CornerTensors rotation_maps(const Json& value) {
+  const CornerTensors maps = tensors("rotationMap", value);
   for (const Mat3& map : maps)
     if ((map.transpose() * map - Mat3::Identity()).norm() > 1e-6 || map.determinant() < 0)
       reject("rotationMap", value, "a rotation matrix, or eight");
   return maps;
+}
+
+CornerTensors plastic_inverses(const Json& value) {
+  const CornerTensors G = tensors("plasticInverse", value);
+  for (const Mat3& one : G)
+    if (!(one.determinant() > 0)) reject("plasticInverse", value, "a matrix of positive determinant, or eight");
+  return G;
 }
 
 /// What the input describes.
@@ -181,8 +195,8 @@ Element read_element(const Json& given) {
   Element element;
   element.names_modes = given.contains("X0");
   if (element.names_modes) element.settings = published_element();  // of which reference files are
-  static const std::set<std::string> known{"initial",     "plasticRest", "rest",          "current",
-                                           "rotationMap", "yieldStress", "rotationYield", "parameters"};
+  static const std::set<std::string> known{"initial",     "plasticRest",   "rest",           "current",   "rotationMap",
+                                           "yieldStress", "rotationYield", "plasticInverse", "parameters"};
   if (!element.names_modes)
     for (const auto& [key, value] : json.items())
       if (!known.contains(key)) throw InputError(fmt::format("no key is called {}", key));
@@ -200,6 +214,14 @@ Element read_element(const Json& given) {
   element.settings.implementation = Implementation::kPlain;
   validate({element.constants}, Names::kScenes);
   validate(element.settings, Names::kScenes);
+  validate({element.constants}, element.settings, Names::kScenes);
+  const bool is_isolated = element.settings.rest_shape == RestShape::kIsolated;
+  for (const char* key : {"plasticRest", "rest", "rotationMap", "rotationYield"})
+    if (is_isolated && json.contains(key))
+      throw InputError(
+          fmt::format("{}: has no meaning with restShape isolated, of which plasticInverse is given", key));
+  if (!is_isolated && json.contains("plasticInverse"))
+    throw InputError("plasticInverse: has a meaning with restShape isolated only");
   HexahedronState& state = element.state;
   state = initial_hexahedron(points("initial", json["initial"]), element.constants);
   state.plastic_rest = optional_points("plasticRest", state.initial);
@@ -207,6 +229,7 @@ Element read_element(const Json& given) {
   state.history.rest_shape =
       optional_points("rest", state.plastic_rest.rowwise() - state.plastic_rest.colwise().mean());
   if (json.contains("rotationMap")) state.history.rotation_map = rotation_maps(json["rotationMap"]);
+  if (json.contains("plasticInverse")) state.history.plastic_inverse = plastic_inverses(json["plasticInverse"]);
   if (json.contains("yieldStress")) state.history.yield_stress = corner_values("yieldStress", json["yieldStress"]);
   if (json.contains("rotationYield"))
     state.history.rotation_yield = corner_values("rotationYield", json["rotationYield"]);
@@ -255,31 +278,33 @@ Json step_block(const Element& element, RotationPlasticity mode) {
   Settings settings = element.settings;
   settings.rotation_plasticity = mode;
   const HexahedronStep found = inspect_step(element.state, element.constants, settings, element.dt, Names::kScenes);
-  return {{"F_i", to_json(found.F_corner)},
-          {"F_o", to_json(found.F_centre)},
-          {"Fbar_plain", to_json(found.F_blended)},
-          {"Fbar", to_json(found.F)},
-          {"R", to_json(found.R)},
-          {"S", to_json(found.S)},
-          {"R_o", to_json(found.R_centre)},
-          {"Q", to_json(found.Q)},
-          {"phi", to_json(found.phi)},
-          {"eps", to_json(found.strain)},
-          {"sigma", to_json(found.stress)},
-          {"sigma_norm", to_json(found.stress_norm)},
-          {"gamma", to_json(found.stretch_flow_fraction)},
-          {"Sp", to_json(found.stretch_increment)},
-          {"eta", to_json(found.rotation_flow_fraction)},
-          {"Rp", to_json(found.rotation_increment)},
-          {"beta", found.volume_ratio},
-          {"plasticity_off", found.skipped},
-          {"y_new", to_json(found.history.rest_shape)},
-          {"volume_y_new", found.rest_volume},
-          {"tau_new", to_json(found.history.yield_stress)},
-          {"tauR_new", to_json(found.history.rotation_yield)},
-          {"Pi_new", to_json(found.history.rotation_map)},
-          {"x_new", to_json(found.plastic_rest)},
-          {"volume_x_new", found.plastic_volume}};
+  Json block{{"F_i", to_json(found.F_corner)},
+             {"F_o", to_json(found.F_centre)},
+             {"Fbar_plain", to_json(found.F_blended)},
+             {"Fbar", to_json(found.F)},
+             {"R", to_json(found.R)},
+             {"S", to_json(found.S)},
+             {"R_o", to_json(found.R_centre)},
+             {"Q", to_json(found.Q)},
+             {"phi", to_json(found.phi)},
+             {"eps", to_json(found.strain)},
+             {"sigma", to_json(found.stress)},
+             {"sigma_norm", to_json(found.stress_norm)},
+             {"gamma", to_json(found.stretch_flow_fraction)},
+             {"Sp", to_json(found.stretch_increment)},
+             {"eta", to_json(found.rotation_flow_fraction)},
+             {"Rp", to_json(found.rotation_increment)},
+             {"beta", found.volume_ratio},
+             {"plasticity_off", found.skipped},
+             {"y_new", to_json(found.history.rest_shape)},
+             {"volume_y_new", found.rest_volume},
+             {"tau_new", to_json(found.history.yield_stress)},
+             {"tauR_new", to_json(found.history.rotation_yield)},
+             {"Pi_new", to_json(found.history.rotation_map)},
+             {"x_new", to_json(found.plastic_rest)},
+             {"volume_x_new", found.plastic_volume}};
+  if (settings.rest_shape == RestShape::kIsolated) block["G_new"] = to_json(found.history.plastic_inverse);
+  return block;
 }
 
 Json all_blocks(const Element& element) {

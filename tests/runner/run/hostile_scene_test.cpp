@@ -48,14 +48,21 @@ std::vector<BodyKind> body_kinds() {
   hexaplast::Material tears = flows;
   tears.fracture_stretch = 100;
   const hexaplast::Settings in_double, mixed{.precision = hexaplast::Precision::kMixed},
-      plain{.implementation = hexaplast::Implementation::kPlain};
+      plain{.implementation = hexaplast::Implementation::kPlain},
+      isolated{.rest_shape = hexaplast::RestShape::kIsolated, .implementation = hexaplast::Implementation::kPlain};
   const std::string flowing = "yieldStress='1e-9' plasticFlowRate='2' rotationFlowRate='1' ";
   const std::string tearing = flowing + "fractureStretch='100' ", in_mixed = "precision='mixed'",
                     in_plain = "implementation='plain'";
-  return {{"ElasticDouble", "", elastic, in_double},    {"ElasticMixed", in_mixed, elastic, mixed},
-          {"FlowingDouble", flowing, flows, in_double}, {"FlowingMixed", flowing + in_mixed, flows, mixed},
-          {"TearingDouble", tearing, tears, in_double}, {"TearingMixed", tearing + in_mixed, tears, mixed},
-          {"ElasticPlain", in_plain, elastic, plain},   {"TearingPlain", tearing + in_plain, tears, plain}};
+  return {
+      {"ElasticDouble", "", elastic, in_double},
+      {"ElasticMixed", in_mixed, elastic, mixed},
+      {"FlowingDouble", flowing, flows, in_double},
+      {"FlowingMixed", flowing + in_mixed, flows, mixed},
+      {"TearingDouble", tearing, tears, in_double},
+      {"TearingMixed", tearing + in_mixed, tears, mixed},
+      {"ElasticPlain", in_plain, elastic, plain},
+      {"TearingPlain", tearing + in_plain, tears, plain},
+      {"IsolatedPlain", "yieldStress='1e-9' plasticFlowRate='2' restShape='isolated' " + in_plain, flows, isolated}};
 }
 
 void PrintTo(const BodyKind& kind, std::ostream* out) { *out << kind.name; }

@@ -65,6 +65,42 @@ TEST_F(ElementCommand, AnswersReferenceFilesWithTheirOwnKeysAndNumbers) {
   }
 }
 
+TEST_F(ElementCommand, AnswersReferenceFilesOfIsolatedRestShapes) {
+  const Json data = support::test_data("isolated", "golden_isolated_hexahedron");
+  for (const auto& [name, one] : data["cases"].items()) {
+    SCOPED_TRACE(name);
+    const Json &words = one["attributes"], &numbers = one["parameters"];
+    const Json parameters{{"youngModulus", data["youngModulus"]},
+                          {"poissonRatio", data["poissonRatio"]},
+                          {"yieldStress", 1},
+                          {"plasticFlowRate", numbers["flow"]},
+                          {"hardening", numbers["hardening"]},
+                          {"dt", numbers["dt"]},
+                          {"restShape", words["restShape"]},
+                          {"bending", words["bending"]},
+                          {"volumetric", words["volumetric"]},
+                          {"yieldNorm", words["yieldNorm"]},
+                          {"yieldStressMeasure", words["yieldStressMeasure"] == "true" ? "cauchy" : "biot"}};
+    const Outcome outcome = element("", Json{{"initial", one["material"]},
+                                             {"current", one["world"]},
+                                             {"plasticInverse", one["G"]},
+                                             {"yieldStress", one["tau"]},
+                                             {"parameters", parameters}}
+                                            .dump());
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const Json answer = Json::parse(outcome.out);
+    for (const char* key : {"energy", "force"})
+      EXPECT_LE(difference(answer["elastic"][key], one["elastic"][key]), 1e-10) << key;
+    for (const auto& [key, expected] : {std::pair{"sigma", "sigma_hat"},
+                                        {"sigma_norm", "norm"},
+                                        {"gamma", "gamma"},
+                                        {"Sp", "Sp"},
+                                        {"G_new", "G_new"},
+                                        {"tau_new", "tau_new"}})
+      EXPECT_LE(difference(answer["objective"][key], one["flow"][expected]), 1e-10) << key;
+  }
+}
+
 const std::string kCube = R"("initial": [[0,0,0],[1,0,0],[1,1,0],[0,1,0],[0,0,1],[1,0,1],[1,1,1],[0,1,1]])";
 
 TEST_F(ElementCommand, NeedsNothingButTheHexahedronAndReadsStandardInput) {
@@ -107,6 +143,11 @@ TEST_F(ElementCommand, WrongInputEndsWith3AndNamesKeyValueAndWhatIsAllowed) {
            {"{" + kCube + R"(, "plasticRest": 1, "x": 1})", {"x", "twice", "another name"}},
            {"{" + kCube + R"(, "rotationMap": [[1,0,0],[0,1,0],[0,0,2]]})", {"rotationMap", "a rotation matrix"}},
            {"{" + kCube + R"(, "yieldStress": [1,2]})", {"yieldStress", "one per corner"}},
+           {"{" + kCube + R"(, "plasticInverse": [[1,0,0],[0,1,0],[0,0,1]]})", {"plasticInverse", "isolated only"}},
+           {"{" + kCube + R"(, "plasticInverse": [[1,0,0],[0,1,0],[0,0,-1]], "parameters": {"restShape": "isolated"}})",
+            {"plasticInverse", "positive determinant"}},
+           {"{" + kCube + R"(, "rotationYield": 1, "parameters": {"restShape": "isolated"}})",
+            {"rotationYield", "no meaning"}},
            {"{" + kCube + R"(, "parameters": 5})", {"parameters", "an object"}},
            {"{" + kCube + R"(, "parameters": {"youngModulu": 5}})", {"youngModulu"}},
            {"{" + kCube + R"(, "parameters": {"youngModulus": "stiff"}})", {"youngModulus", "stiff", "number"}},
@@ -131,8 +172,10 @@ TEST_F(ElementCommand, WrongInputEndsWith3AndNamesKeyValueAndWhatIsAllowed) {
 template <class Options, class Run>
 void expect_parameters(std::span<const Row<Options>> rows, const Run& run) {
   for (const Row<Options>& row : rows) {
+    const std::string others = row.name == "yieldStressMeasure" ? R"("restShape": "isolated", )" : "";
     const auto run_with = [&](const Json& value) {
-      return run("{" + kCube + R"(, "parameters": {")" + std::string(row.name) + "\": " + value.dump() + "}}");
+      return run("{" + kCube + R"(, "parameters": {)" + others + '"' + std::string(row.name) + "\": " + value.dump() +
+                 "}}");
     };
     const double value = support::another(row, row.at.get({}));
     const bool is_word = row.at.type == MemberType::kWord, is_whole = row.at.type == MemberType::kInteger;

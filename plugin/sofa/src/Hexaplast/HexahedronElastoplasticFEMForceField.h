@@ -31,9 +31,11 @@ public:
     Data<SReal> d_mooneyFraction{this->fromTable(d_mooneyFraction, "mooneyFraction")};
     Data<VecReal> d_yieldStress{this->fromTable(d_yieldStress, "yieldStress")};
     DataWord d_yieldNorm{this->fromTable(d_yieldNorm, "yieldNorm")};
+    DataWord d_yieldStressMeasure{this->fromTable(d_yieldStressMeasure, "yieldStressMeasure")};
     Data<SReal> d_plasticFlowRate{this->fromTable(d_plasticFlowRate, "plasticFlowRate")};
     Data<SReal> d_rotationYield{this->fromTable(d_rotationYield, "rotationYield")};
     Data<SReal> d_rotationFlowRate{this->fromTable(d_rotationFlowRate, "rotationFlowRate")};
+    DataWord d_restShape{this->fromTable(d_restShape, "restShape")};
     DataWord d_rotationPlasticity{this->fromTable(d_rotationPlasticity, "rotationPlasticity")};
     DataWord d_rotationFrame{this->fromTable(d_rotationFrame, "rotationFrame")};
     Data<SReal> d_hardening{this->fromTable(d_hardening, "hardening")};
