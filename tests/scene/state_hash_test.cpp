@@ -51,6 +51,7 @@ constexpr PinnedScene kScenes[] = {
     {"peritoneum_tear", 32},
     {"probe_liver", 50},
     {"slope", 110, Comes::kElastic},
+    {"springback", 20},
     {"two_organs", 110, Comes::kElastic},
     {"vessel_mobilise", 80, Comes::kToTear},
 };
