@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "parts/contact_options.hpp"
+
 namespace hexaplast::components {
 namespace {
 
@@ -29,6 +31,13 @@ scene::OdeSolver& require_one_integrator(scene::Component& component, std::array
                     "or below, as in SOFA",
                     integrator->node().path(), integrator->class_name(), integrator->name()));
   return *integrator;
+}
+
+void require_implicit_euler(scene::Component& component, scene::OdeSolver* integrator, std::string_view where) {
+  const std::string lacks = parts::integrator_lacks(
+      integrator ? integrator->class_name() : "", [&](const char* scheme) { return integrator->boolean(scheme); },
+      where);
+  if (!lacks.empty()) component.reject(lacks);
 }
 
 scene::ForceField* body_field_on(scene::MechanicalState& state) {

@@ -14,6 +14,9 @@ namespace hexaplast::components {
 /// where nothing moves the other one. The integrator.
 scene::OdeSolver& require_one_integrator(scene::Component& component, std::array<scene::MechanicalState*, 2> states);
 
+/// Rejects the scene unless contact may be solved by that integrator; null: there is none. where: it is needed.
+void require_implicit_euler(scene::Component& component, scene::OdeSolver* integrator, std::string_view where);
+
 /// The force field on a state that has a body; null: there is none. Throws DependencyFailure where it may be one that
 /// has failed.
 scene::ForceField* body_field_on(scene::MechanicalState& state);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "attributes/contact.hpp"
 
-#include <fmt/format.h>
-
 #include "components/between_states.hpp"
 #include "components/components.hpp"
 #include "components/part.hpp"
@@ -32,11 +30,7 @@ class InstrumentContactForceField final : public scene::ForceField,
     for (const scene::Mapping* mapping : node().root().all<scene::Mapping>())
       if (mapping->output() == state_) reject("its state follows another one: must be one that an integrator moves");
     integrator_ = node().nearest<scene::OdeSolver>();
-    if (!integrator_ || integrator_->class_name() != "EulerImplicitSolver")
-      reject("needs an EulerImplicitSolver in its node or above");
-    for (const char* scheme : {"trapezoidalScheme", "firstOrder"})
-      if (integrator_->boolean(scheme))
-        reject(fmt::format("its EulerImplicitSolver has {}: contact needs implicit Euler", scheme));
+    require_implicit_euler(*this, integrator_, "in its node or above");
     instrument_.emplace(accepted(*this, [&] { return parts::Instrument(options(), *body_field_->body()); }));
     shape_ = parts::shape_of(instrument_->options());
     accepted(*this,

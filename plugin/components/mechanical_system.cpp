@@ -424,30 +424,26 @@ bool NodeSystem::release(double time, ConstPoints x, ConstPoints v, ConstPoints 
   for (const Layer& root : roots())
     for (scene::ForceField* field : root.force_fields) {
       if (!field->is_one_sided()) continue;
-      const auto add = [&](double sign) {
-        difference_.setZero(root.state->num_nodes(), 3);
-        field->add_force(time, rows_of(root, x), rows_of(root, v), difference_);
-        rows_of(root, force) += sign * difference_;
-        field->add_stiffness_product(sign, rows_of(root, v), rows_of(root, product));
-      };
-      add(-1);
-      has_released = field->release(rows_of(root, x_end), rows_of(root, v_end)) || has_released;
-      add(1);
+      const bool pulled = ImplicitEuler::release_from(
+          rows_of(root, force), difference_,
+          [&](Points f) { field->add_force(time, rows_of(root, x), rows_of(root, v), f); },
+          [&](double sign) { field->add_stiffness_product(sign, rows_of(root, v), rows_of(root, product)); },
+          [&] { return field->release(rows_of(root, x_end), rows_of(root, v_end)); });
+      has_released = has_released || pulled;
     }
   for (Interaction& interaction : interactions_) {
     if (!interaction.one_sided) continue;
-    const auto add = [&](double sign) {
-      difference_.setZero(num_nodes_, 3);
-      interaction.field->add_force(time, positions_of(interaction, x), velocities_of(interaction, v),
-                                   forces_of(interaction, difference_));
-      force += sign * difference_;
-      interaction.field->add_stiffness_product(sign, increments_of(interaction, v), forces_of(interaction, product));
-    };
-    add(-1);
-    has_released =
-        interaction.one_sided->release(positions_of(interaction, x_end), velocities_of(interaction, v_end)) ||
-        has_released;
-    add(1);
+    scene::OneSidedInteraction& field = *interaction.one_sided;
+    const bool pulled = ImplicitEuler::release_from(
+        force, difference_,
+        [&](Points f) {
+          field.add_force(time, positions_of(interaction, x), velocities_of(interaction, v), forces_of(interaction, f));
+        },
+        [&](double sign) {
+          field.add_stiffness_product(sign, increments_of(interaction, v), forces_of(interaction, product));
+        },
+        [&] { return field.release(positions_of(interaction, x_end), velocities_of(interaction, v_end)); });
+    has_released = has_released || pulled;
   }
   return has_released;
 }

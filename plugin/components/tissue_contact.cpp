@@ -46,11 +46,7 @@ class TissueContactForceField final : public scene::OneSidedInteraction,
       reject("object2", fmt::format("leads to '{}', which another integrator moves than '{}': bodies that touch need "
                                     "one EulerImplicitSolver and one linear solver in a node above both",
                                     states_[1]->name(), states_[0]->name()));
-    if (!integrator_ || integrator_->class_name() != "EulerImplicitSolver")
-      reject("needs an EulerImplicitSolver above the bodies");
-    for (const char* scheme : {"trapezoidalScheme", "firstOrder"})
-      if (integrator_->boolean(scheme))
-        reject(fmt::format("its EulerImplicitSolver has {}: contact needs implicit Euler", scheme));
+    require_implicit_euler(*this, integrator_, "above the bodies");
     accepted(*this, [&] { tissues_.emplace(options(), *body_fields_[0]->body(), *body_fields_[1]->body()); });
     tissues_->look_at_start(positions());
     pass_on(*this, tissues_->take_warnings());

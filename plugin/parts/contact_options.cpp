@@ -57,6 +57,14 @@ OptionError softened(const OptionError& refusal, std::string_view body, double f
                                         reason.text, body, from, to)};
 }
 
+std::string integrator_lacks(std::string_view class_name, const std::function<bool(const char* scheme)>& has,
+                             std::string_view where) {
+  if (class_name != "EulerImplicitSolver") return fmt::format("needs an EulerImplicitSolver {}", where);
+  for (const char* scheme : {"trapezoidalScheme", "firstOrder"})
+    if (has(scheme)) return fmt::format("its EulerImplicitSolver has {}: contact needs implicit Euler", scheme);
+  return {};
+}
+
 double greatest_young_modulus(const Body& body) {
   return std::ranges::max(body.materials(), {}, &Material::young_modulus).young_modulus;
 }

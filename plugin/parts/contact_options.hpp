@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <functional>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "hexaplast/body.hpp"
@@ -49,6 +51,12 @@ struct ContactOptions {
 /// What is said of a stiffness that was accepted and is refused in a run: which body has become softer than it was,
 /// from and to which Young's modulus [Pa]. The refusal alone where it is not softer.
 OptionError softened(const OptionError& refusal, std::string_view body, double from, double to);
+
+/// What contact lacks of the time integrator of its bodies, which must be implicit Euler as SOFA's EulerImplicitSolver
+/// is by default; empty: nothing. class_name: of the integrator, empty where there is none. has: whether it has a
+/// scheme, by the name of its attribute. where: it is needed, "in its node or above".
+std::string integrator_lacks(std::string_view class_name, const std::function<bool(const char* scheme)>& has,
+                             std::string_view where);
 
 /// [Pa] of a body as it is.
 double greatest_young_modulus(const Body& body);

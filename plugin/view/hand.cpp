@@ -11,6 +11,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/mesh/faces.hpp"
+#include "parts/contact_options.hpp"
 #include "scene/visuals.hpp"
 
 namespace hexaplast::view {
@@ -48,12 +49,11 @@ std::vector<double> numbers_of(std::initializer_list<Vec3> places) {
 
 /// What InstrumentContactForceField needs of a body's surroundings.
 std::string why_untouchable(scene::Scene& scene, const scene::SceneBody& body) {
-  const auto* solver = body.state->node().nearest<scene::OdeSolver>();
-  if (!solver || solver->class_name() != "EulerImplicitSolver")
-    return fmt::format("{} needs an EulerImplicitSolver to be touched", body.name);
-  for (const char* scheme : {"trapezoidalScheme", "firstOrder"})
-    if (const_cast<scene::OdeSolver*>(solver)->boolean(scheme))
-      return fmt::format("the EulerImplicitSolver of {} has {}", body.name, scheme);
+  auto* integrator = body.state->node().nearest<scene::OdeSolver>();
+  const std::string lacks = parts::integrator_lacks(
+      integrator ? integrator->class_name() : "", [&](const char* scheme) { return integrator->boolean(scheme); },
+      "in its node or above");
+  if (!lacks.empty()) return fmt::format("{}: {}", body.name, lacks);
   for (const scene::Mapping* mapping : scene.root().all<scene::Mapping>())
     if (mapping->output() == body.state) return fmt::format("{} follows another state", body.name);
   return {};

@@ -97,6 +97,24 @@ class ImplicitEuler {
     return report;
   }
 
+  /// Lets `release()` take out what would pull at the end of the step, and adds what that changes: force += the change
+  /// of what add_force(f) adds to f (scratch of the size of force), and product by add_product(sign), which adds sign K
+  /// v. What release returns: whether there was anything.
+  template <class AddForce, class AddProduct, class Release>
+  static bool release_from(Points force, PointArray& scratch, const AddForce& add_force, const AddProduct& add_product,
+                           const Release& release) {
+    const auto add = [&](double sign) {
+      scratch.setZero(force.rows(), 3);
+      add_force(scratch);
+      force += sign * scratch;
+      add_product(sign);
+    };
+    add(-1);
+    const bool has_released = release();
+    add(1);
+    return has_released;
+  }
+
   /// b += h (f + (a h + rK) K v), projected, for a change of f and one of K v; `force` is changed too.
   template <class Project>
   static void add_released(double h, double of_product, PointArray& force, const PointArray& product,

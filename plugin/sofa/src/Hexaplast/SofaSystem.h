@@ -193,42 +193,26 @@ public:
         const double h = -m_A.mparams.bFactor(), ofProduct = m_A.mparams.kFactor() / m_A.mparams.bFactor();
         const PointArray x = m_states.positions(), v = m_states.velocities();
         const PointArray v_end = v + dv, x_end = x + h * v_end;
-        PointArray force = PointArray::Zero(num_nodes(), 3), product = force;
+        PointArray force = PointArray::Zero(num_nodes(), 3), product = force, scratch;
         bool has_released = false;
-
-        // what `let_go` takes out of the forces and products that `add` adds
-        const auto change_by = [&](const auto& add_force, const auto& add_product, const auto& let_go)
+        const auto release_from = [&](auto& field, const auto& of, const auto& in)
         {
-            const auto add = [&](double sign)
-            {
-                PointArray change = PointArray::Zero(num_nodes(), 3);
-                add_force(change);
-                force += sign * change;
-                add_product(sign);
-            };
-            add(-1);
-            has_released = let_go() || has_released;
-            add(1);
+            if (!field.isOneSided()) return;
+            const bool pulled = ImplicitEuler::release_from(
+                force, scratch, [&](Points f) { field.addOwnForce(of(x), of(v), in(f)); },
+                [&](double sign) { field.addOwnProduct(0, sign, of(v), in(product)); },
+                [&] { return field.release(of(x_end), of(v_end)); });
+            has_released = has_released || pulled;
         };
         for (const Beside& beside : m_besides)
             for (OurForceField* field : beside.fields)
-            {
-                if (!field->isOneSided()) continue;
-                const auto of = [&](const PointArray& all) { return States::rows<ConstPoints>(all, beside.entry); };
-                const auto in = [&](PointArray& all) { return States::rows<Points>(all, beside.entry); };
-                change_by([&](PointArray& f) { field->addOwnForce(of(x), of(v), in(f)); },
-                          [&](double sign) { field->addOwnProduct(0, sign, of(v), in(product)); },
-                          [&] { return field->release(of(x_end), of(v_end)); });
-            }
+                release_from(
+                    *field, [&](ConstPoints all) { return States::rows<ConstPoints>(all, beside.entry); },
+                    [&](Points all) { return States::rows<Points>(all, beside.entry); });
         for (const Between::Pair& pair : m_between.pairs)
-        {
-            if (!pair.field->isOneSided()) continue;
-            const auto of = [&](const PointArray& all) { return pair.rows<ConstPoints>(all); };
-            const auto in = [&](PointArray& all) { return pair.rows<Points>(all); };
-            change_by([&](PointArray& f) { pair.field->addOwnForce(of(x), of(v), in(f)); },
-                      [&](double sign) { pair.field->addOwnProduct(0, sign, of(v), in(product)); },
-                      [&] { return pair.field->release(of(x_end), of(v_end)); });
-        }
+            release_from(
+                *pair.field, [&](ConstPoints all) { return pair.rows<ConstPoints>(all); },
+                [&](Points all) { return pair.rows<Points>(all); });
         if (!has_released) return false;
         ImplicitEuler::add_released(
             h, ofProduct, force, product, [&](Points field) { project(field); }, b);

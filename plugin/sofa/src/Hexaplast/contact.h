@@ -5,6 +5,8 @@
 #include <sofa/core/BaseMapping.h>
 #include <sofa/core/behavior/OdeSolver.h>
 
+#include "parts/contact_options.hpp"
+
 /// What contact asks of the graph around it. Throws InputError where that is not there.
 namespace hexaplast::sofa_plugin
 {
@@ -33,12 +35,14 @@ inline BodyField& body_field_of(const sofa::core::behavior::BaseMechanicalState&
 inline const sofa::core::behavior::OdeSolver& implicit_euler_of(const sofa::core::objectmodel::BaseContext& context)
 {
     const auto* integrator = context.get<sofa::core::behavior::OdeSolver>();
-    if (!integrator || integrator->getClassName() != "EulerImplicitSolver")
-        throw InputError("needs an EulerImplicitSolver in its node or above");
-    for (const char* scheme : {"trapezoidalScheme", "firstOrder"})
-        if (const auto* is_on = dynamic_cast<const Data<bool>*>(integrator->findData(scheme));
-            is_on && is_on->getValue())
-            throw InputError(fmt::format("its EulerImplicitSolver has {}: contact needs implicit Euler", scheme));
+    const auto has = [&](const char* scheme)
+    {
+        const auto* data = dynamic_cast<const Data<bool>*>(integrator->findData(scheme));
+        return data && data->getValue();
+    };
+    const std::string lacks =
+        parts::integrator_lacks(integrator ? integrator->getClassName() : "", has, "in its node or above");
+    if (!lacks.empty()) throw InputError(lacks);
     return *integrator;
 }
 
