@@ -83,6 +83,7 @@ struct Attribute {
   std::string_view words = {};  ///< of a kWord, separated by blanks
   Access access = Access::kInput;
   std::string_view help = {};
+  std::string_view group = {};  ///< under which SOFA's windows show it; empty: none
 };
 
 /// One component.

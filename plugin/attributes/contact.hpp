@@ -12,30 +12,37 @@ inline constexpr Attribute kTangentialStiffness{.name = "tangentialStiffness",
                                                 .range = kNotNegative,
                                                 .help =
                                                     "Shear stress per displacement of tissue that sticks. Default: "
-                                                    "contactStiffness; at most 200 times the default of that."};
+                                                    "contactStiffness; at most 200 times the default of that.",
+                                                .group = "Contact"};
 inline constexpr Attribute kFriction{
     .name = "friction",
     .type = Type::kReal,
     .initial = "0",
     .range = kNotNegative,
-    .help = "Tissue slips where the tangential force exceeds this times the normal force."};
+    .help = "Tissue slips where the tangential force exceeds this times the normal force.",
+    .group = "Contact"};
 inline constexpr Attribute kContactDistance{
     .name = "contactDistance",
     .type = Type::kReal,
     .initial = "0",
     .unit = "m",
     .range = kNotNegative,
-    .help = "Contact begins at this distance from the surface: at most half of the mean edge."};
+    .help = "Contact begins at this distance from the surface: at most half of the mean edge.",
+    .group = "Contact"};
 inline constexpr Attribute kContactDamping{
     .name = "damping",
     .type = Type::kReal,
     .initial = "0",
     .unit = "Pa s/m",
     .range = kNotNegative,
-    .help = "Pressure per speed of approach; at most 200 times the default of contactStiffness times dt."};
+    .help = "Pressure per speed of approach; at most 200 times the default of contactStiffness times dt.",
+    .group = "Contact"};
 
-inline constexpr Attribute kActive{
-    .name = "active", .type = Type::kBool, .initial = "true", .help = "false: they pass through each other."};
+inline constexpr Attribute kActive{.name = "active",
+                                   .type = Type::kBool,
+                                   .initial = "true",
+                                   .help = "false: they pass through each other.",
+                                   .group = "Contact"};
 
 inline constexpr Attribute kInstrumentContactAttributes[] = {
     {.name = "shape",
@@ -43,46 +50,69 @@ inline constexpr Attribute kInstrumentContactAttributes[] = {
      .initial = "sphere",
      .words = "sphere capsule cylinder box surface",
      .help = "Shape around the origin of the instrument's frame. Capsules and cylinders lie along z. surface: that of "
-             "surfaceTriangles."},
-    {.name = "radius", .type = Type::kReal, .unit = "m", .range = kPositive, .help = "Of sphere, capsule, cylinder."},
+             "surfaceTriangles.",
+     .group = "Instrument"},
+    {.name = "radius",
+     .type = Type::kReal,
+     .unit = "m",
+     .range = kPositive,
+     .help = "Of sphere, capsule, cylinder.",
+     .group = "Instrument"},
     {.name = "length",
      .type = Type::kReal,
      .unit = "m",
      .range = kPositive,
-     .help = "Of cylinder and capsule; of a capsule without its two caps."},
-    {.name = "size", .type = Type::kVector3, .unit = "m", .range = kPositive, .help = "Edges of the box."},
+     .help = "Of cylinder and capsule; of a capsule without its two caps.",
+     .group = "Instrument"},
+    {.name = "size",
+     .type = Type::kVector3,
+     .unit = "m",
+     .range = kPositive,
+     .help = "Edges of the box.",
+     .group = "Instrument"},
     {.name = "surfacePositions",
      .type = Type::kVectors3,
      .unit = "m",
-     .help = "Nodes of the surface in the frame of the instrument: @loader.position."},
+     .help = "Nodes of the surface in the frame of the instrument: @loader.position.",
+     .group = "Instrument"},
     {.name = "surfaceTriangles",
      .type = Type::kIntegers,
      .range = kIndex,
-     .help = "A closed surface: groups of three nodes, counter-clockwise seen from outside."},
+     .help = "A closed surface: groups of three nodes, counter-clockwise seen from outside.",
+     .group = "Instrument"},
     {.name = "embeddedPositions",
      .type = Type::kVectors3,
      .unit = "m",
-     .help = "Nodes, in the initial shape, of a surface that is embedded in the body: @visual.position."},
+     .help = "Nodes, in the initial shape, of a surface that is embedded in the body: @visual.position.",
+     .group = "Contact"},
     {.name = "embeddedTriangles",
      .type = Type::kIntegers,
      .range = kIndex,
      .help = "Groups of three of these nodes, counter-clockwise seen from outside: the surface that is touched, in "
-             "place of the faces of the hexahedra."},
-    {.name = "keyTimes", .type = Type::kReals, .unit = "s", .help = "Key times of the path, ascending."},
+             "place of the faces of the hexahedra.",
+     .group = "Contact"},
+    {.name = "keyTimes",
+     .type = Type::kReals,
+     .unit = "s",
+     .help = "Key times of the path, ascending.",
+     .group = "Path"},
     {.name = "positions",
      .type = Type::kVectors3,
      .unit = "m",
-     .help = "Position at each key time, linear in between; constant before the first time and after the last."},
+     .help = "Position at each key time, linear in between; constant before the first time and after the last.",
+     .group = "Path"},
     {.name = "orientations",
      .type = Type::kReals,
-     .help = "Orientation at each key time, a quaternion x y z w; it turns steadily in between. Default: not turned."},
+     .help = "Orientation at each key time, a quaternion x y z w; it turns steadily in between. Default: not turned.",
+     .group = "Path"},
     {.name = "contactStiffness",
      .type = Type::kReal,
      .unit = "Pa/m",
      .range = kPositive,
      .help = "Pressure per depth of penetration. Default: 30 times the greatest Young's modulus over the mean edge of "
              "the hexahedra, also when the modulus changes. At most 200 times the default; from 30 times on a "
-             "MultigridCGLinearSolver needs a tolerance of 1e-8."},
+             "MultigridCGLinearSolver needs a tolerance of 1e-8.",
+     .group = "Contact"},
     kTangentialStiffness,
     kFriction,
     kContactDistance,
@@ -92,7 +122,8 @@ inline constexpr Attribute kInstrumentContactAttributes[] = {
      .initial = "8",
      .range = {.min = 1, .max = 64},
      .help = "Contact points divide edges into parts of half the instrument's smallest radius, but at most this number "
-             "of parts; a warning appears if it does not suffice."},
+             "of parts; a warning appears if it does not suffice.",
+     .group = "Contact"},
     kActive,
     {.name = "force",
      .type = Type::kVector3,
@@ -128,7 +159,12 @@ inline constexpr Attribute kInstrumentFrameAttributes[] = {
      .help = "In place of a path: a MechanicalObject of rigid frames (template Rigid3d), or its node. One frame "
              "prescribes the motion of the instrument, which the body does not push. Within a step the instrument "
              "moves on with the velocity of the frame."},
-    {.name = "rigidIndex", .type = Type::kInteger, .initial = "0", .range = kIndex, .help = "Which of the frames."},
+    {.name = "rigidIndex",
+     .type = Type::kInteger,
+     .initial = "0",
+     .range = kIndex,
+     .help = "Which of the frames.",
+     .group = "Path"},
 };
 inline constexpr auto kInstrumentContactInSofaAttributes =
     joined(kInstrumentContactAttributes, kInstrumentFrameAttributes);
@@ -148,7 +184,8 @@ inline constexpr Attribute kTissueContactAttributes[] = {
      .unit = "Pa/m",
      .range = kPositive,
      .help = "Pressure per depth of penetration. Default and limits as of InstrumentContactForceField, for the body "
-             "for which they are less."},
+             "for which they are less.",
+     .group = "Contact"},
     kTangentialStiffness,
     kFriction,
     kContactDistance,
@@ -158,7 +195,8 @@ inline constexpr Attribute kTissueContactAttributes[] = {
      .initial = "8",
      .range = {.min = 1, .max = 64},
      .help = "Contact points divide edges into parts of half the mean edge of the other surface, but at most this "
-             "number of parts."},
+             "number of parts.",
+     .group = "Contact"},
     kActive,
     {.name = "force",
      .type = Type::kVector3,

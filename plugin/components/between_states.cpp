@@ -33,13 +33,6 @@ scene::OdeSolver& require_one_integrator(scene::Component& component, std::array
   return *integrator;
 }
 
-void require_implicit_euler(scene::Component& component, scene::OdeSolver* integrator, std::string_view where) {
-  const std::string lacks = parts::integrator_lacks(
-      integrator ? integrator->class_name() : "", [&](const char* scheme) { return integrator->boolean(scheme); },
-      where);
-  if (!lacks.empty()) component.reject(lacks);
-}
-
 scene::ForceField* body_field_on(scene::MechanicalState& state) {
   scene::ForceField* found = nullptr;
   bool has_failed = false;
@@ -49,6 +42,42 @@ scene::ForceField* body_field_on(scene::MechanicalState& state) {
     has_failed = has_failed || field->stage() == scene::Component::Stage::kFailed;
   }
   if (!found && has_failed) throw scene::DependencyFailure();
+  return found;
+}
+
+Touching find_touching(scene::Component& component, std::span<scene::MechanicalState* const> states) {
+  Touching found;
+  const bool are_two = states.size() == 2;
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    const char* object = k == 0 ? "object1" : "object2";
+    scene::MechanicalState& state = *states[k];
+    const scene::ForceField* field = body_field_on(state);
+    if (!field && are_two)
+      component.reject(
+          object,
+          fmt::format("leads to '{}', on which there is no body: contact is that of a body's surface", state.name()));
+    if (!field) component.reject("no body on its state: contact is that of a body's surface");
+    for (const scene::Mapping* mapping : component.node().root().all<scene::Mapping>()) {
+      if (mapping->output() != &state) continue;
+      if (!are_two) component.reject("its state follows another one: must be one that an integrator moves");
+      component.reject(object, fmt::format("leads to '{}', which follows another state: must lead to one that an "
+                                           "integrator moves",
+                                           state.name()));
+    }
+    found.bodies[k] = field->body();
+  }
+  if (!are_two) found.bodies[1] = found.bodies[0];
+  found.integrator = (are_two ? states[0]->node() : component.node()).nearest<scene::OdeSolver>();
+  if (are_two && found.integrator != states[1]->node().nearest<scene::OdeSolver>())
+    component.reject("object2",
+                     fmt::format("leads to '{}', which another integrator moves than '{}': bodies that touch "
+                                 "need one EulerImplicitSolver and one linear solver in a node above both",
+                                 states[1]->name(), states[0]->name()));
+  const std::string lacks = parts::integrator_lacks(
+      found.integrator ? found.integrator->class_name() : "",
+      [&](const char* scheme) { return found.integrator->boolean(scheme); },
+      are_two ? "above the bodies" : "in its node or above");
+  if (!lacks.empty()) component.reject(lacks);
   return found;
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 
 #include "scene/interfaces.hpp"
 
@@ -14,12 +15,19 @@ namespace hexaplast::components {
 /// where nothing moves the other one. The integrator.
 scene::OdeSolver& require_one_integrator(scene::Component& component, std::array<scene::MechanicalState*, 2> states);
 
-/// Rejects the scene unless contact may be solved by that integrator; null: there is none. where: it is needed.
-void require_implicit_euler(scene::Component& component, scene::OdeSolver* integrator, std::string_view where);
-
 /// The force field on a state that has a body; null: there is none. Throws DependencyFailure where it may be one that
 /// has failed.
 scene::ForceField* body_field_on(scene::MechanicalState& state);
+
+/// What contact is between, on one state or two.
+struct Touching {
+  std::array<const Body*, 2> bodies = {};  // of one state: the same twice
+  scene::OdeSolver* integrator = nullptr;
+};
+
+/// Rejects the scene unless there is a body on each state, and one integrator that suits contact moves them. To be
+/// asked when all components have had their init.
+Touching find_touching(scene::Component& component, std::span<scene::MechanicalState* const> states);
 
 /// Where nodes of a state are, for what is seen of springs. Valid until the next step.
 class SpringEnds {

@@ -22,9 +22,7 @@ void add_constraints(scene::Factory& factory);     // Fixed, PartialFixed, and t
 void add_attachments(scene::Factory& factory);     // AttachProjectiveConstraint
 void add_loads(scene::Factory& factory);           // forces of the scene, pressure, obstacles
 void add_springs(scene::Factory& factory);         // SpringForceField, RestShapeSpringsForceField
-void add_instruments(scene::Factory& factory);     // GraspForceField
-void add_contact(scene::Factory& factory);         // InstrumentContactForceField
-void add_tissue_contact(scene::Factory& factory);  // TissueContactForceField
+void add_part_forces(scene::Factory& factory);     // contact, GraspForceField, TangentialForceField
 void add_mappings(scene::Factory& factory);        // BarycentricMapping, IdentityMapping
 void add_visuals(scene::Factory& factory);         // OglModel, VisualStyle, InteractiveCamera
 void add_probes(scene::Factory& factory);          // Probe

@@ -19,9 +19,7 @@ HEXAPLAST_PLUGIN(factory) {
   add_attachments(factory);
   add_loads(factory);
   add_springs(factory);
-  add_instruments(factory);
-  add_contact(factory);
-  add_tissue_contact(factory);
+  add_part_forces(factory);
   add_bodies(factory);
   add_regions(factory);
   add_mappings(factory);

@@ -8,12 +8,10 @@
 #include <numeric>
 #include <optional>
 
-#include "attributes/parts.hpp"
 #include "attributes/stock.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
 #include "components/part.hpp"
-#include "parts/tangential_load.hpp"
 #include "scene/interfaces.hpp"
 #include "scene/load.hpp"
 #include "solve/contact_loads.hpp"
@@ -107,23 +105,6 @@ class LinearForceField final : public PrescribedLoad {
   std::vector<double> times_;  // [s]
   PointArray forces_;          // [N] one row per time
   double factor_ = 1;
-};
-
-class TangentialForceField final : public PrescribedLoad {
- public:
-  TangentialForceField() : PrescribedLoad(attributes::kTangentialForceField) {}
-
-  void init() override {
-    const int count = num_nodes();
-    load_.emplace(accepted(
-        *this, [&] { return parts::TangentialLoad(read_options<parts::TangentialLoadOptions>(*this), count); }));
-    note_loaded({load_->nodes().begin(), load_->nodes().end()});
-  }
-
-  void add_load(double time, ConstPoints x, ConstPoints, Points f) const override { load_->add_force(time, x, f); }
-
- private:
-  std::optional<parts::TangentialLoad> load_;
 };
 
 /// Faces of a topology with a load on them, until they go with torn hexahedra: a load on nothing would drive off the
@@ -287,7 +268,6 @@ class PlaneForceField final : public scene::ForceField, public scene::Changeable
 void add_loads(scene::Factory& factory) {
   factory.add<ConstantForceField>(attributes::kConstantForceField);
   factory.add<LinearForceField>(attributes::kLinearForceField);
-  factory.add<TangentialForceField>(attributes::kTangentialForceField);
   factory.add<SurfacePressureForceField>(attributes::kSurfacePressureForceField);
   factory.add<PlaneForceField>(attributes::kPlaneForceField);
 }

@@ -55,7 +55,7 @@ void NodeSystem::find_interactions() {
   node_.root().for_each<scene::Interaction>([&](scene::Interaction& field) {
     const std::array<scene::MechanicalState*, 2> states = field.states();
     if (!is_ours(states[0]) && !is_ours(states[1])) return;
-    Interaction interaction{.field = &field, .one_sided = dynamic_cast<scene::OneSidedInteraction*>(&field)};
+    Interaction interaction{.field = &field};
     for (int end = 0; end < 2; ++end) {
       if (!is_ours(states[end])) {
         interaction.layers[end] = kAtRest;
@@ -302,9 +302,8 @@ void NodeSystem::add_interactions(bool of_roots, const OperatorFactors& factors,
     const double stiffness = factors.stiffness + factors.damping * field->rayleigh_stiffness();
     if (stiffness != 0)
       field->add_stiffness_product(stiffness, increments_of(interaction, dx), forces_of(interaction, df));
-    if (interaction.one_sided && factors.damping != 0)
-      interaction.one_sided->add_damping_product(factors.damping, increments_of(interaction, dx),
-                                                 forces_of(interaction, df));
+    if (factors.damping != 0)
+      field->add_damping_product(factors.damping, increments_of(interaction, dx), forces_of(interaction, df));
   }
 }
 
@@ -343,7 +342,7 @@ void NodeSystem::add_blocks(const OperatorFactors& factors, BlockMatrix& A) cons
     for (int end = 0; end < 2; ++end)
       first_nodes[end] = interaction.layers[end] == kAtRest ? -1 : root(interaction.layers[end]).first_node;
     field->add_stiffness_blocks(factors.stiffness + factors.damping * field->rayleigh_stiffness(), A, first_nodes);
-    if (interaction.one_sided) interaction.one_sided->add_damping_blocks(factors.damping, A, first_nodes);
+    field->add_damping_blocks(factors.damping, A, first_nodes);
   }
 }
 
@@ -432,8 +431,8 @@ bool NodeSystem::release(double time, ConstPoints x, ConstPoints v, ConstPoints 
       has_released = has_released || pulled;
     }
   for (Interaction& interaction : interactions_) {
-    if (!interaction.one_sided) continue;
-    scene::OneSidedInteraction& field = *interaction.one_sided;
+    scene::Interaction& field = *interaction.field;
+    if (!field.is_one_sided()) continue;
     const bool pulled = ImplicitEuler::release_from(
         force, difference_,
         [&](Points f) {

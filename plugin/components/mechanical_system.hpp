@@ -103,7 +103,6 @@ class NodeSystem final : public MechanicalSystem {
   /// Between two states, of which one may be at rest.
   struct Interaction {
     scene::Interaction* field = nullptr;
-    scene::OneSidedInteraction* one_sided = nullptr;  // the same, where it is
     std::array<std::size_t, 2> layers = {};
     bool is_of_roots = true;  // both layers are independent states
 

@@ -19,7 +19,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void check(const GraspOptions& options, int num_nodes) {
-  OptionRanges ranges(attributes::kGraspForceField, options);
+  OptionRanges ranges(Grasp::description(), options);
   if (options.indices) ranges.collect([&] { check_nodes("indices", *options.indices, num_nodes); });
   ranges.collect([&] {
     check_key_times("key_times", options.key_times, "positions", static_cast<std::size_t>(options.positions.rows()));
@@ -33,7 +33,11 @@ void check(const GraspOptions& options, int num_nodes) {
 
 }  // namespace
 
-Grasp::Grasp(GraspOptions options, int num_nodes) : num_nodes_(num_nodes) { set_options(std::move(options)); }
+const attributes::Description& Grasp::description() { return attributes::kGraspForceField; }
+
+Grasp::Grasp(GraspOptions options, const Surroundings& around) : num_nodes_(around.num_nodes[0]) {
+  set_options(std::move(options));
+}
 
 void Grasp::set_options(GraspOptions options) {
   check(options, num_nodes_);
@@ -50,12 +54,10 @@ void Grasp::set_options(GraspOptions options) {
   grip_.damping = options_.damping;
 }
 
-std::vector<Remark> Grasp::begin_step(double time, ConstPoints x) {
-  std::vector<Remark> warnings;
-  const bool is_over = has_come(release_time_, time);
-  if (!has_closed_ && has_come(options_.grasp_time, time) && !is_over) warnings = close(time, x);
+void Grasp::begin_step(const Step& step, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& /*v*/) {
+  const bool is_over = has_come(release_time_, step.time);
+  if (!has_closed_ && has_come(options_.grasp_time, step.time) && !is_over) close(step.time, x.first);
   if (is_over) open();
-  return warnings;
 }
 
 void Grasp::reset() {
@@ -83,16 +85,14 @@ void Grasp::serialize(Archive& archive) {
   has_closed_ = has_closed;
 }
 
-void Grasp::add_force(double time, ConstPoints x, ConstPoints v, Points f) {
+void Grasp::add_force(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) {
   const Vec3 tool = tool_at(time);
-  grip_.elongations_at(tool, x, elongations_);
-  grip_.add_force(tool, x, f);
+  grip_.elongations_at(tool, x.first, elongations_);
+  grip_.add_force(tool, x.first, f.first);
   const Vec3 tool_velocity = tool_velocity_at(time);
-  drag_ = grip_.add_damping_force(tool_velocity, v, f);
-  drag_moment_ = grip_.damping_moment(elongations_, tool_velocity, v);
+  drag_ = grip_.add_damping_force(tool_velocity, v.first, f.first);
+  drag_moment_ = grip_.damping_moment(elongations_, tool_velocity, v.first);
 }
-
-void Grasp::add_spring_force(double time, ConstPoints x, Points f) const { grip_.add_force(tool_at(time), x, f); }
 
 Vec3 Grasp::tool_at(double time) const {
   const std::vector<double>& times = options_.key_times;
@@ -106,19 +106,16 @@ Vec3 Grasp::tool_velocity_at(double time) const {
   return is_on_its_way ? Vec3(slope({.key = key}, times, options_.positions).transpose()) : Vec3::Zero();
 }
 
-std::vector<Remark> Grasp::close(double time, ConstPoints x) {
+void Grasp::close(double time, ConstPoints x) {
   const Vec3 tool = tool_at(time);
   std::vector<int> held = nodes_near(x, candidates_, tool, *options_.radius);
-  std::vector<Remark> warnings;
   if (held.empty())
-    warnings.push_back(
-        {"radius",
+    warn("radius",
          fmt::format("the grip closes on nothing: no node within {:.6g} m of ({:.6g}, {:.6g}, {:.6g}) at t = {:.6g} s",
-                     *options_.radius, tool[0], tool[1], tool[2], time)});
+                     *options_.radius, tool[0], tool[1], tool[2], time));
   grip_.close(std::move(held), tool, x);
   elongations_ = PointArray::Zero(grip_.arms.rows(), 3);
   has_closed_ = true;
-  return warnings;
 }
 
 void Grasp::open() {

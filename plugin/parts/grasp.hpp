@@ -5,12 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "hexaplast/base/archive.hpp"
-#include "hexaplast/base/block_matrix.hpp"
-#include "hexaplast/base/types.hpp"
-#include "hexaplast/layout/linear_system.hpp"
 #include "hexaplast/solve/grip.hpp"
-#include "parts/option.hpp"
+#include "parts/force.hpp"
 
 namespace hexaplast::parts {
 
@@ -39,50 +35,63 @@ struct GraspOptions {
   }
 };
 
-/// An instrument that takes hold of the nodes around it, moves along a path and lets go. Fields are num_nodes x 3.
-class Grasp {
+/// An instrument that takes hold of the nodes around it, moves along a path and lets go.
+class Grasp final : public Force {
  public:
+  using Options = GraspOptions;
+  static const attributes::Description& description();
+  static void outputs(const auto& visit) {
+    visit("grasped", &Grasp::held_nodes);
+    visit("force", &Grasp::force);
+    visit("torque", &Grasp::torque);
+  }
+
   /// Throws OptionError.
-  Grasp(GraspOptions options, int num_nodes);
+  Grasp(GraspOptions options, const Surroundings& around);
 
   /// Other options for the same nodes; a grip that is closed stays so. Throws OptionError.
   void set_options(GraspOptions options);
 
-  /// Closes or opens the grip at the beginning of a step, at accepted positions; between two of these calls it is the
-  /// same for everyone. Returns warnings.
-  std::vector<Remark> begin_step(double time, ConstPoints x);
+  /// Closes or opens the grip. Warns where it closes on nothing.
+  void begin_step(const Step& step, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) override;
 
   /// Open, as it was made.
-  void reset();
+  void reset() override;
 
   /// Throws InputError for a grip on nodes that are not there.
-  void serialize(Archive& archive);
+  void serialize(Archive& archive) override;
 
-  /// f += forces [N] of springs and dashpots. Fixes the positions that the stiffness refers to.
-  void add_force(double time, ConstPoints x, ConstPoints v, Points f);
-
-  /// f += forces [N] of the springs alone; changes nothing but f.
-  void add_spring_force(double time, ConstPoints x, Points f) const;
+  /// Forces of springs and dashpots; those of the springs alone are a load.
+  void add_force(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) override;
+  void add_load(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& /*v*/,
+                OfTwo<Points> f) const override {
+    grip_.add_force(tool_at(time), x.first, f.first);
+  }
 
   /// [J] in the springs.
-  double energy(double time, ConstPoints x) const { return grip_.energy(tool_at(time), x); }
-
-  /// K = df/dx and B = df/dv at the latest forces. add_stiffness_diagonal: false, and nothing added, where K has other
-  /// entries than its diagonal.
-  void add_stiffness_product(double factor, ConstPoints dx, Points df) const {
-    grip_.add_stiffness_product(elongations_, factor, dx, df);
+  std::optional<double> potential_energy(double time, ConstPoints x) const override {
+    return grip_.energy(tool_at(time), x);
   }
-  void add_stiffness_blocks(double factor, BlockMatrix& A) const {
+
+  void add_stiffness_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const override {
+    grip_.add_stiffness_product(elongations_, factor, dx.first, df.first);
+  }
+  void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2> /*first_nodes*/) const override {
     grip_.add_stiffness_blocks(elongations_, factor, A);
   }
-  bool add_stiffness_diagonal(double factor, Points diagonal) const {
+  bool add_stiffness_diagonal(double factor, Points diagonal) const override {
     return grip_.add_stiffness_diagonal(elongations_, factor, diagonal);
   }
-  void add_damping_product(double factor, ConstPoints dx, Points df) const {
-    grip_.add_damping_product(factor, dx, df);
+  void add_damping_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const override {
+    grip_.add_damping_product(factor, dx.first, df.first);
   }
-  void add_damping_blocks(double factor, BlockMatrix& A) const { grip_.add_damping_blocks(factor, A); }
-  void add_damping_diagonal(double factor, Points diagonal) const { grip_.add_damping_diagonal(factor, diagonal); }
+  void add_damping_blocks(double factor, BlockMatrix& A, std::array<int, 2> /*first_nodes*/) const override {
+    grip_.add_damping_blocks(factor, A);
+  }
+  void add_damping_diagonal(double factor, Points diagonal) const override {
+    grip_.add_damping_diagonal(factor, diagonal);
+  }
+  bool is_in_matrix() const override { return is_closed(); }
 
   bool is_closed() const { return !grip_.nodes.empty(); }
   std::span<const int> held_nodes() const { return grip_.nodes; }
@@ -98,7 +107,7 @@ class Grasp {
 
  private:
   Vec3 tool_velocity_at(double time) const;
-  std::vector<Remark> close(double time, ConstPoints x);
+  void close(double time, ConstPoints x);
   void open();
 
   int num_nodes_;

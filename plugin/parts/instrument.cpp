@@ -81,7 +81,7 @@ void check_triangles(OptionRanges& ranges, std::string_view option, const std::v
 }
 
 void check(const InstrumentOptions& options) {
-  OptionRanges ranges(attributes::kInstrumentContactForceField, options);
+  OptionRanges ranges(Instrument::description(), options);
   check_triangles(ranges, "surface_triangles", options.surface_triangles, options.surface_positions);
   check_triangles(ranges, "embedded_triangles", options.embedded_triangles, options.embedded_positions);
   check_path(ranges, options);
@@ -107,7 +107,10 @@ Pose moved(const Pose& pose, const Vec3& velocity, const Vec3& angular_velocity,
   return {pose.position + duration * velocity, Eigen::Quaterniond(turn) * pose.orientation};
 }
 
-Instrument::Instrument(InstrumentOptions options, const Body& body) : body_(body), edge_(mean_edge(body)) {
+const attributes::Description& Instrument::description() { return attributes::kInstrumentContactForceField; }
+
+Instrument::Instrument(InstrumentOptions options, const Surroundings& around)
+    : body_(*around.bodies[0]), edge_(mean_edge(body_)) {
   set_options(std::move(options));
 }
 
@@ -133,11 +136,10 @@ void Instrument::set_options(InstrumentOptions options) {
   SurfaceSamples samples = planned_samples(solid);
   const double wanted = kPerRadius * solid.smallest_radius();
   if (samples.spacing > (1 + 1e-6) * wanted)
-    warnings_.push_back(
-        {"maxSubdivision",
+    warn("maxSubdivision",
          fmt::format("samples of the surface are up to {:.3g} m apart; {:.3g} m, half of the instrument's smallest "
                      "radius, would be needed so that nothing of it slips between them",
-                     samples.spacing, wanted)});
+                     samples.spacing, wanted));
   num_removed_ = body_.removed().size();
   contact_.emplace(solid, settings, std::move(samples));
   has_samples_ = false;
@@ -181,9 +183,12 @@ bool Instrument::comes_near(ConstPoints x, ConstPoints v, double dt, const Pose&
   return options_.contact.active && (!options_.embedded_triangles.empty() || contact_->can_touch(x, v, dt, from, to));
 }
 
-void Instrument::look_at_start(const Pose& pose, ConstPoints x) {
+void Instrument::look_at_start(double time, const OfTwo<ConstPoints>& x) {
   if (!options_.contact.active) return;
-  look(options_.is_prescribed ? "rigid" : "positions", "begins", pose, x);
+  if (options_.is_prescribed)
+    look("rigid", "begins", prescribed_[0], x.first);
+  else
+    look("positions", "begins", pose_at(time), x.first);
   has_looked_at_start_ = true;
 }
 
@@ -198,15 +203,14 @@ void Instrument::look(const char* option, const char* begins, const Pose& pose, 
     if (own.norm() < solid.reach()) depth = std::max(depth, -solid.distance(own).value);
   }
   if (depth > kDeep * solid.smallest_radius()) {
-    warnings_.push_back({option, fmt::format("it {} {:.3g} m deep in the body, which is pushed out", begins, depth)});
+    warn(option, fmt::format("it {} {:.3g} m deep in the body, which is pushed out", begins, depth));
   } else if (depth == 0 && options_.embedded_triangles.empty()) {  // the cage of an embedded surface reaches beyond it
     const PointArray place = pose.position.transpose();
     const auto beyond = (x.rowwise() - place.row(0)).array();
     if ((beyond.colwise().minCoeff() > 0).any() || (beyond.colwise().maxCoeff() < 0).any()) return;
     if (Embedding(x, body_.mesh().hexahedra(), place).num_outside() == 0)
-      warnings_.push_back(
-          {option,
-           fmt::format("it {} within the body and reaches no point of its surface: nothing pushes it out", begins)});
+      warn(option,
+           fmt::format("it {} within the body and reaches no point of its surface: nothing pushes it out", begins));
   }
 }
 
@@ -230,32 +234,29 @@ Pose Instrument::pose_at(double time) const {
   return pose;
 }
 
-void Instrument::begin_step(double time, double dt, double rayleigh_stiffness, ConstPoints x, ConstPoints v) {
-  begin_step(pose_at(time), pose_at(time + dt), dt, rayleigh_stiffness, x, v);
-}
-
-void Instrument::begin_step(const Pose& from, const Pose& to, double dt, double rayleigh_stiffness, ConstPoints x,
-                            ConstPoints v) {
+void Instrument::begin_step(const Step& step, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) {
+  const bool follows_path = !options_.is_prescribed;
+  const Pose from = follows_path ? pose_at(step.time) : prescribed_[0],
+             to = follows_path ? pose_at(step.time + step.dt) : prescribed_[1];
   follow_surface();
   default_stiffness_ = default_contact_stiffness(body_, edge_);
   contact_->set_settings(accepted_settings(options_.contact, default_stiffness_));
-  options_.contact.check_damping(default_stiffness_, dt);
-  rayleigh_stiffness_ = rayleigh_stiffness;
-  if (options_.contact.active && !has_looked_) look("active", "becomes active", from, x);
+  options_.contact.check_damping(default_stiffness_, step.dt);
+  rayleigh_stiffness_ = step.rayleigh_stiffness;
+  if (options_.contact.active && !has_looked_) look("active", "becomes active", from, x.first);
   // once, as an event: no step after it allocates for them
-  if (!has_samples_ && comes_near(x, v, dt, from, to)) make_samples();
-  contact_->begin_step(x, v, dt, from, to);
+  if (!has_samples_ && comes_near(x.first, v.first, step.dt, from, to)) make_samples();
+  contact_->begin_step(x.first, v.first, step.dt, from, to);
 }
 
-void Instrument::end_step(ConstPoints x) {
-  contact_->end_step(x);
+void Instrument::end_step(const OfTwo<ConstPoints>& x) {
+  contact_->end_step(x.first);
   const double radius = contact_->solid().smallest_radius();
   if (is_too_deep_ || !(contact_->depth() > radius)) return;
   is_too_deep_ = true;
-  warnings_.push_back(
-      {"contactStiffness", fmt::format("{:.3g} m of the instrument are within the body, more than half of its smallest "
+  warn("contactStiffness", fmt::format("{:.3g} m of the instrument are within the body, more than half of its smallest "
                                        "thickness ({:.3g} m): a stiffer contact holds it farther out",
-                                       contact_->depth(), radius)});
+                                       contact_->depth(), radius));
 }
 
 void Instrument::reset() {
@@ -281,11 +282,6 @@ void Instrument::serialize(Archive& archive) {
   }
   follow_surface();
   contact_->serialize(archive);
-}
-
-void Instrument::add_force(ConstPoints x, ConstPoints v, Points f) const {
-  contact_->terms().add_force(x, v, f);
-  if (rayleigh_stiffness_ != 0) contact_->terms().add_stiffness_product(-rayleigh_stiffness_, v, f);
 }
 
 }  // namespace hexaplast::parts

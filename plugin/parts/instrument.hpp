@@ -2,13 +2,11 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "hexaplast/body.hpp"
 #include "hexaplast/contact/instrument_contact.hpp"
-#include "parts/contact_options.hpp"
-#include "parts/option.hpp"
+#include "parts/contact_force.hpp"
 
 namespace hexaplast::parts {
 
@@ -50,52 +48,51 @@ struct InstrumentOptions {
 /// Where a pose gets to that keeps its velocities [m/s, rad/s] for a duration [s].
 Pose moved(const Pose& pose, const Vec3& velocity, const Vec3& angular_velocity, double duration);
 
-/// A rigid instrument that moves along a path and touches a body. Fields are num_nodes x 3.
-class Instrument {
+/// A rigid instrument that moves along a path and touches a body.
+class Instrument final : public ContactForce {
  public:
-  /// Throws OptionError. The body must outlive the instrument.
-  Instrument(InstrumentOptions options, const Body& body);
+  using Options = InstrumentOptions;
+  static const attributes::Description& description();
+  static void outputs(const auto& visit) {
+    ContactForce::outputs(visit);
+    visit("torque", [](const Instrument& part) { return part.contact().torque(); });
+  }
+
+  /// Throws OptionError.
+  Instrument(InstrumentOptions options, const Surroundings& around);
 
   /// Other options for the same body. What sticks goes on sticking, unless the shape is another one. Throws
   /// OptionError.
   void set_options(InstrumentOptions options);
 
-  /// Remarks where it is within the body at the beginning, if it is active. x: num_nodes x 3 [m].
-  void look_at_start(const Pose& pose, ConstPoints x);
+  /// Warns where it is within the body, if it is active.
+  void look_at_start(double time, const OfTwo<ConstPoints>& x) override;
 
-  /// It goes on in the place of another one: where it is when it is first active is nothing to remark.
+  /// It goes on in the place of another one: where it is when it is first active is nothing to warn of.
   void go_on() { has_looked_ = has_looked_at_start_ = true; }
 
-  /// What it remarked on the way here.
-  std::vector<Remark> take_warnings() { return std::exchange(warnings_, {}); }
+  /// Poses at the beginning and at the end of the steps that begin from now on, for one whose motion is prescribed.
+  void prescribe(const Pose& from, const Pose& to) { prescribed_ = {from, to}; }
 
-  /// Finds the contacts of a step from `time` that lasts dt [s], by what the body is at present. Remarks where it is
-  /// within the body, in the first step in which it is active. rayleigh_stiffness
-  /// [s]: that of the time integrator, which does not act on contact. Throws OptionError for a stiffness far beyond
-  /// that of the body, or a damping.
-  void begin_step(double time, double dt, double rayleigh_stiffness, ConstPoints x, ConstPoints v);
+  /// Finds the contacts, by what the body is at present. Warns where it is within the body, in the first step in which
+  /// it is active. Throws OptionError for a stiffness far beyond that of the body, or a damping.
+  void begin_step(const Step& step, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) override;
 
-  /// The same for one with prescribed poses: its poses at the beginning and at the end of the step.
-  void begin_step(const Pose& from, const Pose& to, double dt, double rayleigh_stiffness, ConstPoints x, ConstPoints v);
+  /// Warns, once, that it is deeper than contact can hold it.
+  void end_step(const OfTwo<ConstPoints>& x) override;
 
-  /// The step has ended at x. Remarks, once, that it is deeper than contact can hold it.
-  void end_step(ConstPoints x);
+  void reset() override;
+  void serialize(Archive& archive) override;
 
-  void reset();
-  void serialize(Archive& archive);
-
-  /// f += forces [N] of the present step, without what the integrator adds by its Rayleigh stiffness.
-  void add_force(ConstPoints x, ConstPoints v, Points f) const;
+  const ContactTerms& terms() const override { return contact_->terms(); }
+  bool is_active() const override { return options_.contact.active; }
+  bool is_of_present_bodies() const override { return default_contact_stiffness(body_, edge_) == default_stiffness_; }
+  bool release(const OfTwo<ConstPoints>& x_end, const OfTwo<ConstPoints>& v_end) override {
+    return contact_->release(x_end.first, v_end.first);
+  }
 
   const InstrumentOptions& options() const { return options_; }
   const InstrumentContact& contact() const { return *contact_; }
-  InstrumentContact& contact() { return *contact_; }
-
-  /// Whether the body has the stiffness that the latest step began with.
-  bool is_of_present_bodies() const { return default_contact_stiffness(body_, edge_) == default_stiffness_; }
-
-  /// To be given for this force field to the system matrix: it takes back what the integrator adds.
-  double rayleigh_stiffness() const { return -rayleigh_stiffness_; }
 
   Pose pose_at(double time) const;  ///< along its path
 
@@ -117,9 +114,8 @@ class Instrument {
   bool has_samples_ = false;  // made when it first comes near: they may be millions
   bool has_looked_ = false;   // where it is when it is first active
   bool has_looked_at_start_ = false;
-  bool is_too_deep_ = false;  // and that was remarked
-  double rayleigh_stiffness_ = 0;
-  std::vector<Remark> warnings_;
+  bool is_too_deep_ = false;  // and that was warned of
+  std::array<Pose, 2> prescribed_ = {};
 };
 
 }  // namespace hexaplast::parts

@@ -13,23 +13,35 @@
 
 namespace hexaplast::parts {
 
-TangentialLoad::TangentialLoad(TangentialLoadOptions options, int num_nodes) : options_(std::move(options)) {
-  OptionRanges ranges(attributes::kTangentialForceField, options_);
-  ranges.collect([&] { check_nodes("indices", options_.indices, num_nodes); });
-  if (ranges.accepts("group_size") && options_.indices.size() % static_cast<std::size_t>(options_.group_size) != 0)
-    ranges.add(
-        {"indices", fmt::format("{} nodes do not form groups of {}", options_.indices.size(), options_.group_size)});
-  if (options_.axis.isZero(0)) ranges.add({"axis", "is zero, must have a direction"});
-  ranges.collect([&] { check_key_times("times", options_.times, "forces", options_.forces.size()); });
-  ranges.throw_all();
+const attributes::Description& TangentialLoad::description() { return attributes::kTangentialForceField; }
+
+TangentialLoad::TangentialLoad(TangentialLoadOptions options, const Surroundings& around)
+    : num_nodes_(around.num_nodes[0]) {
+  set_options(std::move(options));
 }
 
-void TangentialLoad::add_force(double time, ConstPoints x, Points f) const {
+void TangentialLoad::set_options(TangentialLoadOptions options) {
+  OptionRanges ranges(description(), options);
+  ranges.collect([&] { check_nodes("indices", options.indices, num_nodes_); });
+  if (ranges.accepts("group_size") && options.indices.size() % static_cast<std::size_t>(options.group_size) != 0)
+    ranges.add(
+        {"indices", fmt::format("{} nodes do not form groups of {}", options.indices.size(), options.group_size)});
+  if (options.axis.isZero(0)) ranges.add({"axis", "is zero, must have a direction"});
+  ranges.collect([&] { check_key_times("times", options.times, "forces", options.forces.size()); });
+  ranges.throw_all();
+  options_ = std::move(options);
+  loaded_ = options_.indices;
+  std::ranges::sort(loaded_);
+  loaded_.erase(std::unique(loaded_.begin(), loaded_.end()), loaded_.end());
+}
+
+void TangentialLoad::add_load(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& /*v*/,
+                              OfTwo<Points> f) const {
   const double first = options_.times.front();
   if (!has_come(first, time)) return;
   const KeyPhase phase = phase_at(options_.times, std::max(time, first));
   add_tangential_forces(options_.indices, options_.group_size, options_.axis, options_.centre,
-                        interpolate(phase, options_.forces), x, f);
+                        interpolate(phase, options_.forces), x.first, f.first);
 }
 
 }  // namespace hexaplast::parts

@@ -4,8 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "hexaplast/base/types.hpp"
-#include "parts/option.hpp"
+#include "parts/force.hpp"
 
 namespace hexaplast::parts {
 
@@ -30,18 +29,23 @@ struct TangentialLoadOptions {
 
 /// Forces around an axis that turn with the body (add_tangential_forces), changing linearly between key times: none
 /// before the first one, the last force from the last one on.
-class TangentialLoad {
+class TangentialLoad final : public Force {
  public:
-  /// For fields of num_nodes x 3. Throws OptionError.
-  TangentialLoad(TangentialLoadOptions options, int num_nodes);
+  using Options = TangentialLoadOptions;
+  static const attributes::Description& description();
 
-  /// f += forces [N] at a time [s] and positions x [m].
-  void add_force(double time, ConstPoints x, Points f) const;
+  /// Both throw OptionError.
+  TangentialLoad(TangentialLoadOptions options, const Surroundings& around);
+  void set_options(TangentialLoadOptions options);
 
-  std::span<const int> nodes() const { return options_.indices; }
+  void add_load(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) const override;
+  bool is_in_matrix() const override { return false; }
+  std::span<const int> loaded_nodes() const override { return loaded_; }
 
  private:
+  int num_nodes_;
   TangentialLoadOptions options_;
+  std::vector<int> loaded_;  // ascending
 };
 
 }  // namespace hexaplast::parts

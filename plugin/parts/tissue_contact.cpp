@@ -16,17 +16,15 @@ constexpr double kOverlap = 0.1;  // of an edge: bodies may overlap at the begin
 
 }  // namespace
 
-Remark same_pair(std::string_view other) {
-  return {"object2", fmt::format("'{}' is between the same bodies: both act, and their stiffnesses add up", other)};
-}
+const attributes::Description& Tissues::description() { return attributes::kTissueContactForceField; }
 
-Tissues::Tissues(const ContactOptions& options, const Body& first, const Body& second)
-    : bodies_{&first, &second}, edges_{mean_edge(first), mean_edge(second)} {
+Tissues::Tissues(const ContactOptions& options, const Surroundings& around)
+    : bodies_(around.bodies), edges_{mean_edge(*bodies_[0]), mean_edge(*bodies_[1])} {
   set_options(options);
 }
 
 void Tissues::set_options(const ContactOptions& options) {
-  OptionRanges(attributes::kTissueContactForceField, options).throw_all();
+  OptionRanges(description(), options).throw_all();
   const double stiffness = default_stiffness();
   const ContactSettings settings = accepted_settings(options, stiffness);
   std::optional<TissueContact> other;
@@ -77,7 +75,7 @@ std::array<double, 2> Tissues::young_moduli() const {
   return {greatest_young_modulus(*bodies_[0]), greatest_young_modulus(*bodies_[1])};
 }
 
-void Tissues::look_at_start(const OfTwo<ConstPoints>& x) {
+void Tissues::look_at_start(double /*time*/, const OfTwo<ConstPoints>& x) {
   if (!options_.active) return;
   look("", x);
   has_looked_at_start_ = true;
@@ -88,20 +86,23 @@ void Tissues::look(const char* to_touch, const OfTwo<ConstPoints>& x) {
   const double depth = contact_->depth_at(x);
   if (!(depth > kOverlap * contact_->edge())) return;
   if (bodies_[0] == bodies_[1])
-    warnings_.push_back({"object1", fmt::format("the body begins{} {:.3g} m deep in itself", to_touch, depth)});
+    warn("object1", fmt::format("the body begins{} {:.3g} m deep in itself", to_touch, depth));
   else
-    warnings_.push_back({"object2", fmt::format("the bodies begin{} {:.3g} m deep in each other", to_touch, depth)});
+    warn("object2", fmt::format("the bodies begin{} {:.3g} m deep in each other", to_touch, depth));
 }
 
-void Tissues::begin_step(double dt, double rayleigh_stiffness, const OfTwo<ConstPoints>& x,
-                         const OfTwo<ConstPoints>& v) {
+void Tissues::warn_of_same_pair(std::string_view other) {
+  warn("object2", fmt::format("'{}' is between the same bodies: both act, and their stiffnesses add up", other));
+}
+
+void Tissues::begin_step(const Step& step, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) {
   follow_surface();
   default_stiffness_ = default_stiffness();
   contact_->set_settings(accepted_settings(options_, default_stiffness_));
-  options_.check_damping(default_stiffness_, dt);
-  rayleigh_stiffness_ = rayleigh_stiffness;
+  options_.check_damping(default_stiffness_, step.dt);
+  rayleigh_stiffness_ = step.rayleigh_stiffness;
   if (options_.active && !has_looked_) look(" to touch", x);
-  contact_->begin_step(x, v, dt);
+  contact_->begin_step(x, v, step.dt);
 }
 
 void Tissues::reset() {
@@ -118,11 +119,6 @@ void Tissues::serialize(Archive& archive) {
   }
   follow_surface();
   contact_->serialize(archive);
-}
-
-void Tissues::add_force(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) const {
-  contact_->terms().add_force(x, v, f);
-  if (rayleigh_stiffness_ != 0) contact_->terms().add_stiffness_product(-rayleigh_stiffness_, v, f);
 }
 
 }  // namespace hexaplast::parts

@@ -4,56 +4,49 @@
 #include <array>
 #include <optional>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 #include "hexaplast/body.hpp"
 #include "hexaplast/contact/tissue_contact.hpp"
-#include "parts/contact_options.hpp"
-#include "parts/option.hpp"
+#include "parts/contact_force.hpp"
 
 namespace hexaplast::parts {
 
-/// A warning of another contact between the same bodies.
-Remark same_pair(std::string_view other);
-
 /// Two bodies that touch, or one that touches itself. In scenes: TissueContactForceField.
-class Tissues {
+class Tissues final : public ContactForce {
  public:
-  /// Throws OptionError. The bodies must outlive it; one body twice touches itself.
-  Tissues(const ContactOptions& options, const Body& first, const Body& second);
+  using Options = ContactOptions;
+  static constexpr int kNumStates = 2;
+  static const attributes::Description& description();
+
+  /// Throws OptionError. One body twice touches itself.
+  Tissues(const ContactOptions& options, const Surroundings& around);
 
   /// Other options for the same bodies. What sticks goes on sticking, unless max_subdivision is another one. Throws
   /// OptionError.
   void set_options(const ContactOptions& options);
 
-  /// Remarks bodies that overlap at the beginning, if it is active. x [m].
-  void look_at_start(const OfTwo<ConstPoints>& x);
+  /// Warns of bodies that overlap, if it is active.
+  void look_at_start(double time, const OfTwo<ConstPoints>& x) override;
 
-  /// What it remarked on the way here.
-  std::vector<Remark> take_warnings() { return std::exchange(warnings_, {}); }
+  /// Warns, once, that another one is active between the same bodies.
+  void warn_of_same_pair(std::string_view other);
 
-  /// Finds the contacts of a step of dt [s], by what the bodies are at present. Remarks bodies that overlap in the
-  /// first step in which it is active. rayleigh_stiffness [s]: that of the time integrator, which does not act on
-  /// contact. Throws OptionError for a stiffness far beyond that of the bodies, or a damping.
-  void begin_step(double dt, double rayleigh_stiffness, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v);
+  /// Finds the contacts, by what the bodies are at present. Warns of bodies that overlap in the first step in which it
+  /// is active. Throws OptionError for a stiffness far beyond that of the bodies, or a damping.
+  void begin_step(const Step& step, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) override;
+  void end_step(const OfTwo<ConstPoints>& x) override { contact_->end_step(x); }
 
-  void end_step(const OfTwo<ConstPoints>& x) { contact_->end_step(x); }
+  void reset() override;
+  void serialize(Archive& archive) override;
 
-  void reset();
-  void serialize(Archive& archive);
-
-  /// f += forces [N] of the present step, without what the integrator adds by its Rayleigh stiffness.
-  void add_force(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) const;
+  const ContactTerms& terms() const override { return contact_->terms(); }
+  bool is_active() const override { return options_.active; }
+  bool is_of_present_bodies() const override { return default_stiffness() == default_stiffness_; }
+  bool release(const OfTwo<ConstPoints>& x_end, const OfTwo<ConstPoints>& v_end) override {
+    return contact_->release(x_end, v_end);
+  }
 
   const TissueContact& contact() const { return *contact_; }
-  TissueContact& contact() { return *contact_; }
-
-  /// Whether the bodies have the stiffness that the latest step began with.
-  bool is_of_present_bodies() const { return default_stiffness() == default_stiffness_; }
-
-  /// To be given for this force field to the system matrix: it takes back what the integrator adds.
-  double rayleigh_stiffness() const { return -rayleigh_stiffness_; }
 
  private:
   void set_surface(TissueContact& contact) const { contact.set_alive(bodies_[0]->alive(), bodies_[1]->alive()); }
@@ -73,10 +66,8 @@ class Tissues {
   std::array<std::size_t, 2> num_removed_ = {};
   ContactOptions options_;
   std::optional<TissueContact> contact_;
-  double rayleigh_stiffness_ = 0;
   bool has_looked_ = false;  // whether they overlap when it is first active
   bool has_looked_at_start_ = false;
-  std::vector<Remark> warnings_;
 };
 
 }  // namespace hexaplast::parts

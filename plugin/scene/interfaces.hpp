@@ -70,46 +70,57 @@ class Mass : public Component {
   virtual double rayleigh_mass() const { return 0; }
 };
 
-/// Forces on the nearest mechanical state. K = df/dx is negative semi-definite for an elastic body.
-class ForceField : public Component {
+/// Forces f(x, v, time) on a mechanical state, or between two: `In` and `Out` are a nodal field, or one of each state.
+/// K = df/dx, which is negative semi-definite for an elastic body, and B = df/dv.
+template <class In, class Out, class... FirstNodes>
+class Forces {
  public:
-  static constexpr std::string_view kCategory = "ForceField";
-  using Component::Component;
+  using Verbs = Forces;
+
+  virtual ~Forces() = default;
 
   /// f += forces [N] at (x, v, time). Evaluates only: it may be called at any positions, any number of times. Fixes the
-  /// positions that the stiffness below refers to.
-  virtual void add_force(double time, ConstPoints x, ConstPoints v, Points f) = 0;
+  /// positions that the derivatives below refer to.
+  virtual void add_force(double time, In x, In v, Out f) = 0;
 
-  virtual void add_stiffness_product(double /*factor*/, ConstPoints /*dx*/, Points /*df*/) const {
-  }                                                                                  ///< df += factor K dx
-  virtual void add_stiffness_blocks(double /*factor*/, BlockMatrix& /*A*/) const {}  ///< A += factor K
+  /// df += factor K dx, A += factor K. FirstNodes of two states: where the nodes of each begin in A; -1: it is at rest,
+  /// and A has none of them.
+  virtual void add_stiffness_product(double /*factor*/, In /*dx*/, Out /*df*/) const {}
+  virtual void add_stiffness_blocks(double /*factor*/, BlockMatrix& /*A*/, FirstNodes... /*first*/) const {}
+
+  /// The same with B; between two states for one-sided forces alone.
+  virtual void add_damping_product(double /*factor*/, In /*dx*/, Out /*df*/) const {}
+  virtual void add_damping_blocks(double /*factor*/, BlockMatrix& /*A*/, FirstNodes... /*first*/) const {}
 
   /// Whether K or B has entries at the positions of the latest forces; where not, linear systems are as without it.
   virtual bool is_in_matrix() const { return true; }
-
-  /// The same stiffness for solvers that work on the kernels' own vectors. False, and nothing added, where the kernels
-  /// cannot express it; the solvers then use the verbs above beside them.
-  virtual bool describe(double /*factor*/, MatrixFreeSystem& /*system*/) const { return false; }
-
-  /// The same with B = df/dv.
-  virtual void add_damping_product(double /*factor*/, ConstPoints /*dx*/, Points /*df*/) const {}
-  virtual void add_damping_blocks(double /*factor*/, BlockMatrix& /*A*/) const {}
-
-  /// diagonal += that of factor B, for a B that has no other entries and a field whose stiffness the kernels can
-  /// express. The default is no damping: describe of a field with another B returns false.
-  virtual void add_damping_diagonal(double /*factor*/, Points /*diagonal*/) const {}
 
   /// Whether forces depend on velocity and B has no part in it, as in SOFA: they act by the velocities at the beginning
   /// of a step.
   virtual bool damps_explicitly() const { return false; }
 
-  /// [s] stiffness-proportional damping of this force field in the system matrix alone.
+  /// [s] stiffness-proportional damping of these forces in the system matrix alone.
   virtual double rayleigh_stiffness() const { return 0; }
 
-  /// For one-sided forces on an independent state: whether there are any, and letting go of those that would pull at
-  /// the end of a step (MechanicalSystem::release). Returns whether there were any.
+  /// For one-sided forces on independent states: whether there are any, and letting go of those that would pull at the
+  /// end of a step (MechanicalSystem::release). Returns whether there were any.
   virtual bool is_one_sided() const { return false; }
-  virtual bool release(ConstPoints /*x_end*/, ConstPoints /*v_end*/) { return false; }
+  virtual bool release(In /*x_end*/, In /*v_end*/) { return false; }
+};
+
+/// Forces on the nearest mechanical state.
+class ForceField : public Component, public Forces<ConstPoints, Points> {
+ public:
+  static constexpr std::string_view kCategory = "ForceField";
+  using Component::Component;
+
+  /// The stiffness for solvers that work on the kernels' own vectors. False, and nothing added, where the kernels
+  /// cannot express it; the solvers then use the verbs above beside them.
+  virtual bool describe(double /*factor*/, MatrixFreeSystem& /*system*/) const { return false; }
+
+  /// diagonal += that of factor B, for a B that has no other entries and a field whose stiffness the kernels can
+  /// express. The default is no damping: describe of a field with another B returns false.
+  virtual void add_damping_diagonal(double /*factor*/, Points /*diagonal*/) const {}
 
   /// Nodes that carry forces prescribed by the scene; empty for the others.
   virtual std::span<const int> loaded_nodes() const { return {}; }
@@ -122,26 +133,13 @@ class ForceField : public Component {
   virtual void remove_elements(std::span<const int> /*elements*/) {}
 };
 
-/// Forces between two mechanical states, or within one. The verbs are those of ForceField, with a field of each state.
-/// A state may follow another one; one of the two may be at rest, where no integrator moves it. Otherwise one
-/// integrator moves both.
-class Interaction {
+/// Forces between two mechanical states, or within one. A state may follow another one; one of the two may be at rest,
+/// where no integrator moves it. Otherwise one integrator moves both.
+class Interaction : public Forces<const OfTwo<ConstPoints>&, OfTwo<Points>, std::array<int, 2>> {
  public:
-  virtual ~Interaction() = default;
-
   /// The same one twice for forces within a state. Known from init on; null, both of them: a ForceField that might be
   /// between states acts on its nearest one.
   virtual std::array<MechanicalState*, 2> states() const = 0;
-
-  virtual void add_force(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) = 0;
-  virtual void add_stiffness_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const = 0;
-
-  /// first_nodes: where the nodes of each state begin in A; -1: it is at rest, and A has none of them.
-  virtual void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes) const = 0;
-
-  virtual bool is_in_matrix() const { return true; }
-  virtual bool damps_explicitly() const { return false; }
-  virtual double rayleigh_stiffness() const { return 0; }
 };
 
 /// What is between states and nothing else.
@@ -149,16 +147,6 @@ class InteractionForceField : public Component, public Interaction {
  public:
   static constexpr std::string_view kCategory = "InteractionForceField";
   using Component::Component;
-};
-
-/// One-sided forces between two independent states, which damp besides.
-class OneSidedInteraction : public InteractionForceField {
- public:
-  using InteractionForceField::InteractionForceField;
-
-  virtual void add_damping_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const = 0;
-  virtual void add_damping_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes) const = 0;
-  virtual bool release(const OfTwo<ConstPoints>& x_end, const OfTwo<ConstPoints>& v_end) = 0;
 };
 
 class ProjectiveConstraint : public Component {

@@ -14,7 +14,8 @@ namespace {
 /// Contacts come last: they follow from bodies, which may stand behind them.
 bool is_contact(const Component& component) {
   const auto* field = dynamic_cast<const ForceField*>(&component);
-  return (field && field->is_one_sided()) || dynamic_cast<const OneSidedInteraction*>(&component);
+  const auto* interaction = dynamic_cast<const Interaction*>(&component);
+  return (field && field->is_one_sided()) || (interaction && interaction->is_one_sided());
 }
 
 }  // namespace

@@ -76,6 +76,22 @@ TEST(Options, AreThoseOfTheTableAndHaveItsDefaults) {
   EXPECT_EQ(others_than(ProbeOptions(), attributes::kProbe), (Names{"value", "points"}));
 }
 
+template <class Part>
+void expect_outputs_of_the_table() {
+  std::multiset<std::string_view> visited, expected;
+  Part::outputs([&](std::string_view name, const auto&) { visited.insert(name); });
+  for (const attributes::Attribute& attribute : Part::description().attributes)
+    if (attribute.access == attributes::Access::kOutput) expected.insert(attribute.name);
+  EXPECT_EQ(visited, expected) << Part::description().class_name;
+}
+
+TEST(Forces, ShowEachOutputOfTheTable) {
+  expect_outputs_of_the_table<TangentialLoad>();
+  expect_outputs_of_the_table<Grasp>();
+  expect_outputs_of_the_table<Instrument>();
+  expect_outputs_of_the_table<Tissues>();
+}
+
 TEST(Options, AreCalledInScenesAsTheTableCallsThem) {
   EXPECT_EQ(attribute_name("radius"), "radius");
   EXPECT_EQ(attribute_name("max_nb_iterations"), "maxNbIterations");
@@ -106,7 +122,7 @@ TEST(Options, OutsideTheRangesOfTheTableAreRefused) {
   const auto tangential = [](auto change) {
     TangentialLoadOptions options = load();
     change(options);
-    return refused([&] { TangentialLoad(options, 4); });
+    return refused([&] { TangentialLoad(options, {.num_nodes = {4, 4}}); });
   };
   EXPECT_EQ(tangential([](auto&) {}), "nothing");
   EXPECT_EQ(tangential([](auto& o) { o.group_size = 0; }), "groupSize: 0 must lie in [1, 2147483646]");
@@ -130,7 +146,7 @@ TEST(Options, OutsideTheRangesOfTheTableAreRefused) {
   const auto instrument = [](auto change) {
     GraspOptions options = grasp();
     change(options);
-    return refused([&] { Grasp(options, 4); });
+    return refused([&] { Grasp(options, {.num_nodes = {4, 4}}); });
   };
   EXPECT_EQ(instrument([](auto&) {}), "nothing");
   EXPECT_EQ(instrument([](auto& o) { o.radius = {}; }), "radius: is not given");
@@ -175,20 +191,21 @@ TEST(Probe, RefusesEntriesThatAreNotThere) {
 }
 
 TEST(Grasp, KeepsItsGripWhereOptionsChange) {
-  Grasp tool(grasp(), 4);
-  EXPECT_TRUE(tool.begin_step(0, kPoints).empty());
+  Grasp tool(grasp(), {.num_nodes = {4, 4}});
+  tool.begin_step({.time = 0}, kPoints, kPoints);
+  EXPECT_TRUE(tool.take_warnings().empty());
   ASSERT_EQ(tool.held_nodes().size(), 1u);
   PointArray x = kPoints;
   x.row(0) += Eigen::RowVector3d(0.01, 0, 0);
-  EXPECT_DOUBLE_EQ(tool.energy(0, x), 1000 * 1e-4 / 2);
+  EXPECT_DOUBLE_EQ(*tool.potential_energy(0, x), 1000 * 1e-4 / 2);
   GraspOptions stiffer = grasp();
   stiffer.stiffness = 3000;
   tool.set_options(stiffer);
   EXPECT_EQ(tool.held_nodes().size(), 1u);
-  EXPECT_DOUBLE_EQ(tool.energy(0, x), 3000 * 1e-4 / 2);
+  EXPECT_DOUBLE_EQ(*tool.potential_energy(0, x), 3000 * 1e-4 / 2);
   stiffer.stiffness = -1;
   EXPECT_THROW(tool.set_options(stiffer), OptionError);
-  EXPECT_DOUBLE_EQ(tool.energy(0, x), 3000 * 1e-4 / 2) << "as before";
+  EXPECT_DOUBLE_EQ(*tool.potential_energy(0, x), 3000 * 1e-4 / 2) << "as before";
   tool.reset();
   EXPECT_FALSE(tool.is_closed());
 }
@@ -202,12 +219,12 @@ TEST(Instrument, HasSamplesFromWhenItFirstComesNear) {
   options.positions << 0.5, 0.5, 9, 0.5, 0.5, 9, 0.5, 0.5, 1.1;
   for (const bool is_active : {false, true}) {
     options.contact.active = is_active;
-    Instrument tool(options, body);
+    Instrument tool(options, {.bodies = {&body, &body}});
     const auto num_samples = [&] { return tool.contact().samples().samples.size(); };
-    tool.look_at_start(tool.pose_at(0), x);
-    tool.begin_step(0, 0.1, 0, x, v);
+    tool.look_at_start(0, x);
+    tool.begin_step({.time = 0, .dt = 0.1}, x, v);
     EXPECT_EQ(num_samples(), 0U);
-    tool.begin_step(1.9, 0.1, 0, x, v);
+    tool.begin_step({.time = 1.9, .dt = 0.1}, x, v);
     EXPECT_EQ(num_samples() > 0, is_active);
     EXPECT_EQ(tool.contact().num_touching() > 0, is_active);
   }

@@ -57,6 +57,15 @@ inline std::string class_name(std::string text) {
   return text.substr(0, text.find(','));
 }
 
+/// That, unless the class gives itself a name, as SOFA asks it for one.
+template <class T>
+std::string name_of(std::string text) {
+  if constexpr (requires { T::GetCustomClassName(); })
+    return T::GetCustomClassName();
+  else
+    return class_name(std::move(text));
+}
+
 }  // namespace sofa_standin
 
 #define msg_error(...) ::sofa_standin::Message(__VA_ARGS__)
@@ -67,9 +76,9 @@ inline std::string class_name(std::string text) {
 #define SOFA_ABSTRACT_CLASS(Class, Parent) \
   template <class>                         \
   friend struct ::sofa::core::objectmodel::New
-#define SOFA_CLASS(Class, ...)                                                             \
-  std::string getClassName() const override { return ::sofa_standin::class_name(#Class); } \
-  template <class>                                                                         \
+#define SOFA_CLASS(Class, ...)                                                                 \
+  std::string getClassName() const override { return ::sofa_standin::name_of<Class>(#Class); } \
+  template <class>                                                                             \
   friend struct ::sofa::core::objectmodel::New
 
 namespace sofa {

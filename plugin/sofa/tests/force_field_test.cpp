@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What SOFA demands of a force field: force, energy, product and matrix that fit together, and evaluation without
 // memory.
-#include <Hexaplast/GraspForceField.h>
 #include <gtest/gtest.h>
 #include <sofa/component/topology/container/dynamic/HexahedronSetTopologyModifier.h>
 #include <sofa/core/MechanicalParams.h>
@@ -334,7 +333,7 @@ TEST(Instrument, EnergyRisesAsItsForceIsWorkedAgainst)
     sofa::type::vector<sofa::Index> held;
     for (int n = 0; n < rest.rows(); ++n)
         if ((rest.row(n) - Eigen::RowVector3d(0, 0, 0.3)).norm() < 0.15) held.push_back(n);
-    EXPECT_EQ(dynamic_cast<GraspForceField<Vec3Types>&>(tool).d_grasped.getValue(), held);
+    EXPECT_EQ(value_of<sofa::type::vector<sofa::Index>>(tool, "grasped"), held);
 }
 
 // A dashpot of 7 N s/m on the one node that is held: df/dv = -7 there.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // An instrument that touches a body in SOFA and in the embedded host: the same motion, forces and contacts.
-#include <Hexaplast/InstrumentContactForceField.h>
+#include <Hexaplast/Instrument.h>
 #include <gtest/gtest.h>
 #include <sofa/core/visual/VisualParams.h>
 
@@ -18,7 +18,7 @@ namespace hexaplast::sofa_plugin::test
 namespace
 {
 
-using Contact = InstrumentContactForceField<Vec3Types>;
+using Contact = Instrument;
 
 /// A block of 4 x 3 x 8 cubes on the ground that a plate presses and strokes.
 std::string stroked_block(const std::string& solver, const std::string& contact = "",
@@ -61,11 +61,11 @@ Differences compared(SofaScene& sofa, EmbeddedScene& host, int steps)
         sofa.step();
         host.step();
         found.positions = std::max(found.positions, (sofa.positions() - host.positions()).cwiseAbs().maxCoeff() / size);
-        const int touching = contact.d_touching.getValue(), slipping = contact.d_slipping.getValue();
+        const int touching = value_of<int>(contact, "touching"), slipping = value_of<int>(contact, "slipping");
         found.touching = std::max(found.touching, touching);
         found.slipping = std::max(found.slipping, slipping);
         if (touching >= 100 && slipping >= 10) ++found.stepsWithBoth;
-        found.force = std::max(found.force, contact.d_force.getValue().norm());
+        found.force = std::max(found.force, value_of<sofa::type::Vec3>(contact, "force").norm());
     }
     std::cout << "largest difference in " << steps << " steps: " << found.positions << " of the body's size; "
               << found.touching << " points touched, " << found.slipping << " slipped; 100 and 10 in "
@@ -76,18 +76,18 @@ Differences compared(SofaScene& sofa, EmbeddedScene& host, int steps)
 void expect_same_outputs(SofaScene& sofa, EmbeddedScene& host)
 {
     auto& contact = sofa.only<Contact>();
-    const double size = 1 + contact.d_force.getValue().norm();
+    const double size = 1 + value_of<sofa::type::Vec3>(contact, "force").norm();
     const auto output = [&](const char* name)
     { return host.output<scene::ForceField>("InstrumentContactForceField", name); };
     const std::vector<double> force = output("force"), torque = output("torque");
     for (int k = 0; k < 3; ++k)
     {
-        EXPECT_NEAR(contact.d_force.getValue()[k], force[k], 1e-6 * size);
-        EXPECT_NEAR(contact.d_torque.getValue()[k], torque[k], 1e-8 * size);
+        EXPECT_NEAR(value_of<sofa::type::Vec3>(contact, "force")[k], force[k], 1e-6 * size);
+        EXPECT_NEAR(value_of<sofa::type::Vec3>(contact, "torque")[k], torque[k], 1e-8 * size);
     }
-    EXPECT_NEAR(contact.d_depth.getValue(), output("depth")[0], 1e-9);
-    EXPECT_EQ(contact.d_touching.getValue(), output("touching")[0]);
-    EXPECT_EQ(contact.d_slipping.getValue(), output("slipping")[0]);
+    EXPECT_NEAR(value_of<SReal>(contact, "depth"), output("depth")[0], 1e-9);
+    EXPECT_EQ(value_of<int>(contact, "touching"), output("touching")[0]);
+    EXPECT_EQ(value_of<int>(contact, "slipping"), output("slipping")[0]);
 }
 
 TEST(InstrumentInSofa, TouchesAsInTheEmbeddedHost)
@@ -131,10 +131,10 @@ TEST(InstrumentInSofa, BeginsAnewAfterReset)
     for (int step = 0; step < 60; ++step) sofa.step();
     const PointArray before = sofa.positions();
     auto& contact = sofa.only<Contact>();
-    EXPECT_GT(contact.d_touching.getValue(), 0);
+    EXPECT_GT(value_of<int>(contact, "touching"), 0);
     sofa.reset();
-    EXPECT_EQ(contact.d_touching.getValue(), 0);
-    EXPECT_EQ(contact.d_force.getValue().norm(), 0);
+    EXPECT_EQ(value_of<int>(contact, "touching"), 0);
+    EXPECT_EQ(value_of<sofa::type::Vec3>(contact, "force").norm(), 0);
     for (int step = 0; step < 60; ++step) sofa.step();
     EXPECT_EQ(sofa.positions(), before);
 }
@@ -169,7 +169,7 @@ TEST(InstrumentInSofa, FollowsABodyThatIsMadeAnew)
         if (step == 50) sofa.field().init();
         sofa.step();
     }
-    EXPECT_GT(sofa.only<Contact>().d_touching.getValue(), 0);
+    EXPECT_GT(value_of<int>(sofa.only<Contact>(), "touching"), 0);
     EXPECT_EQ(messages.count("deep in the body"), 0) << "it does not begin anew";
 }
 
@@ -179,7 +179,7 @@ TEST(InstrumentInSofa, IsSeenWhereItIs)
     SofaScene sofa = SofaScene::from_text(stroked_block(kOurSolver));
     for (int step = 0; step < 45; ++step) sofa.step();
     auto& contact = sofa.only<Contact>();
-    ASSERT_GT(contact.d_touching.getValue(), 0);
+    ASSERT_GT(value_of<int>(contact, "touching"), 0);
     const auto draw = [&](bool forces, bool visuals)
     {
         RecordingDrawTool drawn;
@@ -195,7 +195,7 @@ TEST(InstrumentInSofa, IsSeenWhereItIs)
     for (const auto& corner : tool.corners) lowest = std::min<double>(lowest, corner[1]);
     EXPECT_EQ(tool.corners.size(), 36u) << "a box";
     EXPECT_NEAR(lowest, 0.036 - 0.9 * 0.004 - 0.004, 1e-6) << "at 0.45 s of its path";
-    EXPECT_EQ(static_cast<int>(tool.points.size()), contact.d_touching.getValue());
+    EXPECT_EQ(static_cast<int>(tool.points.size()), value_of<int>(contact, "touching"));
     EXPECT_EQ(tool.ends.size(), 2 * tool.points.size());
     EXPECT_EQ(tool.num_others, 0);
     EXPECT_EQ(tool.num_open_states, 0);
@@ -204,13 +204,13 @@ TEST(InstrumentInSofa, IsSeenWhereItIs)
     sofa::type::Vec3 sum;
     const RecordingDrawTool to_scale = draw(true, false);
     for (std::size_t i = 0; i < to_scale.ends.size(); i += 2) sum += to_scale.ends[i + 1] - to_scale.ends[i];
-    EXPECT_LE((sum + contact.d_force.getValue() * 0.5).norm(), 1e-9 * sum.norm());
+    EXPECT_LE((sum + value_of<sofa::type::Vec3>(contact, "force") * 0.5).norm(), 1e-9 * sum.norm());
     EXPECT_EQ(draw(false, true).corners.size(), 36u);
     EXPECT_TRUE(draw(false, true).ends.empty());
     EXPECT_TRUE(draw(false, false).corners.empty());
     for (const char* shape : {"capsule", "cube"})
     {
-        contact.d_shape.read(shape);
+        contact.findData("shape")->read(shape);
         EXPECT_EQ(draw(true, false).corners.size(), 36u) << shape;
     }
     contact.computeBBox(sofa::core::execparams::defaultInstance());
@@ -262,7 +262,7 @@ TEST(InstrumentInSofa, IsInvalidWhereItCannotWork)
     corrected.set("tool", "friction", "0.4");
     corrected.named("tool").reinit();
     for (int step = 0; step < 45; ++step) corrected.step();
-    EXPECT_GT(corrected.only<Contact>().d_touching.getValue(), 0);
+    EXPECT_GT(value_of<int>(corrected.only<Contact>(), "touching"), 0);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Several bodies in one system of SOFA: contact between tissues as in the embedded host, and what else joins them.
-#include <Hexaplast/TissueContactForceField.h>
+#include <Hexaplast/contact.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -10,6 +10,7 @@
 #include "block_scene.h"
 #include "embedded_scene.h"
 #include "messages.h"
+#include "parts/tissue_contact.hpp"
 #include "sofa_scene.h"
 
 namespace hexaplast::sofa_plugin::test
@@ -17,7 +18,7 @@ namespace hexaplast::sofa_plugin::test
 namespace
 {
 
-using Contact = TissueContactForceField<Vec3Types>;
+using Contact = ContactOf<parts::Tissues>;
 
 /// A shipped scene that is solved to a residual without influence.
 std::string shipped(const std::string& name)
@@ -62,16 +63,17 @@ Differences compared(const std::string& text, int steps)
         sofa.step();
         host.step();
         found.positions = std::max(found.positions, (positions(sofa) - host.positions()).cwiseAbs().maxCoeff() / size);
-        found.touching = std::max(found.touching, contact.d_touching.getValue());
-        found.slipping = std::max(found.slipping, contact.d_slipping.getValue());
+        found.touching = std::max(found.touching, value_of<int>(contact, "touching"));
+        found.slipping = std::max(found.slipping, value_of<int>(contact, "slipping"));
     }
     const auto output = [&](const char* name)
     { return host.output<scene::InteractionForceField>("TissueContactForceField", name); };
-    const double force = 1e-3 + contact.d_force.getValue().norm();
-    for (int k = 0; k < 3; ++k) EXPECT_NEAR(contact.d_force.getValue()[k], output("force")[k], 1e-6 * force);
-    EXPECT_NEAR(contact.d_depth.getValue(), output("depth")[0], 1e-9);
-    EXPECT_EQ(contact.d_touching.getValue(), output("touching")[0]);
-    EXPECT_EQ(contact.d_slipping.getValue(), output("slipping")[0]);
+    const double force = 1e-3 + value_of<sofa::type::Vec3>(contact, "force").norm();
+    for (int k = 0; k < 3; ++k)
+        EXPECT_NEAR(value_of<sofa::type::Vec3>(contact, "force")[k], output("force")[k], 1e-6 * force);
+    EXPECT_NEAR(value_of<SReal>(contact, "depth"), output("depth")[0], 1e-9);
+    EXPECT_EQ(value_of<int>(contact, "touching"), output("touching")[0]);
+    EXPECT_EQ(value_of<int>(contact, "slipping"), output("slipping")[0]);
     std::cout << "largest difference in " << steps << " steps: " << found.positions << " of the size; "
               << found.touching << " points touched, " << found.slipping << " slipped\n";
     return found;
@@ -264,10 +266,10 @@ TEST(TissuesInSofa, FollowTheirBodies)
     }
     sofa.field().init();
     sofa.step();
-    EXPECT_GT(sofa.only<Contact>().d_touching.getValue(), 0) << "the body that is made in its place";
+    EXPECT_GT(value_of<int>(sofa.only<Contact>(), "touching"), 0) << "the body that is made in its place";
     sofa.set("contact", "active", "false");
     sofa.step();
-    EXPECT_EQ(sofa.only<Contact>().d_touching.getValue(), 0) << "from the next step on";
+    EXPECT_EQ(value_of<int>(sofa.only<Contact>(), "touching"), 0) << "from the next step on";
 }
 
 TEST(TissuesInSofa, SayWhatIsNotAsItShouldBe)
@@ -290,9 +292,9 @@ TEST(TissuesInSofa, ReturnToTheBeginning)
     SofaScene scene = SofaScene::from_text(two_blocks(kOurs, kContact));
     for (int step = 0; step < 10; ++step) scene.step();
     const PointArray before = positions(scene);
-    EXPECT_GT(scene.only<Contact>().d_touching.getValue(), 0);
+    EXPECT_GT(value_of<int>(scene.only<Contact>(), "touching"), 0);
     scene.reset();
-    EXPECT_EQ(scene.only<Contact>().d_touching.getValue(), 0);
+    EXPECT_EQ(value_of<int>(scene.only<Contact>(), "touching"), 0);
     for (int step = 0; step < 10; ++step) scene.step();
     EXPECT_EQ(positions(scene), before);
 }
@@ -325,7 +327,7 @@ TEST(TissuesInSofa, AreInvalidWhereTheyCannotTouch)
     corrected.named("contact").reinit();
     EXPECT_FALSE(is_invalid(corrected.named("contact")));
     corrected.step();
-    EXPECT_GT(corrected.only<Contact>().d_touching.getValue(), 0);
+    EXPECT_GT(value_of<int>(corrected.only<Contact>(), "touching"), 0);
 }
 
 }  // namespace

@@ -59,4 +59,11 @@ private:
     sofa::simulation::Node::SPtr root_;
 };
 
+/// What a Data of a component holds.
+template <class T>
+const T& value_of(const SofaComponent& component, const std::string& data)
+{
+    return dynamic_cast<const Data<T>&>(*component.findData(data)).getValue();
+}
+
 }  // namespace hexaplast::sofa_plugin::test

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <Hexaplast/ForceBetweenStates.h>
 #include <Hexaplast/PartForceField.h>
-#include <Hexaplast/TissueContactForceField.h>
 #include <sofa/component/linearsolver/iterative/MatrixLinearSolver.h>
 #include <sofa/core/BaseMapping.h>
 #include <sofa/core/behavior/BaseMass.h>
@@ -23,7 +23,7 @@ using sofa::core::behavior::BaseForceField;
 using sofa::core::behavior::BaseMass;
 using sofa::core::objectmodel::BaseContext;
 using OurForceField = PartForceField<Vec3Types>;
-using OurInteraction = TissueContactForceField<Vec3Types>;
+using OurInteraction = ForceBetweenStates;
 
 /// The states of a system, one behind the other.
 class States

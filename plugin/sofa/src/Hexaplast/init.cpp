@@ -35,10 +35,7 @@ extern "C"
         using namespace hexaplast::sofa_plugin;
         registerHexahedronElastoplasticFEMForceField(factory);
         registerMaterialRegion(factory);
-        registerTangentialForceField(factory);
-        registerGraspForceField(factory);
-        registerInstrumentContactForceField(factory);
-        registerTissueContactForceField(factory);
+        registerForces(factory);
         registerShapeTopologies(factory);
         registerMultigridCGLinearSolver(factory);
         registerFinalStateExporter(factory);

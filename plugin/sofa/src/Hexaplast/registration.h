@@ -29,10 +29,7 @@ void register_component(sofa::core::ObjectFactory* factory, const attributes::De
 
 void registerHexahedronElastoplasticFEMForceField(sofa::core::ObjectFactory* factory);
 void registerMaterialRegion(sofa::core::ObjectFactory* factory);
-void registerTangentialForceField(sofa::core::ObjectFactory* factory);
-void registerGraspForceField(sofa::core::ObjectFactory* factory);
-void registerInstrumentContactForceField(sofa::core::ObjectFactory* factory);
-void registerTissueContactForceField(sofa::core::ObjectFactory* factory);
+void registerForces(sofa::core::ObjectFactory* factory);
 void registerShapeTopologies(sofa::core::ObjectFactory* factory);
 void registerMultigridCGLinearSolver(sofa::core::ObjectFactory* factory);
 void registerFinalStateExporter(sofa::core::ObjectFactory* factory);

@@ -5,8 +5,11 @@
 #include <Hexaplast/releases.h>
 #include <sofa/helper/OptionsGroup.h>
 
+#include <functional>
 #include <locale>
+#include <memory>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <string>
 #include <type_traits>
@@ -91,15 +94,60 @@ T initial_value(const Attribute& attribute)
     }
 }
 
-/// What a Data of a component is made from.
+/// The Data in which SOFA keeps an option or an output.
+template <class T>
+struct DataOf
+{
+    using type = Data<T>;
+};
+template <class T>
+struct DataOf<std::optional<T>> : DataOf<T>
+{
+};
+template <class T>
+requires std::is_enum_v<T>
+struct DataOf<T>
+{
+    using type = DataWord;
+};
+template <>
+struct DataOf<hexaplast::Vec3> : DataOf<sofa::type::Vec3>
+{
+};
+template <>
+struct DataOf<PointArray> : DataOf<sofa::type::vector<sofa::type::Vec3>>
+{
+};
+template <>
+struct DataOf<std::vector<double>> : DataOf<sofa::type::vector<SReal>>
+{
+};
+template <>
+struct DataOf<std::vector<int>> : DataOf<sofa::type::vector<sofa::Index>>
+{
+};
+template <>
+struct DataOf<std::span<const int>> : DataOf<sofa::type::vector<sofa::Index>>
+{
+};
+template <>
+struct DataOf<std::vector<Triangle>> : DataOf<MeshTopology::SeqTriangles>
+{
+};
+
+/// What a Data of a component is made from. group: where the row has none.
 template <class T>
 typename Data<T>::InitData from_table(SofaComponent& owner, Data<T>& data, const Attribute& attribute,
                                       const char* group)
 {
     const bool is_output = attribute.access == attributes::Access::kOutput;
+    const std::string of_row = group_of(attribute.name);
     auto init = owner.initData(&data, initial_value<T>(attribute), std::string(attribute.name).c_str(),
                                help_of(attribute).c_str(), true, is_output);
-    init.group = is_output ? "Outputs" : group;
+    init.group = is_output                  ? "Outputs"
+                 : !of_row.empty()          ? of_row
+                 : !attribute.group.empty() ? std::string(attribute.group)
+                                            : group;
     return init;
 }
 
@@ -107,28 +155,46 @@ typename Data<T>::InitData from_table(SofaComponent& owner, Data<T>& data, const
 template <class T>
 void read_option(const sofa::core::BaseData& data, const Attribute& attribute, T& option)
 {
-    using namespace sofa::type;
-    const auto is = [&]<class Of>(std::type_identity<Of>) -> const Of&
-    { return dynamic_cast<const Data<Of>&>(data).getValue(); };
+    const auto& given = dynamic_cast<const typename DataOf<T>::type&>(data);
     if constexpr (std::is_enum_v<T>)
-        option = static_cast<T>(parts::place_of_word(attribute, dynamic_cast<const DataWord&>(data).given()));
+        option = static_cast<T>(parts::place_of_word(attribute, given.given()));
     else if constexpr (std::is_same_v<T, hexaplast::Vec3>)
-        option = vec3(is(std::type_identity<sofa::type::Vec3>()));
+        option = vec3(given.getValue());
     else if constexpr (std::is_same_v<T, std::vector<double>>)
-        option = reals(is(std::type_identity<vector<SReal>>()));
+        option = reals(given.getValue());
     else if constexpr (std::is_same_v<T, std::vector<int>>)
-        option = whole_numbers(is(std::type_identity<vector<sofa::Index>>()));
+        option = whole_numbers(given.getValue());
     else if constexpr (std::is_same_v<T, PointArray>)
-        option = view(is(std::type_identity<vector<sofa::type::Vec3>>()));
+        option = view(given.getValue());
     else if constexpr (std::is_same_v<T, std::vector<Triangle>>)
-        option = triangles(is(std::type_identity<MeshTopology::SeqTriangles>()));
+        option = triangles(given.getValue());
     else
-        option = is(std::type_identity<T>());
+        option = given.getValue();
 }
 template <class T>
 void read_option(const sofa::core::BaseData& data, const Attribute& attribute, std::optional<T>& option)
 {
     if (data.isSet()) read_option(data, attribute, option.emplace());
+}
+
+/// An output into the Data that has its name.
+template <class T>
+void write_output(sofa::core::BaseData& data, const T& output)
+{
+    auto& shown = dynamic_cast<typename DataOf<T>::type&>(data);
+    if constexpr (std::is_same_v<T, hexaplast::Vec3>)
+    {
+        shown.setValue(vec3(output));
+    }
+    else if constexpr (std::is_same_v<T, std::span<const int>>)
+    {
+        shown.beginWriteOnly()->assign(output.begin(), output.end());
+        shown.endEdit();
+    }
+    else
+    {
+        shown.setValue(output);
+    }
 }
 
 /// The options of a part from the Data of its component. Throws OptionError for a word that there is not, with what
@@ -165,13 +231,22 @@ protected:
     const Description& description() const { return m_description; }
 
     /// What a Data is made from: Data<SReal> d_length{this->fromTable(d_length, "length")}. `group`: under which
-    /// windows show it, where it is no member of Material or Settings and no output.
+    /// windows show it, where its row has no group.
     template <class T>
     typename Data<T>::InitData fromTable(Data<T>& data, std::string_view name, const char* group = "")
     {
-        const std::string of_row = group_of(name);
-        return from_table(*this, data, attributes::attribute_of(m_description, name),
-                          of_row.empty() ? group : of_row.c_str());
+        return from_table(*this, data, attributes::attribute_of(m_description, name), group);
+    }
+
+    /// Makes a Data for each option and each output of a part.
+    template <class Part>
+    void makeData()
+    {
+        typename Part::Options options;
+        Part::Options::each(options, [&](std::string_view option, const auto& member)
+                            { makeDataOf<std::remove_cvref_t<decltype(member)>>(parts::attribute_name(option)); });
+        Part::outputs([&](std::string_view output, const auto& of)
+                      { makeDataOf<std::remove_cvref_t<std::invoke_result_t<decltype(of), const Part&>>>(output); });
     }
 
     /// For links, which SOFA makes in the class that has them: l_body{initLink("body", helpOf("body"))}.
@@ -188,7 +263,25 @@ protected:
     }
 
 private:
+    struct Owned
+    {
+        virtual ~Owned() = default;
+    };
+    template <class TData>
+    struct OwnedData final : Owned
+    {
+        OwnedData(TableComponent& owner, std::string_view name) : data(owner.fromTable(data, name)) {}
+        TData data;
+    };
+
+    template <class T>
+    void makeDataOf(std::string_view name)
+    {
+        m_data.push_back(std::make_unique<OwnedData<typename DataOf<T>::type>>(*this, name));
+    }
+
     const Description& m_description;
+    std::vector<std::unique_ptr<Owned>> m_data;
 };
 
 /// The inputs of a component that has the attributes of a table: whether a value changed since they were seen last.

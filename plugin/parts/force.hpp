@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "hexaplast/base/archive.hpp"
+#include "hexaplast/base/block_matrix.hpp"
+#include "hexaplast/base/types.hpp"
+#include "parts/option.hpp"
+
+namespace hexaplast {
+class Body;
+}
+
+namespace hexaplast::parts {
+
+/// What a force acts on: each state's nodes, and for contact its body, which must outlive the force. Of one state, or
+/// of one twice, both are the same.
+struct Surroundings {
+  std::array<int, 2> num_nodes = {};
+  std::array<const Body*, 2> bodies = {};
+};
+
+/// The beginning of a step.
+struct Step {
+  double time = 0;                ///< [s]
+  double dt = 0;                  ///< [s]
+  double rayleigh_stiffness = 0;  ///< [s] of the time integrator; contact is told it, as it does not act on contact
+};
+
+/// Forces on a state or between two: what every host drives by one template. Fields have one row per node of each
+/// state; those of a single state are given as `first` (a field converts to OfTwo), and forces are added there.
+///
+/// Of a part, hosts know besides:
+///
+///   Part::Options           what it is made from, with each(options, visit)
+///   Part::description()     its attributes
+///   Part::kNumStates        1 or 2
+///   Part::kIsContact        its bodies are needed, and an integrator that suits contact (integrator_lacks)
+///   Part::outputs(visit)    visit(name, of) for each output attribute, whose value is of(part): a Vec3, a number, a
+///                           count, or a span of nodes
+///   Part(options, around), set_options(options)
+///                           throw OptionError; what it remembers stays where options change
+class Force {
+ public:
+  static constexpr int kNumStates = 1;
+  static constexpr bool kIsContact = false;
+  static void outputs(const auto& /*visit*/) {}
+
+  virtual ~Force() = default;
+
+  /// Once, before all steps of a scene: warns of what is wrong there.
+  virtual void look_at_start(double /*time*/, const OfTwo<ConstPoints>& /*x*/) {}
+
+  /// Decides what acts in the step to come, by accepted positions and velocities: the same for everyone until it ends.
+  virtual void begin_step(const Step& /*step*/, const OfTwo<ConstPoints>& /*x*/, const OfTwo<ConstPoints>& /*v*/) {}
+
+  /// The step has ended at x.
+  virtual void end_step(const OfTwo<ConstPoints>& /*x*/) {}
+
+  /// As it was made.
+  virtual void reset() {}
+
+  /// What the next step depends on besides the options (Archive). Throws InputError for values that cannot be.
+  virtual void serialize(Archive& /*archive*/) {}
+
+  /// f += forces [N]. Fixes the positions that the derivatives below refer to, and changes nothing else.
+  virtual void add_force(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) {
+    add_load(time, x, v, f);
+  }
+
+  /// f += what of it loads the body from outside [N], for files and pictures; changes nothing but f.
+  virtual void add_load(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v,
+                        OfTwo<Points> f) const = 0;
+
+  /// df += factor K dx with K = df/dx, A += factor K; the same with B = df/dv. first_nodes: where the nodes of each
+  /// state begin in A.
+  virtual void add_stiffness_product(double /*factor*/, const OfTwo<ConstPoints>& /*dx*/, OfTwo<Points> /*df*/) const {}
+  virtual void add_stiffness_blocks(double /*factor*/, BlockMatrix& /*A*/, std::array<int, 2> /*first_nodes*/) const {}
+  virtual void add_damping_product(double /*factor*/, const OfTwo<ConstPoints>& /*dx*/, OfTwo<Points> /*df*/) const {}
+  virtual void add_damping_blocks(double /*factor*/, BlockMatrix& /*A*/, std::array<int, 2> /*first_nodes*/) const {}
+
+  /// diagonal += that of factor K, where K has no other entries; false, and nothing added, where it has. The same of B
+  /// then, which has no others either.
+  virtual bool add_stiffness_diagonal(double /*factor*/, Points /*diagonal*/) const { return false; }
+  virtual void add_damping_diagonal(double /*factor*/, Points /*diagonal*/) const {}
+
+  /// Whether K or B has entries at the latest forces.
+  virtual bool is_in_matrix() const { return true; }
+
+  /// [s] to be given for this force to the system matrix, which multiplies K by it.
+  virtual double rayleigh_stiffness() const { return 0; }
+
+  /// Of contact: takes out what would pull at these ends of the step (MechanicalSystem::release). Whether there was
+  /// anything.
+  virtual bool release(const OfTwo<ConstPoints>& /*x_end*/, const OfTwo<ConstPoints>& /*v_end*/) { return false; }
+
+  /// [J] where forces are minus a gradient.
+  virtual std::optional<double> potential_energy(double /*time*/, ConstPoints /*x*/) const { return std::nullopt; }
+
+  /// Nodes that carry forces prescribed by the scene.
+  virtual std::span<const int> loaded_nodes() const { return {}; }
+
+  std::vector<Remark> take_warnings() { return std::exchange(warnings_, {}); }
+
+ protected:
+  void warn(std::string attribute, std::string text) { warnings_.push_back({std::move(attribute), std::move(text)}); }
+
+ private:
+  std::vector<Remark> warnings_;
+};
+
+}  // namespace hexaplast::parts

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <Hexaplast/PartComponent.h>
+#include <Hexaplast/config.h>
+#include <sofa/core/behavior/MixedInteractionForceField.h>
+
+#include "parts/force.hpp"
+
+namespace hexaplast::sofa_plugin
+{
+
+/// The forces of a part between two states, or within one. Stands below the integrator of both.
+class HEXAPLAST_SOFA_API ForceBetweenStates
+    : public PartComponent<sofa::core::behavior::MixedInteractionForceField<Vec3Types, Vec3Types>>
+{
+public:
+    using DataTypes = Vec3Types;
+    using Inherit = sofa::core::behavior::MixedInteractionForceField<Vec3Types, Vec3Types>;
+    using Component = PartComponent<Inherit>;
+    SOFA_ABSTRACT_CLASS(ForceBetweenStates, Component);
+    using DataVecCoord = sofa::core::objectmodel::Data<Vec3Types::VecCoord>;
+    using DataVecDeriv = sofa::core::objectmodel::Data<Vec3Types::VecDeriv>;
+    using MechanicalParams = sofa::core::MechanicalParams;
+
+    void init() override;
+
+    using Inherit::addDForce;
+    using Inherit::addForce;
+    using Inherit::getPotentialEnergy;
+
+    /// Evaluate only.
+    void addForce(const MechanicalParams* mparams, DataVecDeriv& f1, DataVecDeriv& f2, const DataVecCoord& x1,
+                  const DataVecCoord& x2, const DataVecDeriv& v1, const DataVecDeriv& v2) override;
+    void addDForce(const MechanicalParams* mparams, DataVecDeriv& df1, DataVecDeriv& df2, const DataVecDeriv& dx1,
+                   const DataVecDeriv& dx2) override;
+    void buildStiffnessMatrix(sofa::core::behavior::StiffnessMatrix* matrix) override;
+    void buildDampingMatrix(sofa::core::behavior::DampingMatrix* matrix) override;
+    SReal getPotentialEnergy(const MechanicalParams* mparams, const DataVecCoord& x1,
+                             const DataVecCoord& x2) const override;
+
+    /// For MultigridCGLinearSolver, as those of PartForceField; fields of the two states.
+    bool isInMatrix() const override { return works() && force().is_in_matrix(); }
+    bool release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) { return force().release(x, v); }
+    void addOwnForce(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f);
+    void addOwnProduct(double b, double k, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const;
+
+protected:
+    explicit ForceBetweenStates(const Description& description);
+
+    virtual parts::Force& force() = 0;
+    const parts::Force& force() const { return const_cast<ForceBetweenStates&>(*this).force(); }
+    virtual void beforeForces() {}  ///< are computed
+
+    std::array<MechanicalState*, 2> states() const { return {mstate1.get(), mstate2.get()}; }
+
+private:
+    bool isWithItself() const { return mstate1.get() == mstate2.get(); }
+    template <class Add>
+    BlockMatrix blocksOf(const Add& add) const;
+    template <class OfPair>
+    void addBlocks(const BlockMatrix& blocks, const OfPair& ofPair) const;
+};
+
+}  // namespace hexaplast::sofa_plugin

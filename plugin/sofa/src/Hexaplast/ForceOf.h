@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <Hexaplast/ForceBetweenStates.h>
+#include <Hexaplast/PartForceField.h>
+
+#include <functional>
+#include <optional>
+#include <type_traits>
+#include <utility>
+
+namespace hexaplast::sofa_plugin
+{
+
+/// A part that is a force (parts/force.hpp) as a force field of SOFA. Its Data are the options and outputs of the part,
+/// with names, defaults and help of the attribute table.
+template <class Part>
+class ForceOf : public std::conditional_t<Part::kNumStates == 1, ForceOnState, ForceBetweenStates>
+{
+public:
+    using Inherit = std::conditional_t<Part::kNumStates == 1, ForceOnState, ForceBetweenStates>;
+    SOFA_CLASS(SOFA_TEMPLATE(ForceOf, Part), Inherit);
+    static std::string GetCustomClassName() { return std::string(Part::description().class_name); }
+    static std::string GetCustomTemplateName() { return Vec3Types::Name(); }
+
+    bool hasPart() const override { return m_part.has_value(); }
+
+protected:
+    explicit ForceOf(const Description& description = Part::description()) : Inherit(description)
+    {
+        this->template makeData<Part>();
+    }
+
+    parts::Force& force() override { return *m_part; }
+
+    virtual typename Part::Options options() const { return this->template readOptions<typename Part::Options>(); }
+
+    /// Throws InputError where it is not there.
+    virtual parts::Surroundings surroundings()
+    {
+        const std::array states = this->states();
+        return {.num_nodes = {static_cast<int>(states[0]->getSize()), static_cast<int>(states[1]->getSize())}};
+    }
+
+    void makePart() override
+    {
+        m_part.reset();
+        const parts::Surroundings around = surroundings();
+        m_part.emplace(options(), around);
+        sayWarnings();
+    }
+    void updatePart() override
+    {
+        m_part->set_options(options());
+        sayWarnings();
+    }
+    void resetPart() override
+    {
+        m_part->reset();
+        showOutputs();
+    }
+    void beginStep(SReal time, SReal dt) override { beginPart({.time = time, .dt = dt}); }
+    void endStep(SReal) override
+    {
+        m_part->end_step(positions());
+        sayWarnings();
+        showOutputs();
+    }
+
+    void beginPart(const parts::Step& step)
+    {
+        const std::array states = this->states();
+        m_part->begin_step(step, positions(),
+                           {view(states[0]->readVelocities().ref()), view(states[1]->readVelocities().ref())});
+        sayWarnings();
+    }
+
+    OfTwo<ConstPoints> positions() const
+    {
+        const std::array states = this->states();
+        return {view(states[0]->readPositions().ref()), view(states[1]->readPositions().ref())};
+    }
+
+    void showOutputs()
+    {
+        Part::outputs(
+            [&](std::string_view name, const auto& of)
+            {
+                using T = std::remove_cvref_t<decltype(std::invoke(of, std::as_const(*m_part)))>;
+                write_output<T>(*this->findData(std::string(name)), std::invoke(of, std::as_const(*m_part)));
+            });
+    }
+    void sayWarnings() { pass_on(*this, m_part->take_warnings()); }
+
+    std::optional<Part> m_part;
+};
+
+}  // namespace hexaplast::sofa_plugin

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <Hexaplast/contact.h>
+
+#include "attributes/contact.hpp"
+#include "parts/instrument.hpp"
+
+namespace hexaplast::sofa_plugin
+{
+
+/// A rigid instrument that touches the body of its state, along its path or with a rigid frame of the scene, and is
+/// drawn.
+class HEXAPLAST_SOFA_API Instrument : public ContactOf<parts::Instrument>
+{
+public:
+    using Inherit = ContactOf<parts::Instrument>;
+    SOFA_CLASS(Instrument, Inherit);
+
+    sofa::core::objectmodel::SingleLink<Instrument, sofa::core::behavior::BaseMechanicalState,
+                                        sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
+                                            sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
+        l_rigid{
+            initLink("rigid", helpOf("rigid"))};  ///< frames, one of which prescribes its motion in place of the path
+    Data<int> d_rigidIndex{fromTable(d_rigidIndex, "rigidIndex")};
+    Data<bool> d_drawInstrument{initData(&d_drawInstrument, true, "drawInstrument",
+                                         "Draws its shape, where visual models or force fields are shown.")};
+
+    void draw(const sofa::core::visual::VisualParams* vparams) override;
+    void computeBBox(const sofa::core::ExecParams* params, bool onlyVisible = false) override;
+
+protected:
+    Instrument() : Inherit(attributes::kInstrumentContactInSofa) {}
+
+    parts::InstrumentOptions options() const override;
+    void makePart() override;
+    void prescribe(SReal dt) override;
+
+private:
+    void checkRigid() const;
+    Pose poseAfter(SReal duration) const;  ///< of the frame, if it keeps its velocity so long
+    Pose pose() const;                     ///< of the present time
+};
+
+}  // namespace hexaplast::sofa_plugin
