@@ -10,6 +10,7 @@
 #include "components/between_states.hpp"
 #include "components/part.hpp"
 #include "parts/force.hpp"
+#include "scene/factory.hpp"
 #include "scene/interfaces.hpp"
 #include "scene/load.hpp"
 
@@ -30,7 +31,7 @@ class PartField;
 
 /// What those on one state and those between two have in common.
 template <class Part, class In, class Out, class... FirstNodes>
-class PartField<Part, scene::Forces<In, Out, FirstNodes...>>
+class PartField<Part, Forces<In, Out, FirstNodes...>>
     : public BaseOfPart<Part>, public scene::Changeable, public scene::Stateful {
  public:
   PartField() : BaseOfPart<Part>(Part::description()) {}

@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "hexaplast/base/archive.hpp"
-#include "hexaplast/base/block_matrix.hpp"
-#include "hexaplast/base/types.hpp"
+#include "hexaplast/solve/mechanics.hpp"
 #include "parts/option.hpp"
 
 namespace hexaplast {
@@ -45,13 +44,11 @@ struct Step {
 ///                           count, or a span of nodes
 ///   Part(options, around), set_options(options)
 ///                           throw OptionError; what it remembers stays where options change
-class Force {
+class Force : public PairForces {
  public:
   static constexpr int kNumStates = 1;
   static constexpr bool kIsContact = false;
   static void outputs(const auto& /*visit*/) {}
-
-  virtual ~Force() = default;
 
   /// Once, before all steps of a scene: warns of what is wrong there.
   virtual void look_at_start(double /*time*/, const OfTwo<ConstPoints>& /*x*/) {}
@@ -68,8 +65,7 @@ class Force {
   /// What the next step depends on besides the options (Archive). Throws InputError for values that cannot be.
   virtual void serialize(Archive& /*archive*/) {}
 
-  /// f += forces [N]. Fixes the positions that the derivatives below refer to, and changes nothing else.
-  virtual void add_force(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) {
+  void add_force(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) override {
     add_load(time, x, v, f);
   }
 
@@ -77,27 +73,10 @@ class Force {
   virtual void add_load(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v,
                         OfTwo<Points> f) const = 0;
 
-  /// df += factor K dx with K = df/dx, A += factor K; the same with B = df/dv. first_nodes: where the nodes of each
-  /// state begin in A.
-  virtual void add_stiffness_product(double /*factor*/, const OfTwo<ConstPoints>& /*dx*/, OfTwo<Points> /*df*/) const {}
-  virtual void add_stiffness_blocks(double /*factor*/, BlockMatrix& /*A*/, std::array<int, 2> /*first_nodes*/) const {}
-  virtual void add_damping_product(double /*factor*/, const OfTwo<ConstPoints>& /*dx*/, OfTwo<Points> /*df*/) const {}
-  virtual void add_damping_blocks(double /*factor*/, BlockMatrix& /*A*/, std::array<int, 2> /*first_nodes*/) const {}
-
   /// diagonal += that of factor K, where K has no other entries; false, and nothing added, where it has. The same of B
   /// then, which has no others either.
   virtual bool add_stiffness_diagonal(double /*factor*/, Points /*diagonal*/) const { return false; }
   virtual void add_damping_diagonal(double /*factor*/, Points /*diagonal*/) const {}
-
-  /// Whether K or B has entries at the latest forces.
-  virtual bool is_in_matrix() const { return true; }
-
-  /// [s] to be given for this force to the system matrix, which multiplies K by it.
-  virtual double rayleigh_stiffness() const { return 0; }
-
-  /// Of contact: takes out what would pull at these ends of the step (MechanicalSystem::release). Whether there was
-  /// anything.
-  virtual bool release(const OfTwo<ConstPoints>& /*x_end*/, const OfTwo<ConstPoints>& /*v_end*/) { return false; }
 
   /// [J] where forces are minus a gradient.
   virtual std::optional<double> potential_energy(double /*time*/, ConstPoints /*x*/) const { return std::nullopt; }

@@ -8,10 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "hexaplast/base/block_matrix.hpp"
-#include "hexaplast/base/types.hpp"
 #include "hexaplast/layout/linear_system.hpp"
 #include "hexaplast/solve/energy_balance.hpp"
+#include "hexaplast/solve/mechanics.hpp"
 #include "scene/node.hpp"
 
 namespace hexaplast {
@@ -41,86 +40,26 @@ class Topology : public Component {
 };
 
 /// What time integrators move and mappings carry.
-class MechanicalState : public Component {
+class MechanicalState : public Component, public NodalState {
  public:
   static constexpr std::string_view kCategory = "MechanicalState";
   using Component::Component;
 
-  virtual PointArray& positions() = 0;                   ///< x [m]
-  virtual PointArray& velocities() = 0;                  ///< v [m/s]
   virtual const PointArray& rest_positions() const = 0;  ///< [m]
-  virtual void add_external_force(Points f) const = 0;   ///< f += constant nodal forces [N]
-
-  int num_nodes() { return static_cast<int>(positions().rows()); }
 };
 
-/// The mass matrix M of the nearest mechanical state, lumped: a mass at every node.
-class Mass : public Component {
+/// Of the nearest mechanical state.
+class Mass : public Component, public NodalMass {
  public:
   static constexpr std::string_view kCategory = "Mass";
   using Component::Component;
-
-  virtual void add_gravity(const Vec3& gravity, Points f) const = 0;             ///< f += M g [N]
-  virtual void add_product(double factor, ConstPoints dx, Points df) const = 0;  ///< df += factor M dx
-  virtual void add_blocks(double factor, BlockMatrix& A) const = 0;              ///< A += factor M
-  virtual void add_diagonal(double factor, Points diagonal) const = 0;           ///< diagonal += that of factor M
-  virtual double kinetic_energy(ConstPoints v) const = 0;                        ///< v.M v / 2 [J]
-
-  /// [1/s] damping by this mass in the system matrix alone.
-  virtual double rayleigh_mass() const { return 0; }
-};
-
-/// Forces f(x, v, time) on a mechanical state, or between two: `In` and `Out` are a nodal field, or one of each state.
-/// K = df/dx, which is negative semi-definite for an elastic body, and B = df/dv.
-template <class In, class Out, class... FirstNodes>
-class Forces {
- public:
-  using Verbs = Forces;
-
-  virtual ~Forces() = default;
-
-  /// f += forces [N] at (x, v, time). Evaluates only: it may be called at any positions, any number of times. Fixes the
-  /// positions that the derivatives below refer to.
-  virtual void add_force(double time, In x, In v, Out f) = 0;
-
-  /// df += factor K dx, A += factor K. FirstNodes of two states: where the nodes of each begin in A; -1: it is at rest,
-  /// and A has none of them.
-  virtual void add_stiffness_product(double /*factor*/, In /*dx*/, Out /*df*/) const {}
-  virtual void add_stiffness_blocks(double /*factor*/, BlockMatrix& /*A*/, FirstNodes... /*first*/) const {}
-
-  /// The same with B; between two states for one-sided forces alone.
-  virtual void add_damping_product(double /*factor*/, In /*dx*/, Out /*df*/) const {}
-  virtual void add_damping_blocks(double /*factor*/, BlockMatrix& /*A*/, FirstNodes... /*first*/) const {}
-
-  /// Whether K or B has entries at the positions of the latest forces; where not, linear systems are as without it.
-  virtual bool is_in_matrix() const { return true; }
-
-  /// Whether forces depend on velocity and B has no part in it, as in SOFA: they act by the velocities at the beginning
-  /// of a step.
-  virtual bool damps_explicitly() const { return false; }
-
-  /// [s] stiffness-proportional damping of these forces in the system matrix alone.
-  virtual double rayleigh_stiffness() const { return 0; }
-
-  /// For one-sided forces on independent states: whether there are any, and letting go of those that would pull at the
-  /// end of a step (MechanicalSystem::release). Returns whether there were any.
-  virtual bool is_one_sided() const { return false; }
-  virtual bool release(In /*x_end*/, In /*v_end*/) { return false; }
 };
 
 /// Forces on the nearest mechanical state.
-class ForceField : public Component, public Forces<ConstPoints, Points> {
+class ForceField : public Component, public NodalForces {
  public:
   static constexpr std::string_view kCategory = "ForceField";
   using Component::Component;
-
-  /// The stiffness for solvers that work on the kernels' own vectors. False, and nothing added, where the kernels
-  /// cannot express it; the solvers then use the verbs above beside them.
-  virtual bool describe(double /*factor*/, MatrixFreeSystem& /*system*/) const { return false; }
-
-  /// diagonal += that of factor B, for a B that has no other entries and a field whose stiffness the kernels can
-  /// express. The default is no damping: describe of a field with another B returns false.
-  virtual void add_damping_diagonal(double /*factor*/, Points /*diagonal*/) const {}
 
   /// Nodes that carry forces prescribed by the scene; empty for the others.
   virtual std::span<const int> loaded_nodes() const { return {}; }
@@ -128,6 +67,7 @@ class ForceField : public Component, public Forces<ConstPoints, Points> {
   /// The body that makes the forces, and what its latest plastic step did; null: none.
   virtual const Body* body() const { return nullptr; }
   virtual const FlowReport* flow_report() const { return nullptr; }
+  bool is_body() const final { return body() != nullptr; }
 
   /// Takes hexahedra out of the body, between two steps.
   virtual void remove_elements(std::span<const int> /*elements*/) {}
@@ -135,7 +75,7 @@ class ForceField : public Component, public Forces<ConstPoints, Points> {
 
 /// Forces between two mechanical states, or within one. A state may follow another one; one of the two may be at rest,
 /// where no integrator moves it. Otherwise one integrator moves both.
-class Interaction : public Forces<const OfTwo<ConstPoints>&, OfTwo<Points>, std::array<int, 2>> {
+class Interaction : public PairForces {
  public:
   /// The same one twice for forces within a state. Known from init on; null, both of them: a ForceField that might be
   /// between states acts on its nearest one.
@@ -149,41 +89,24 @@ class InteractionForceField : public Component, public Interaction {
   using Component::Component;
 };
 
-class ProjectiveConstraint : public Component {
+class ProjectiveConstraint : public Component, public NodalConstraint {
  public:
   static constexpr std::string_view kCategory = "ProjectiveConstraint";
   using Component::Component;
-
-  virtual void project(Points field) const = 0;  ///< zeroes the constrained degrees of freedom
-  virtual void pin(BlockMatrix& A) const = 0;    ///< BlockMatrix::pin for each of them
-
-  /// Prescribed motion, applied after init and after every solve, at the time t_n of the step's beginning.
-  virtual void project_motion(double /*time*/, Points /*x*/, Points /*v*/) const {}
 };
 
-/// The same between two mechanical states that one integrator moves. The first one may follow another state where it
-/// only leads the second one.
-class InteractionProjectiveConstraint : public Component {
+class InteractionProjectiveConstraint : public Component, public PairConstraint {
  public:
   static constexpr std::string_view kCategory = "InteractionProjectiveConstraint";
   using Component::Component;
 
   virtual std::array<MechanicalState*, 2> states() const = 0;  ///< known from init on
-
-  /// Whether it projects motions of one state to those of the other: no matrix has that.
-  virtual bool couples() const = 0;
-
-  virtual void project(OfTwo<Points> field) const = 0;
-  virtual void pin(BlockMatrix& A) const = 0;  ///< where it does not couple: nodes of the second state
-  virtual void project_motion(double time, OfTwo<Points> x, OfTwo<Points> v) const = 0;
 };
 
 class SurvivingCells;
 
-/// Makes the state of its node follow another one: positions, velocities and displacements go down, forces and
-/// stiffness come up. Nodal fields of the followed state are `above`, those of its own `below`. Positions below are
-/// J times those above, and J never changes.
-class Mapping : public Component {
+/// Makes the state of its node follow another one.
+class Mapping : public Component, public NodalMapping {
  public:
   static constexpr std::string_view kCategory = "Mapping";
   using Component::Component;
@@ -191,10 +114,6 @@ class Mapping : public Component {
   /// Null, both of them, where what follows is drawing: there is nothing to do then. Known from bwd_init on.
   virtual MechanicalState* input() const = 0;
   virtual MechanicalState* output() const = 0;
-
-  virtual void apply(ConstPoints above, Points below) const = 0;                               ///< below = J above
-  virtual void add_transposed(ConstPoints below, Points above) const = 0;                      ///< above += J^T below
-  virtual void add_transposed_blocks(const BlockMatrix& below, BlockMatrix& above) const = 0;  ///< above += J^T below J
 
   /// Whether a cell of the state that follows is left: `above` tells of nodes of the followed state.
   virtual bool is_left(std::span<const int> cell, const SurvivingCells& above) const = 0;
