@@ -6,6 +6,7 @@
 #include <set>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/formats/mesh_import.hpp"
 #include "layout/coarsening.hpp"
 #include "support/compare.hpp"
 #include "support/surfaces.hpp"
