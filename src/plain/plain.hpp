@@ -14,21 +14,8 @@
 /// The method for a whole body, to be read beside the paper (R. Gao, J. Peters, "Improving hexahedral-FEM-based
 /// plasticity in surgery simulation") and docs/theory.md: one element after the other, in double precision, on one
 /// thread. It has every option, those of the paper that the kernels do not have among them (Settings::implementation),
-/// and the kernels are tested against it. It allocates as it likes.
-///
-///   paper                                   | theory.md         | where
-///   (1)      gradients, blended             | 1, 7 to 9, E11c   | Element, kinematics/gradients.hpp
-///   (2)      rotation and stretch           | 5, 6              | kinematics/polar.hpp
-///            stress, force, stiffness       | 11 to 18, E2 to E7 | Element, Elasticity
-///   (4)      plastic stretch                | 20 to 23          | plastic/point_flow.hpp
-///   (5), (6) plastic rotation               | 24 to 26, 33, 34  | plastic/element_flow.hpp
-///   (7)      rest shape                     | 27                | plastic/rest_shape.hpp
-///   (8)      rotation maps                  | 35                | plastic/element_flow.hpp
-///   (9)      volume restitution             | 28                | plastic/rest_shape.hpp
-///            joined rest shape              | 30 to 32          | join_rest_shapes
-///            pure elasticity near inversion | 5.4               | flow
-///            fracture                       | 5.7               | flow
-///   (not in the paper) isolated rest shapes | 5.9, P1 to P12    | Element, element/isolated-inl.hpp, flow_isolated
+/// and the kernels are tested against it. It allocates as it likes. Section 7 of docs/theory.md names the function for
+/// each equation of the paper.
 namespace hexaplast::plain {
 
 /// The strain of `assumedCorner`: its part linear in a coordinate n is tangential to the faces of that coordinate.
