@@ -17,6 +17,7 @@
 #include "hexaplast/material/rows.hpp"
 #include "kinematics/polar.hpp"
 #include "mesh/trilinear.hpp"
+#include "plastic/isolated_flow.hpp"
 #include "plastic/point_flow.hpp"
 #include "plastic/rest_shape.hpp"
 
@@ -152,7 +153,7 @@ void Body::linearize(ConstPoints x) {
   if (state_->is_plain())
     state_->plain.emplace(state_->model, state_->history, x);
   else
-    hexaplast::linearize(state_->model, state_->history, x, state_->at);
+    hexaplast::linearize(state_->model, state_->history, x, state_->at, !state_->skip_screening);
   state_->not_linearized_since = nullptr;
 }
 
@@ -175,7 +176,7 @@ void Body::add_stiffness_blocks(double factor, BlockMatrix& K) const {
   state_->require_linearized("add_stiffness_blocks");
   require_count("add_stiffness_blocks", "K", K.num_nodes(), state_->model.mesh.num_nodes());
   if (state_->is_plain()) return state_->plain->add_stiffness_blocks(factor, K);
-  hexaplast::add_stiffness_blocks(state_->model, state_->at, factor, K);
+  hexaplast::add_stiffness_blocks(state_->model, state_->history, state_->at, factor, K);
 }
 
 void Body::describe(double factor, MatrixFreeSystem& system) const {
@@ -195,7 +196,7 @@ void Body::describe(double factor, MatrixFreeSystem& system) const {
   if (const auto* half = std::get_if<ElementOperator<float, Half>>(&state_->at.op)) body.single_operator = half;
   if (const auto* single = std::get_if<ElementOperator<float, float>>(&state_->at.op)) body.single_operator = single;
   if (body.single_operator) {
-    state_->exact.setup(state_->model, state_->at);
+    state_->exact.setup(state_->model, state_->history, state_->at);
     body.exact_operator = &state_->exact;
   }
   body.scratch = &state_->slots();
@@ -359,10 +360,10 @@ ElementFields Body::fields(ConstPoints x) const {
     const ElementPoints plastic_rest = gather(state_->history.plastic_rest_positions, corners),
                         current = gather(x, corners);
     const Lame& k = state_->model.lame[e];
-    const ElementSamples samples =
-        state_->is_plain()
-            ? plain::Element(plastic_rest, current, k, settings, state_->history.plastic_inverse_of(e)).samples()
-            : element_samples(plastic_rest, current, k, settings);
+    const CornerTensors* G = state_->history.plastic_inverse_of(e);
+    ElementSamples samples = state_->is_plain() ? plain::Element(plastic_rest, current, k, settings, G).samples()
+                                                : element_samples(plastic_rest, current, k, settings, G);
+    if (G) samples.stress = isolated_stress(plastic_rest, *G, samples, settings.yield_stress_measure).relieved;
     out.volume_ratio[e] = samples.volume / state_->model.volume[e];
     for (int i = 0; i < kCorners; ++i) {
       out.stress_norm[e] = std::max(out.stress_norm[e], stress_norm(samples.stress[i], settings.yield_norm));

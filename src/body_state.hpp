@@ -33,7 +33,7 @@ struct Body::State {
   void require_hexahedron(int hexahedron) const;
 
   bool is_plain() const { return model.settings.implementation == Implementation::kPlain; }
-  SlotScratch& slots() { return flow ? flow->averaging.slots() : own_slots; }
+  SlotScratch& slots() { return flow && flow->averaging ? flow->averaging->slots() : own_slots; }
 
   Model model;
   History history;
@@ -45,7 +45,7 @@ struct Body::State {
   bool skip_screening = false;  // in the latest plastic step: screening first would be in vain
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   double checked_dt = kNone;                  // time step that passed check_time_step
-  SlotScratch own_slots;                      // of bodies that cannot flow
+  SlotScratch own_slots;                      // of bodies without averaging
   ProductWorkspace product;                   // of add_stiffness_product and energy
   DoublePrecisionOperator exact;              // of mixed precision
   std::deque<RecoveryTerm> springs;           // of the systems described since `linearize`, one for each factor

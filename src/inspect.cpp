@@ -12,6 +12,7 @@
 #include "kinematics/gradients.hpp"
 #include "plain/plain.hpp"
 #include "plastic/element_flow.hpp"
+#include "plastic/isolated_flow.hpp"
 #include "plastic/rest_shape.hpp"
 
 namespace hexaplast {
@@ -96,7 +97,13 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
   const History before = history_of(model, state);
   const plain::Element element(state.plastic_rest, state.current, model.lame[0], settings,
                                before.plastic_inverse_of(0));
-  const ElementSamples& samples = element.samples();
+  ElementSamples samples = element.samples();
+  const CornerTensors* G = before.plastic_inverse_of(0);
+  IsolatedStress isolated;
+  if (G) {
+    isolated = isolated_stress(state.plastic_rest, *G, samples, settings.yield_stress_measure);
+    samples.stress = isolated.relieved;
+  }
 
   HexahedronStep found;
   found.F_centre = centre_jacobian(state.current) * centre_jacobian(state.plastic_rest).inverse();
@@ -123,13 +130,12 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
   found.skipped = plain::flow(model, state.current, dt, solver, after).skipped > 0;
 
   // and what flows, corner by corner
-  if (settings.rest_shape == RestShape::kIsolated) {
-    const CornerTensors &G = before.plastic_inverse[0], &flowed = after.plastic_inverse[0];
-    const plain::IsolatedStep step =
-        element.flow_isolated(model.material(0), settings.yield_norm, before.yield_stress[0], dt);
+  if (G) {
+    const IsolatedStep step = isolated_flow(element.samples(), isolated, *G, model.lame[0].mu, model.material(0),
+                                            settings.yield_norm, before.yield_stress[0], dt);
     for (int i = 0; i < kCorners; ++i) {
       found.stretch_flow_fraction[i] = found.skipped ? 0 : step.fraction[i];
-      found.stretch_increment[i] = flowed[i].inverse() * G[i];
+      found.stretch_increment[i] = after.plastic_inverse[0][i].inverse() * (*G)[i];
     }
     found.rotation_flow_fraction.fill(0);
     found.rotation_increment.fill(Mat3::Identity());

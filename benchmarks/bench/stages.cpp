@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <variant>
 
 #include "body_state.hpp"
@@ -73,7 +74,8 @@ void time_flow(Bar& bar, int repetitions, double ns, Stages& stages) {
   Linearization at = body.at;
   PreconditionedConjugateGradients solver = averaging_solver(model);
   FlowWorkspace work(model, body.history);
-  Averaging averaging(model);
+  std::optional<Averaging> averaging;
+  if (work.averaging) averaging.emplace(model);
 
   double flow_seconds = std::numeric_limits<double>::infinity(), averaging_seconds = flow_seconds;
   bool flows = false;
@@ -82,12 +84,16 @@ void time_flow(Bar& bar, int repetitions, double ns, Stages& stages) {
     linearize(model, history, bar.positions(), at);
     flow_seconds = std::min(
         flow_seconds, min_seconds(1, [&](int) { flows = flow(model, at, kBarDt, solver, history, work).yielded > 0; }));
+    if (!averaging) {
+      averaging_seconds = 0;
+      continue;
+    }
     // the rest shapes have flowed; the averaging starts again from the positions before
     history.plastic_rest_positions = body.history.plastic_rest_positions;
     history.averaging_increment = body.history.averaging_increment;
     ++history.version;
     averaging_seconds =
-        std::min(averaging_seconds, min_seconds(1, [&](int) { averaging.advance(model, solver, history); }));
+        std::min(averaging_seconds, min_seconds(1, [&](int) { averaging->advance(model, solver, history); }));
   }
   stages.averaging_ns = flows ? ns * averaging_seconds : 0;
   stages.flow_ns = std::max(0.0, ns * flow_seconds - stages.averaging_ns);

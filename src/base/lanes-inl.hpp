@@ -119,6 +119,11 @@ HWY_INLINE Lanes<float> load_as(const hwy::float16_t* from) {
   return hn::PromoteTo(Lanes<float>::Tag(), hn::Load(half, from));
 }
 
+HWY_INLINE Lanes<double> load_wide(const float* from) {
+  const hn::Rebind<float, Lanes<double>::Tag> single;
+  return hn::PromoteTo(Lanes<double>::Tag(), hn::Load(single, from));
+}
+
 template <class T>
 HWY_INLINE void store_as(Lanes<T> a, T* to) {
   store(a, to);

@@ -30,10 +30,13 @@ class CoefficientWriter {
 
   HWY_INLINE void add_sample(int i, const MaterialLanes<V>& of, const PressureLanes<V>& p) {
     const auto& [R, S, doubtful] = element_.polar[i];
-    const Mat<V>& inverse = inverse_at(element_.rest, i);
-    const Mat<V> C = product_transposed(inverse, R);
+    const Mat<V> C = product_transposed(inverse_at(element_, i), R);
     store_mat<kStride>(C, length_, coef_ + (Places::kC + 9 * i) * kStride);
-    if constexpr (kGeneral) store_mat<kStride>(R, V(1.0), coef_ + (Places::kRotation + 9 * i) * kStride);
+    Mat<V> turn;  // R_i G_i^T
+    if constexpr (kGeneral) {
+      assign(element_.plastic ? product_transposed(R, element_.plastic->inverse[i]) : R, turn);
+      store_mat<kStride>(turn, V(1.0), coef_ + (Places::kRotation + 9 * i) * kStride);
+    }
     if (has_law_) {
       const Mat<V> cof = R * matrix(cofactor(S));
       const Mat<V> G = product_transposed(cof, R);
@@ -48,7 +51,7 @@ class CoefficientWriter {
       for (int n = 0; n < 7; ++n) store_as(bounded<Coef>(numbers[n]), of_law_ + (7 * i + n) * kStride);
     } else if (has_mean_) {
       dilatations_.add_columns(i, C);
-      if constexpr (kGeneral) dilatations_.add_shared(i, R);
+      if constexpr (kGeneral) dilatations_.add_shared(i, turn);
     }
   }
 
@@ -108,8 +111,10 @@ HWY_NOINLINE void apply_gradients(const Coef* first, V of_first, const Coef* sec
 ///
 /// kUnrolls: the loop over samples is unrolled, which is faster by a quarter and takes the compiler much longer.
 ///
-/// With C_i = J_i^-1 R_i^T the rotation costs nothing on parallelepipeds: Z_i = (columns at i) C_i. For the other laws
-/// G_i = R_i cof(S_i) R_i^T stands for I, also in t_i = G_i : Z_i, and beta_i Z_i is added.                   eq. E20
+/// With C_i = J_i^-1 G_i R_i^T the rotation, and the G_i of isolated rest shapes, cost nothing on parallelepipeds: Z_i
+/// = (columns at i) C_i. General shapes keep R_i G_i^T in the place of R_i.                                      eq. P5
+///
+/// For the other laws G_i = R_i cof(S_i) R_i^T stands for I, also in t_i = G_i : Z_i, and beta_i Z_i is added. eq. E20
 template <int kStride, bool kGeneral, Assumed kAssumed, bool kPerSample, bool kHasLaw, bool kUnrolls, class V,
           class Coef>
 HWY_INLINE void apply_samples(const Coef* coef, const StiffnessKind& kind, const typename V::Scalar* weight, V factor,

@@ -8,10 +8,38 @@
 
 #include "elastic/element_kernels-inl.hpp"
 #include "elastic/element_pass.hpp"
+#include "element/lane_elements-inl.hpp"
 #include "material/stress_norm-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
+
+/// Gm, a lower triangle, of a register of elements.
+HWY_INLINE void store_mean_plastic(const Mat<Lanes<double>>& Gm, float* to) {
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c <= r; ++c) store_as(Gm(r, c), to + of_mean_plastic(r, c) * kBlock);
+}
+HWY_INLINE Mat<Lanes<double>> load_mean_plastic(const float* from) {
+  using V = Lanes<double>;
+  Mat<V> Gm;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) Gm(r, c) = c > r ? V(0.0) : load_wide(from + of_mean_plastic(r, c) * kBlock);
+  return Gm;
+}
+
+/// The G of a register of elements, of those of all elements, into `plastic`; null: nothing has flowed.
+HWY_NOINLINE const PlasticLanes<Lanes<double>>* load_plastic(const Partition& partition,
+                                                             const CornerTensors* plastic_inverse, int block, int lane,
+                                                             PlasticLanes<Lanes<double>>& plastic) {
+  if (!plastic_inverse) return nullptr;
+  using V = Lanes<double>;
+  const LaneElements<V> elements(partition, block, lane);
+  V numbers[9 * kCorners];
+  load_elements<9 * kCorners>(
+      addresses<const double>(elements.number, [&](int e) { return plastic_inverse[e][0].data(); }), numbers);
+  set_plastic_inverse([&](int n) { return numbers[n]; }, plastic);
+  return &plastic;
+}
 
 /// Loads an element per lane; those that are not there become unit cubes.
 template <class V>
@@ -48,7 +76,7 @@ HWY_NOINLINE void finish_force(const ElementLanes<kGeneral, kAssumed, V>& elemen
     V moment[3] = {V(0.0), V(0.0), V(0.0)};
     add_moment(1, element.columns.a, acting.a, moment);
     add_moment(-1, element.columns.Q, acting.Q, moment);
-    const Mat<V> turns = turning(element.mean, dual_of(rest), moment);
+    const Mat<V> turns = turning(element.mean, element.j, moment);
     acting.finish(rest, &turns, eighth, f);
   } else {
     acting.finish(rest, nullptr, eighth, f);
@@ -78,7 +106,7 @@ HWY_INLINE float* screen_of(const ElementPass<T, Coef>& pass, int block, int lan
 }
 
 /// Whether every corner keeps most of its volume: where the gradient of a corner F_i is nearer than 1 - d1^1/3 to a
-/// rotation, det F_i > d1. Of parallelepipeds, with Q the hourglass modes,                                      eq. E31
+/// rotation, det F_i > d1. Of parallelepipeds that have not flowed, with Q the hourglass modes,                eq. E31
 ///
 ///   |F_i - R_m|^2 <= 2 |S_m - I|^2 + 2 |F_i - F_m|^2 <= 2 |S_m - I|^2 + 18 |Q|^2 |J_o^-1 / 2|^2
 template <Assumed kAssumed, class V>
@@ -92,13 +120,40 @@ HWY_NOINLINE bool corners_are_thick(const ElementLanes<false, kAssumed, V>& elem
   const V bound = strain + V(9.0) * modes * dual;
   return bits<double>(bound < V(0.5 * safe_strain * safe_strain)) == (1u << V::kCount) - 1;
 }
+/// Whether corners may fold, and what isolated rest shapes are screened for.
 template <bool kGeneral, Assumed kAssumed, class V, class T, class Coef>
-HWY_INLINE void screen_folding(const ElementPass<T, Coef>& pass, const ElementLanes<kGeneral, kAssumed, V>& element,
-                               int block) {
-  if constexpr (kGeneral || kAssumed == Assumed::kNothing)
+HWY_INLINE void screen_corners(const ElementPass<T, Coef>& pass, const ElementLanes<kGeneral, kAssumed, V>& element,
+                               const CornerLanes<V>& x, const CornerLanes<V>& u, int block, float* screen) {
+  const auto are_thick = [&]([[maybe_unused]] double safe_strain) {
+    if constexpr (kGeneral || kAssumed == Assumed::kNothing)
+      return false;
+    else
+      return !element.plastic && corners_are_thick(element, safe_strain);
+  };
+  const bool may_fold = pass.settings.recovery != RecoveryMode::kNone && !are_thick(pass.safe_strain);
+  if (pass.settings.rest_shape == RestShape::kJoined) {
+    if (may_fold) pass.may_fold[block] = 1;
+    return;
+  }
+  V ratio(1.0);
+  if (may_fold || (pass.screens_isolated && !are_thick(pass.safe_strain_to_flow)))
+    ratio = lowest_corner_ratio(element, x, u);
+  store_as(ratio, screen + YieldScreen::kCornerRatio * kBlock);
+  if (may_fold && (kGeneral || bits<double>(hn::Not(ratio > V(pass.settings.recovery_from))) != 0))
     pass.may_fold[block] = 1;
-  else if (!corners_are_thick(element, pass.safe_strain))
-    pass.may_fold[block] = 1;
+}
+
+/// The stress that yields of isolated rest shapes.                                                            eq. P8
+template <bool kGeneral, class V>
+HWY_NOINLINE void screen_isolated(const ElementLanes<kGeneral, Assumed::kCorner, V>& element,
+                                  const MaterialLanes<V>& of, const PressureLanes<V>& p, const Settings& settings,
+                                  float* screen) {
+  Mat<V> normals[kCorners];
+  Sym<V> corotated[kCorners], sigma[kCorners];
+  yielding_stress(element, of, p, settings.yield_stress_measure, normals, corotated, sigma);
+  relieve(normals, sigma);
+  for (int i = 0; i < kCorners; ++i)
+    store_as(stress_norm_bound(sigma[i], settings.yield_norm), screen + (YieldScreen::kNorm + i) * kBlock);
 }
 
 /// What rotation flow is screened for.
@@ -115,8 +170,10 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
   CornerLanes<V> x, u;
   ModeLanes<V> of_volume;
   gather_shapes(pass.partition, block, lane, present, pass.plastic_rest, pass.current, x, u);
+  PlasticLanes<V> plastic;
   ElementLanes<kGeneral, kAssumed, V> element;
-  place_element(x, u, kind.sampling, element);
+  place_element(x, u, kind.sampling, load_plastic(pass.partition, pass.flowed_at(block), block, lane, plastic),
+                element);
   decompose(element);
   const V volume = select_bits(present, element.rest.volume, V(0.0));
   const MaterialLanes<V> of = begin_elements(pass, block, lane, volume);
@@ -132,14 +189,17 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
     const V theta = dilatation(of.law, S);
     const Sym<V> sigma = stress(of.law, of.mooney_fraction, S, of.mu, p.at(theta));
     const Mat<V> P = R * matrix(sigma);
-    acting.add_columns(i, product_transposed(inverse_at(element.rest, i), P));
-    if constexpr (kGeneral) acting.add_shared(i, P);
+    acting.add_columns(i, product_transposed(inverse_at(element, i), P));
+    if constexpr (kGeneral)  //                                                                                 eq. P4
+      acting.add_shared(i, element.plastic ? product_transposed(P, element.plastic->inverse[i]) : P);
     writer.add_sample(i, of, p);
 
-    const Sym<V> yielding = of.volumetric == Volumetric::kVolumeRatio
-                                ? stress(of.law, of.mooney_fraction, S, of.mu, p.in_stress_at(theta))
-                                : sigma;
-    store_as(stress_norm_bound(yielding, pass.settings.yield_norm), screen + (YieldScreen::kNorm + i) * kBlock);
+    if (pass.settings.rest_shape == RestShape::kJoined) {
+      const Sym<V> yielding = of.volumetric == Volumetric::kVolumeRatio
+                                  ? stress(of.law, of.mooney_fraction, S, of.mu, p.in_stress_at(theta))
+                                  : sigma;
+      store_as(stress_norm_bound(yielding, pass.settings.yield_norm), screen + (YieldScreen::kNorm + i) * kBlock);
+    }
     const Mat<V>& F = element.F[i];
     const Mat<V> cof = cofactor(F);
     min_det = min(min_det, F(0, 0) * cof(0, 0) + F(0, 1) * cof(0, 1) + F(0, 2) * cof(0, 2));
@@ -147,7 +207,12 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
   if (pass.screens_rotation) screen_turns(safe_polar(centre_gradient(x, u)).R, element.polar, screen);
   store_as(min_det, screen + YieldScreen::kMinDet * kBlock);
   store_as(element.rest.min_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
-  screen_folding(pass, element, block);
+  screen_corners(pass, element, x, u, block, screen);
+  if constexpr (kAssumed == Assumed::kCorner)
+    if (pass.settings.rest_shape == RestShape::kIsolated) {
+      if (pass.screens_isolated) screen_isolated(element, of, p, pass.settings, screen);
+      if (element.plastic) store_mean_plastic(plastic.mean, pass.mean_plastic_of(block) + lane);
+    }
   writer.finish(of_volume);
 
   CornerLanes<V> f;
@@ -176,7 +241,8 @@ struct ExactCoefficients {
   static constexpr int kMax =
       CoefficientPlaces<kGeneral, kAssumed>::kCount + 2 * kGradientCoefficients + kLawCoefficients;
 
-  HWY_NOINLINE ExactCoefficients(const Model& model, const Linearization& at, int block, int lane, double factor)
+  HWY_NOINLINE ExactCoefficients(const Model& model, const History& history, const Linearization& at, int block,
+                                 int lane, double factor)
       : kind{.sampling = sampling_of(model.settings),
              .volumetric = model.settings.volumetric,
              .law = model.settings.law} {
@@ -187,7 +253,9 @@ struct ExactCoefficients {
     ElementLanes<kGeneral, kAssumed, V> element;
     const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
     const MaterialLanes<V> of(model.settings, load(lame), load(lame + kBlock));
-    place_element(x, u, kind.sampling, element);
+    PlasticLanes<V> plastic;
+    place_element(x, u, kind.sampling,
+                  load_plastic(*model.partition, at.flowed_at(history, block), block, lane, plastic), element);
     decompose(element);
     const PressureLanes<V> p = pressures(of, element, u, of_volume);
     CoefficientWriter<kStride, kGeneral, kAssumed, V, double> writer(element, kind, V(1.0), coef);
@@ -209,14 +277,15 @@ struct ExactCoefficients {
   alignas(64) double weight[2 * kStride];
 };
 
-void exact_product(const Model& model, const Linearization& at, int chunk, double factor, const double* p, double* Ap) {
+void exact_product(const Model& model, const History& history, const Linearization& at, int chunk, double factor,
+                   const double* p, double* Ap) {
   const Partition& partition = *model.partition;
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
     for (int lane = 0; lane < kBlock; lane += Lanes<double>::kCount)
       for_shape(
           at.is_general[block] != 0,
           sampling_of(model.settings).assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
-            const ExactCoefficients<kGeneral, kAssumed> of(model, at, block, lane, factor);
+            const ExactCoefficients<kGeneral, kAssumed> of(model, history, at, block, lane, factor);
             CornerLanes<Lanes<double>> u;
             gather(partition, block, lane, p, u);
             of.apply(u);
@@ -225,13 +294,14 @@ void exact_product(const Model& model, const Linearization& at, int chunk, doubl
 }
 
 /// Column by column, the products with unit vectors.
-void matrices_of(const Model& model, const Linearization& at, int block, double factor, ElementMatrix* matrices) {
+void matrices_of(const Model& model, const History& history, const Linearization& at, int block, double factor,
+                 ElementMatrix* matrices) {
   using V = Lanes<double>;
   for (int lane = 0; lane < kBlock; lane += V::kCount)
     for_shape(
         at.is_general[block] != 0,
         sampling_of(model.settings).assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
-          const ExactCoefficients<kGeneral, kAssumed> of(model, at, block, lane, factor);
+          const ExactCoefficients<kGeneral, kAssumed> of(model, history, at, block, lane, factor);
           for (int column = 0; column < 3 * kCorners; ++column) {
             CornerLanes<V> u;
             set_zero(u);
@@ -272,8 +342,8 @@ void ratios_of(const Model& model, const double* plastic_rest, const double* cur
 }
 
 /// Elastic energy.                                                                              eq. 18, E5, E14
-double energy_of(const Model& model, const double* plastic_rest, const double* current, std::uint16_t present,
-                 int block) {
+double energy_of(const Model& model, const CornerTensors* plastic_inverse, const double* plastic_rest,
+                 const double* current, std::uint16_t present, int block) {
   using V = Lanes<double>;
   V sum(0.0);
   for (int lane = 0; lane < kBlock; lane += V::kCount) {
@@ -283,9 +353,11 @@ double energy_of(const Model& model, const double* plastic_rest, const double* c
     gather_shapes(*model.partition, block, lane, here, plastic_rest, current, x, u);
     const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
     const MaterialLanes<V> of(model.settings, load(lame), load(lame + kBlock));
+    PlasticLanes<V> of_lanes;
+    const PlasticLanes<V>* const plastic = load_plastic(*model.partition, plastic_inverse, block, lane, of_lanes);
     for_shape(true, sampling_of(model.settings).assumed, [&]<bool kGeneral, Assumed kAssumed>() {
       ElementLanes<kGeneral, kAssumed, V> element;
-      place_element(x, u, sampling_of(model.settings), element);
+      place_element(x, u, sampling_of(model.settings), plastic, element);
       decompose(element);
       const V density = mean_energy_density(of, element, pressures(of, element, u, gradient));
       sum += select_bits(here, element.rest.volume * density, V(0.0));
@@ -294,8 +366,8 @@ double energy_of(const Model& model, const double* plastic_rest, const double* c
   return hn::GetLane(hn::SumOfLanes(V::Tag(), sum.raw()));
 }
 
-void linearize_coarse(const Partition& partition, const double* plastic_rest, const double* current, double length,
-                      int chunk, ElementOperator<float, float>& op) {
+void linearize_coarse(const Partition& partition, const double* plastic_rest, const double* current,
+                      const float* mean_plastic, double length, int chunk, ElementOperator<float, float>& op) {
   using V = Lanes<double>;
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
@@ -315,8 +387,12 @@ void linearize_coarse(const Partition& partition, const double* plastic_rest, co
       for (int k = 0; k < V::kCount; ++k)
         if (!(present >> k & 1))
           for (int n = 0; n < 2 * kCorners; ++n) weight[n * kBlock + k] = 0;
+      PlasticLanes<V> plastic;  // each sample has that of its child
+      for (int i = 0; i < kCorners && mean_plastic; ++i)
+        plastic.inverse[i] = load_mean_plastic(
+            mean_plastic + (static_cast<std::size_t>(block) * kCorners + i) * kMeanPlastic * kBlock + lane);
       ElementLanes<true, Assumed::kNothing, V> element;
-      place_element(x, u, op.kind.sampling, element);
+      place_element(x, u, op.kind.sampling, mean_plastic ? &plastic : nullptr, element);
       decompose(element);
       const MaterialLanes<V> nothing(Settings{.volumetric = Volumetric::kSample}, V(0.0), V(0.0));
       CoefficientWriter<kBlock, true, Assumed::kNothing, V, float> writer(element, op.kind, V(length),
@@ -336,7 +412,10 @@ void linearize_as_simple(const Model& model, const Linearization& at, const unsi
       CornerLanes<V> x, u;
       gather_shapes(partition, block, lane, present, at.plastic_rest.data(), at.current.data(), x, u);
       ElementLanes<false, Assumed::kCorner, V> element;
-      place_mean(x, u, op.kind.sampling, element);
+      const float* const stored_mean = at.mean_plastic_of(block);
+      Mat<V> mean_plastic;
+      if (stored_mean) mean_plastic = load_mean_plastic(stored_mean + lane);
+      place_mean(x, u, op.kind.sampling, stored_mean ? &mean_plastic : nullptr, element);
       ModeLanes<V> current, of_volume;
       if (op.kind.has_volume()) {
         modes(u, current);
@@ -414,23 +493,24 @@ void linearize_elements(const ElementPass<float, Half>& pass, int chunk) {
   HWY_DYNAMIC_DISPATCH(linearize_half)(pass, chunk);
 }
 
-void add_exact_product(const Model& model, const Linearization& at, int chunk, double factor, const double* p,
-                       double* Ap) {
-  HWY_DYNAMIC_DISPATCH(exact_product)(model, at, chunk, factor, p, Ap);
+void add_exact_product(const Model& model, const History& history, const Linearization& at, int chunk, double factor,
+                       const double* p, double* Ap) {
+  HWY_DYNAMIC_DISPATCH(exact_product)(model, history, at, chunk, factor, p, Ap);
 }
-double block_energy(const Model& model, const double* plastic_rest, const double* current, std::uint16_t present,
-                    int block) {
-  return HWY_DYNAMIC_DISPATCH(energy_of)(model, plastic_rest, current, present, block);
+double block_energy(const Model& model, const CornerTensors* plastic_inverse, const double* plastic_rest,
+                    const double* current, std::uint16_t present, int block) {
+  return HWY_DYNAMIC_DISPATCH(energy_of)(model, plastic_inverse, plastic_rest, current, present, block);
 }
 void corner_ratios(const Model& model, const double* plastic_rest, const double* current, int block, double* ratios) {
   HWY_DYNAMIC_DISPATCH(ratios_of)(model, plastic_rest, current, block, ratios);
 }
-void element_matrices(const Model& model, const Linearization& at, int block, double factor, ElementMatrix* matrices) {
-  HWY_DYNAMIC_DISPATCH(matrices_of)(model, at, block, factor, matrices);
+void element_matrices(const Model& model, const History& history, const Linearization& at, int block, double factor,
+                      ElementMatrix* matrices) {
+  HWY_DYNAMIC_DISPATCH(matrices_of)(model, history, at, block, factor, matrices);
 }
-void linearize_cells(const Partition& partition, const double* plastic_rest, const double* current, double length,
-                     int chunk, ElementOperator<float, float>& op) {
-  HWY_DYNAMIC_DISPATCH(linearize_coarse)(partition, plastic_rest, current, length, chunk, op);
+void linearize_cells(const Partition& partition, const double* plastic_rest, const double* current,
+                     const float* mean_plastic, double length, int chunk, ElementOperator<float, float>& op) {
+  HWY_DYNAMIC_DISPATCH(linearize_coarse)(partition, plastic_rest, current, mean_plastic, length, chunk, op);
 }
 void linearize_simple(const Model& model, const Linearization& at, const unsigned char* blocks, int chunk,
                       ElementOperator<float, Half>& op) {

@@ -9,45 +9,59 @@ namespace hexaplast {
 template <class T, class Coef>
 struct ElementPass {
   const Partition& partition;
-  const double* plastic_rest;       ///< [m] slots
-  const double* current;            ///< [m] slots
-  const double* lame;               ///< [Pa] [block][mu, lambda][element]
-  const std::uint16_t* present;     ///< per block: a bit per element that is there and alive
-  const unsigned char* is_general;  ///< per block
+  const double* plastic_rest;            ///< [m] slots
+  const double* current;                 ///< [m] slots
+  const double* lame;                    ///< [Pa] [block][mu, lambda][element]
+  const std::uint16_t* present;          ///< per block: a bit per element that is there and alive
+  const unsigned char* is_general;       ///< per block
+  const CornerTensors* plastic_inverse;  ///< per element: G of isolated rest shapes, or null
+  const unsigned char* has_flowed;       ///< per block: some G is not 1
   const Settings& settings;
-  bool screens_rotation;  ///< fills YieldScreen::kCosine
-  double length;          ///< [m] unit of the coefficients
+  bool screens_rotation;                    ///< fills YieldScreen::kCosine
+  bool screens_isolated;                    ///< fills kNorm and kCornerRatio of isolated rest shapes
+  double safe_strain, safe_strain_to_flow;  ///< nearer to a rotation, corners are not folded, or thick enough to flow
+  double length;                            ///< [m] unit of the coefficients
   ElementOperator<T, Coef>& op;
   double* force;            ///< [N] slots, added to
   double* volume;           ///< [m^3] [block][element]
   float* screen;            ///< YieldScreen, per block
-  double safe_strain;       ///< gradients of corners that are nearer to a rotation are not folded
-  unsigned char* may_fold;  ///< per block, written: some corner may be
+  unsigned char* may_fold;  ///< per block, written: some corner may have lost most of its volume
+  float* mean_plastic;      ///< Linearization::mean_plastic, written
+
+  const CornerTensors* flowed_at(int block) const {  // null where nothing has
+    return plastic_inverse && has_flowed[block] ? plastic_inverse : nullptr;
+  }
+  float* mean_plastic_of(int block) const {
+    return mean_plastic + static_cast<std::size_t>(block) * kMeanPlastic * kBlock;
+  }
 };
 
 template <class T, class Coef>
 void linearize_elements(const ElementPass<T, Coef>& pass, int chunk);
 
 /// Ap += factor L p in double precision, rotations computed anew: no coefficients are kept.
-void add_exact_product(const Model& model, const Linearization& at, int chunk, double factor, const double* p,
-                       double* Ap);
+void add_exact_product(const Model& model, const History& history, const Linearization& at, int chunk, double factor,
+                       const double* p, double* Ap);
 
 /// Smallest 1 + (det Jhat_i - det J_i) / max(det J_i, max_j det J_j / 10) of the elements of a block, [element of the
 /// block].                                                                                                 eq. E22
 void corner_ratios(const Model& model, const double* plastic_rest, const double* current, int block, double* ratios);
 
 /// Elastic energy [J] of the elements of a block that are present, at plastic rest and current positions [m] in slots.
-double block_energy(const Model& model, const double* plastic_rest, const double* current, std::uint16_t present,
-                    int block);
+/// plastic_inverse: per element, or null where nothing in the block has flowed by isolated rest shapes.
+double block_energy(const Model& model, const CornerTensors* plastic_inverse, const double* plastic_rest,
+                    const double* current, std::uint16_t present, int block);
 
 using ElementMatrix = Eigen::Matrix<double, 3 * kCorners, 3 * kCorners>;
 
 /// factor times L of the elements of a block [N/m], rotations computed anew; 0 where nothing is. kBlock matrices.
-void element_matrices(const Model& model, const Linearization& at, int block, double factor, ElementMatrix* matrices);
+void element_matrices(const Model& model, const History& history, const Linearization& at, int block, double factor,
+                      ElementMatrix* matrices);
 
-/// Coefficients of cells of a coarse mesh; the weights of `op` are there already.
-void linearize_cells(const Partition& partition, const double* plastic_rest, const double* current, double length,
-                     int chunk, ElementOperator<float, float>& op);
+/// Coefficients of cells of a coarse mesh; the weights of `op` are there already. mean_plastic: Gm of the children,
+/// [block][child][6][cell], or null: 1.
+void linearize_cells(const Partition& partition, const double* plastic_rest, const double* current,
+                     const float* mean_plastic, double length, int chunk, ElementOperator<float, float>& op);
 
 /// Coefficients with one rotation, as if elements were parallelepipeds, of the blocks of a chunk whose entry in
 /// `blocks` is not 0. `op` is of that kind.

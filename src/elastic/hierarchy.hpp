@@ -14,8 +14,8 @@ namespace hexaplast {
 /// The stiffness operator on coarser and coarser meshes, for multigrid.                         theory.md section 9.5
 ///
 /// A cell of a coarse mesh is a hexahedron whose eight samples stand for its eight children: gradients and rotations
-/// are those of the cell, the weights mu V and lambda V those of the child. Missing children, removed elements and
-/// mixed materials need nothing else.
+/// are those of the cell, the weights mu V and lambda V, and the Gm of isolated rest shapes, those of the child.
+/// Missing children, removed elements and mixed materials need nothing else.
 class ElementHierarchy {
  public:
   explicit ElementHierarchy(const Model& model);
@@ -29,9 +29,10 @@ class ElementHierarchy {
 
  private:
   struct Level {
-    explicit Level(const CoarseMesh& mesh);
+    Level(const CoarseMesh& mesh, RestShape rest_shape);
 
     AlignedVector<double> plastic_rest, current;  // [m] slots
+    AlignedVector<float> mean_plastic;            // Gm of the children, [block][child][kMeanPlastic][cell]; or empty
     ElementOperator<float, float> op;
   };
 

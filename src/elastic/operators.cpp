@@ -47,6 +47,18 @@ std::uint16_t present(const Partition& partition, const History& history, int bl
   return static_cast<std::uint16_t>(bits);
 }
 
+/// G per element; null where nothing in a block has flowed by isolated rest shapes.
+const CornerTensors* flowed_at(const Partition& partition, const History& history, int block) {
+  if (history.has_flowed.empty()) return nullptr;
+  for (int place = 0; place < kBlock; ++place)
+    if (const int e = partition.element(block, place); e >= 0 && history.has_flowed[e])
+      return history.plastic_inverse.data();
+  return nullptr;
+}
+
+/// How far the gradient of a corner may be from a rotation while its volume is above a fraction of the initial one.
+double safe_strain(double ratio) { return 1 - std::cbrt(std::max(ratio, 0.0)); }
+
 /// The springs at positions whose slots are given; may_fold: per block, or nothing where that is not known.
 void find_recovery(const Model& model, const History& history, const AlignedVector<double>& plastic_rest,
                    const AlignedVector<double>& current, std::span<const unsigned char> may_fold, ConstPoints x,
@@ -101,6 +113,8 @@ void update_material(const Model& model, const History& history, Linearization& 
         op.resize(at.is_general);
       },
       at.op);
+  for (std::size_t block = 0; block < at.has_flowed.size(); ++block)
+    at.has_flowed[block] = flowed_at(partition, history, static_cast<int>(block)) != nullptr;
   at.plastic_rest_version = history.version;
   at.is_current = false;
 }
@@ -113,10 +127,10 @@ void set_positions(const Model& model, ConstPoints x, Linearization& at) {
 }
 
 //   f_a = - sum_i V/8 P_i g~_ia,   P = R sigma(S)                                                             eq. 15
-void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at) {
+void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at, bool screens) {
   update_material(model, history, at);
   set_positions(model, x, at);
-  if (at.is_current) return;
+  if (at.is_current && (at.is_screened || !screens)) return;
   at.revision = next_revision();
   const Partition& partition = *model.partition;
   std::fill(at.force.begin(), at.force.end(), 0.0);
@@ -128,21 +142,27 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
                                         .lame = model.lame_blocks.data(),
                                         .present = at.present.data(),
                                         .is_general = at.is_general.data(),
+                                        .plastic_inverse = history.plastic_inverse_of(0),
+                                        .has_flowed = at.has_flowed.data(),
                                         .settings = model.settings,
                                         .screens_rotation = model.can_rotate,
+                                        .screens_isolated = screens,
+                                        .safe_strain = safe_strain(model.settings.recovery_from),
+                                        .safe_strain_to_flow = safe_strain(model.settings.corner_threshold()),
                                         .length = model.length,
                                         .op = op,
                                         .force = at.force.data(),
                                         .volume = at.volume.data(),
                                         .screen = at.screen.data(),
-                                        .safe_strain = 1 - std::cbrt(std::max(model.settings.recovery_from, 0.0)),
-                                        .may_fold = at.may_fold.data()};
+                                        .may_fold = at.may_fold.data(),
+                                        .mean_plastic = at.mean_plastic.data()};
         parallel_for(partition.num_chunks, [&](int chunk) { linearize_elements(pass, chunk); });
       },
       at.op);
   parallel_for(partition.num_chunks, [&](int chunk) { reduce_ghosts(partition, chunk, at.force.data()); });
   find_recovery(model, history, at.plastic_rest, at.current, at.may_fold, at.x, at.recovery);
   at.is_current = true;
+  at.is_screened = screens || model.settings.rest_shape == RestShape::kJoined;
 }
 
 void add_force(const Model& model, const Linearization& at, Points f) {
@@ -151,7 +171,7 @@ void add_force(const Model& model, const Linearization& at, Points f) {
 }
 
 void DoublePrecisionOperator::add_product(int chunk, double factor, const double* p, double* Ap) const {
-  add_exact_product(*model_, *at_, chunk, factor, p, Ap);
+  add_exact_product(*model_, *history_, *at_, chunk, factor, p, Ap);
 }
 
 void add_stiffness_product(const Model&, const Linearization& at, double factor, ConstPoints dx, SlotScratch& slots,
@@ -167,11 +187,12 @@ void add_stiffness_product(const Model&, const Linearization& at, double factor,
   at.recovery.add_product(-factor, dx, df);
 }
 
-void add_stiffness_blocks(const Model& model, const Linearization& at, double factor, BlockMatrix& K) {
+void add_stiffness_blocks(const Model& model, const History& history, const Linearization& at, double factor,
+                          BlockMatrix& K) {
   const Partition& partition = *model.partition;
   std::array<ElementMatrix, kBlock> matrices;
   for (int block = 0; block < partition.num_blocks; ++block) {
-    element_matrices(model, at, block, -factor, matrices.data());
+    element_matrices(model, history, at, block, -factor, matrices.data());
     for (int place = 0; place < kBlock; ++place) {
       const int e = partition.element(block, place);
       if (e < 0) continue;
@@ -194,8 +215,8 @@ double energy(const Model& model, const History& history, ConstPoints x, SlotScr
   to_slots(partition, x, current);
   work.energy.resize(partition.num_blocks);
   parallel_for(partition.num_blocks, [&](int block) {
-    work.energy[block] =
-        block_energy(model, plastic_rest.data(), current.data(), present(partition, history, block), block);
+    work.energy[block] = block_energy(model, flowed_at(partition, history, block), plastic_rest.data(), current.data(),
+                                      present(partition, history, block), block);
   });
   find_recovery(model, history, plastic_rest, current, {}, x, work.recovery);
   work.sum = std::accumulate(work.energy.begin(), work.energy.end(), 0.0) + work.recovery.energy();

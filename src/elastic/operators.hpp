@@ -16,8 +16,8 @@ void update_material(const Model& model, const History& history, Linearization& 
 void set_positions(const Model& model, ConstPoints x, Linearization& at);
 
 /// Rotations, forces and the stiffness operator at current positions x (num_nodes x 3) [m]; nothing where `at` holds
-/// them already.                                                                                   theory.md eq. 15, 16
-void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at);
+/// them already. screens: fills YieldScreen too, which joined rest shapes always do.               theory.md eq. 15, 16
+void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at, bool screens = true);
 
 /// f += elastic forces [N].
 void add_force(const Model& model, const Linearization& at, Points f);
@@ -26,9 +26,10 @@ void add_force(const Model& model, const Linearization& at, Points f);
 /// each product. For residuals, which single precision would spoil.
 class DoublePrecisionOperator final : public ChunkedProduct<double> {
  public:
-  /// Both must outlive the use.
-  void setup(const Model& model, const Linearization& at) {
+  /// All must outlive the use.
+  void setup(const Model& model, const History& history, const Linearization& at) {
     model_ = &model;
+    history_ = &history;
     at_ = &at;
   }
   const Partition& partition() const override { return *model_->partition; }
@@ -36,6 +37,7 @@ class DoublePrecisionOperator final : public ChunkedProduct<double> {
 
  private:
   const Model* model_ = nullptr;
+  const History* history_ = nullptr;
   const Linearization* at_ = nullptr;
 };
 
@@ -54,7 +56,8 @@ void add_stiffness_product(const Model& model, const Linearization& at, double f
                            SlotScratch& slots, ProductWorkspace& work, Points df);
 
 /// K += factor * df/dx. Elements that are gone add zeros.                                                     eq. 17
-void add_stiffness_blocks(const Model& model, const Linearization& at, double factor, BlockMatrix& K);
+void add_stiffness_blocks(const Model& model, const History& history, const Linearization& at, double factor,
+                          BlockMatrix& K);
 
 /// Elastic energy [J] at x, that of the springs of `recovery` included; asked for the same again, `work` has it.
 ///                                                                                                      eq. 18, E25

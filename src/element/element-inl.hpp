@@ -27,6 +27,13 @@ HWY_INLINE void for_shape(bool is_general, Assumed assumed, const F& f) {
   }
 }
 
+/// The plastic deformation of isolated rest shapes.                                                            eq. P2
+template <class N>
+struct PlasticLanes {
+  Mat<N> inverse[kCorners];  ///< G_i
+  Mat<N> mean;               ///< Gm; read where something is assumed
+};
+
 /// The samples of an element at current positions.
 template <class N>
 struct SampleLanes {
@@ -42,12 +49,19 @@ template <bool kGeneral, Assumed kAssumed, class N>
 struct ElementLanes : SampleLanes<N> {
   RestLanes<kGeneral, kAssumed, N> rest;
   ColumnLanes<kGeneral, kAssumed, N> columns;
-  Mat<N> j;  ///< where something is assumed: rows R_m J^n / 2
+  Mat<N> j;                                  ///< where something is assumed: rows R_m Gm^T J^n / 2
+  const PlasticLanes<N>* plastic = nullptr;  ///< null: 1
+  Mat<N> elastic_inverse[kCorners];          ///< with it: J_i^-1 G_i / 2
 };
 
 template <bool kGeneral, Assumed kAssumed, class N>
 HWY_INLINE const Mat<N>& inverse_at(const RestLanes<kGeneral, kAssumed, N>& rest, int sample) {
   return rest.inverse[kGeneral ? sample : 0];
+}
+/// What takes the columns of a sample to its gradient F~, or F^e.
+template <bool kGeneral, Assumed kAssumed, class N>
+HWY_INLINE const Mat<N>& inverse_at(const ElementLanes<kGeneral, kAssumed, N>& element, int sample) {
+  return element.plastic ? element.elastic_inverse[sample] : inverse_at(element.rest, sample);
 }
 /// J_o^-1 / 2 where something is assumed.
 template <bool kGeneral, Assumed kAssumed, class N>
@@ -59,10 +73,10 @@ HWY_INLINE const Mat<N>& dual_of(const RestLanes<kGeneral, kAssumed, N>& rest) {
 }
 
 /// What the samples follow from, at current positions u: the plastic rest shape and, where something is assumed, the
-/// mean gradient with its polar decomposition.
+/// mean gradient with its polar decomposition. mean_plastic: Gm, or null: 1.
 template <bool kGeneral, Assumed kAssumed, class N>
 HWY_INLINE void place_mean(const CornerLanes<N>& x, const CornerLanes<N>& u, const Sampling& sampling,
-                           ElementLanes<kGeneral, kAssumed, N>& element) {
+                           const Mat<N>* mean_plastic, ElementLanes<kGeneral, kAssumed, N>& element) {
   auto& rest = element.rest;
   auto& columns = element.columns;
   rest_operator(x, sampling, rest);
@@ -70,28 +84,34 @@ HWY_INLINE void place_mean(const CornerLanes<N>& x, const CornerLanes<N>& u, con
   element.min_jacobian = rest.min_jacobian;
   begin_columns(rest, u, columns);
   if constexpr (kAssumed != Assumed::kNothing) {
-    const Mat<N> F_m = transposed_product(columns.mean, dual_of(rest));
+    Mat<N> dual;
+    assign(mean_plastic ? dual_of(rest) * *mean_plastic : dual_of(rest), dual);
+    const Mat<N> F_m = transposed_product(columns.mean, dual);
     safe_polars<1>(&F_m, &element.mean);
-    assign(product_transposed(dual_of(rest), element.mean.R), element.j);
+    assign(product_transposed(dual, element.mean.R), element.j);
   }
 }
 
-/// Gradients of the samples at current positions u; the polar decompositions are left to the caller.       eq. 7, E11c
+/// Gradients of the samples at current positions u; the polar decompositions are left to the caller. plastic: null, or
+/// of isolated rest shapes, to stay as long as the element.                                            eq. 7, E11c, P1
 template <bool kGeneral, Assumed kAssumed, class N>
 HWY_NOINLINE void place_element(const CornerLanes<N>& x, const CornerLanes<N>& u, const Sampling& sampling,
-                                ElementLanes<kGeneral, kAssumed, N>& element) {
+                                const PlasticLanes<N>* plastic, ElementLanes<kGeneral, kAssumed, N>& element) {
   auto& rest = element.rest;
   auto& columns = element.columns;
-  place_mean(x, u, sampling, element);
+  place_mean(x, u, sampling, plastic ? &plastic->mean : nullptr, element);
+  element.plastic = plastic;
   if constexpr (kAssumed != Assumed::kNothing)
     finish_columns(rest, u, AssumedLanes<N>(element.j, rest.corner_weight), columns);
   else
     finish_columns(rest, u, nullptr, columns);
   for (int i = 0; i < kCorners; ++i) {
     Mat<N>& F = element.F[i];
-    F = transposed_product(columns_at(columns, i), inverse_at(rest, i));
+    if (plastic) assign(inverse_at(rest, i) * plastic->inverse[i], element.elastic_inverse[i]);
+    F = transposed_product(columns_at(columns, i), inverse_at(element, i));
     if constexpr (kGeneral) {
-      const Mat<N> H = shared_at(columns, i);
+      Mat<N> H = shared_at(columns, i);
+      if (plastic) H = H * plastic->inverse[i];
       for (int k = 0; k < 9; ++k) F.m[k / 3][k % 3] += H.m[k / 3][k % 3];
     }
   }
@@ -195,10 +215,10 @@ HWY_INLINE void add_moment(double factor, const N (&a)[kCount][3], const N (&act
   for (int n = 0; n < kCount; ++n) add_cross(N(ScalarOf<N>(factor)), a[n], acting[n], M);
 }
 
-/// What the turning of R_m with the corners, of which the moment is M, adds to dE/dF_m: [y]x R_m, times 2 J_o^-T, as
-/// rows that act on F_m 2 J_o.                                                                               eq. E13
+/// What the turning of R_m with the corners, of which the moment is M, adds to dE/dF_m: [y]x R_m Gm^T, times 2 J_o^-T,
+/// as rows that act on F_m 2 J_o. j: rows R_m Gm^T J^n / 2.                                                  eq. E13
 template <class N>
-HWY_NOINLINE Mat<N> turning(const PolarLanes<N>& mean, const Mat<N>& dual, const N (&M)[3]) {
+HWY_NOINLINE Mat<N> turning(const PolarLanes<N>& mean, const Mat<N>& j, const N (&M)[3]) {
   using T = ScalarOf<N>;
   const Mat<N>& R = mean.R;
   const Sym<N>& S = mean.S;
@@ -213,14 +233,13 @@ HWY_NOINLINE Mat<N> turning(const PolarLanes<N>& mean, const Mat<N>& dual, const
   for (int k = 0; k < 3; ++k) local[k] = R(0, k) * M[0] + R(1, k) * M[1] + R(2, k) * M[2];
   for (int k = 0; k < 3; ++k)
     turned[k] = inverse * (cof(k, 0) * local[0] + cof(k, 1) * local[1] + cof(k, 2) * local[2]);
-  const Mat<N> jt = product_transposed(dual, R);  // rows R dual_n
   N y[3];
   for (int k = 0; k < 3; ++k) y[k] = R(k, 0) * turned[0] + R(k, 1) * turned[1] + R(k, 2) * turned[2];
   Mat<N> rows;
   for (int n = 0; n < 3; ++n)
     for (int i = 0; i < 3; ++i) {
       const int k = (i + 1) % 3, l = (i + 2) % 3;
-      rows(n, i) = y[k] * jt(n, l) - y[l] * jt(n, k);
+      rows(n, i) = y[k] * j(n, l) - y[l] * j(n, k);
     }
   return rows;
 }

@@ -28,15 +28,21 @@ HWY_INLINE Mat<N> mean_plastic_inverse(const Mat<N> (&G)[kCorners]) {
   return {{{L00, none, none}, {L10, L11, none}, {L20, L21, sqrt(B(2, 2) - L20 * L20 - L21 * L21)}}};
 }
 
-/// Rows n_n = G^T J^n / |G^T J^n|; J_inverse: rows J^n.                                                        eq. P6
+/// Rows of length 1.
+template <class N>
+HWY_INLINE Mat<N> unit_rows(const Mat<N>& A) {
+  Mat<N> rows;
+  for (int n = 0; n < 3; ++n) {
+    const N scale = N(1.0) / sqrt(dot(A.m[n], A.m[n]));
+    for (int k = 0; k < 3; ++k) rows(n, k) = scale * A(n, k);
+  }
+  return rows;
+}
+
+/// Rows n_n = G^T J^n / |G^T J^n|; J_inverse: rows J^n, of any length.                                         eq. P6
 template <class N>
 HWY_INLINE Mat<N> face_normals(const Mat<N>& G, const Mat<N>& J_inverse) {
-  Mat<N> normals = J_inverse * G;
-  for (int n = 0; n < 3; ++n) {
-    const N scale = N(1.0) / sqrt(dot(normals.m[n], normals.m[n]));
-    for (int k = 0; k < 3; ++k) normals(n, k) *= scale;
-  }
-  return normals;
+  return unit_rows(J_inverse * G);
 }
 
 /// sym(S sigma) / beta + p: true stress in the rotated frame. sigma: the corotated stress without p, the pressure of
@@ -90,15 +96,15 @@ HWY_INLINE Sym<N> flow_direction(const Sym<N>& log, const Sym<N>& relieved, cons
           fraction * (log.xy + scale * (relieved.xy - sigma.xy))};
 }
 
-/// exp(M) - 1, to rounding for |M| up to 8: the series of M / 4, whose powers the characteristic equation reduces to
-/// three numbers, squared twice.
+/// exp(A) - 1 of a symmetric matrix by this many terms of its series, whose powers the characteristic equation reduces
+/// to three numbers.
 template <class N>
-HWY_INLINE Mat<N> symmetric_expm1(const Sym<N>& M) {
-  const Mat<N> A = scaled(N(0.25), matrix(M)), AA = A * A, cof = cofactor(A);
+HWY_INLINE Mat<N> exponential_series(const Mat<N>& A, int terms) {
+  const Mat<N> AA = A * A, cof = cofactor(A);
   const N i1 = A(0, 0) + A(1, 1) + A(2, 2), i2 = cof(0, 0) + cof(1, 1) + cof(2, 2), i3 = dot(A.m[0], cof.m[0]);
   N a(1.0), b(0.0), c(0.0);  // Horner: A (1 + A / 2 (1 + A / 3 (...)))
-  for (int k = 24; k >= 2; --k) {
-    const N scale(1.0 / k), above = c;
+  for (int k = terms; k >= 2; --k) {
+    const N scale(ScalarOf<N>(1.0 / k)), above = c;
     c = scale * (b + i1 * above);
     b = scale * (a - i2 * above);
     a = N(1.0) + scale * i3 * above;
@@ -110,6 +116,13 @@ HWY_INLINE Mat<N> symmetric_expm1(const Sym<N>& M) {
   Mat<N> E;
   for (int r = 0; r < 3; ++r)
     for (int s = 0; s < 3; ++s) E(r, s) = (r == s ? a : N(0.0)) + b * A(r, s) + c * AA(r, s);
+  return E;
+}
+
+/// exp(M) - 1, to rounding for |M| up to 8: the series of M / 4, squared twice.
+template <class N>
+HWY_INLINE Mat<N> symmetric_expm1(const Sym<N>& M) {
+  Mat<N> E = exponential_series(scaled(N(0.25), matrix(M)), 24);
   for (int squaring = 0; squaring < 2; ++squaring) {  // (1 + E)^2 - 1
     const Mat<N> EE = E * E;
     for (int k = 0; k < 9; ++k) E.m[k / 3][k % 3] = N(2.0) * E.m[k / 3][k % 3] + EE.m[k / 3][k % 3];

@@ -2,6 +2,7 @@
 #include "element/samples.hpp"
 
 #include "element/element-inl.hpp"
+#include "element/isolated-inl.hpp"
 
 namespace hexaplast {
 
@@ -18,10 +19,15 @@ scalar::CornerLanes<double> corners_of(const ElementPoints& x) {
 
 template <Assumed kAssumed>
 ElementSamples samples(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame,
-                       const Settings& settings) {
+                       const Settings& settings, const CornerTensors* plastic_inverse) {
+  scalar::PlasticLanes<double> plastic;
+  if (plastic_inverse) {
+    for (int i = 0; i < kCorners; ++i) plastic.inverse[i] = scalar::entries((*plastic_inverse)[i]);
+    plastic.mean = scalar::mean_plastic_inverse(plastic.inverse);
+  }
   scalar::ElementLanes<true, kAssumed, double> element;
   const scalar::CornerLanes<double> u = corners_of(current);
-  place_element(corners_of(plastic_rest), u, sampling_of(settings), element);
+  place_element(corners_of(plastic_rest), u, sampling_of(settings), plastic_inverse ? &plastic : nullptr, element);
   decompose(element);
   const scalar::MaterialLanes<double> of(settings, lame.mu, lame.lambda);
   scalar::ModeLanes<double> volume_gradient;
@@ -29,6 +35,8 @@ ElementSamples samples(const ElementPoints& plastic_rest, const ElementPoints& c
 
   ElementSamples found;
   found.volume = element.rest.volume;
+  found.pressure = pressure.in_stress - pressure.shared;
+  found.volume_ratio = pressure.excess + 1;
   for (int i = 0; i < kCorners; ++i) {
     const scalar::PolarLanes<double>& at = element.polar[i];
     found.F[i] = to_eigen(element.F[i]);
@@ -42,14 +50,14 @@ ElementSamples samples(const ElementPoints& plastic_rest, const ElementPoints& c
 }  // namespace
 
 ElementSamples element_samples(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame,
-                               const Settings& settings) {
+                               const Settings& settings, const CornerTensors* plastic_inverse) {
   switch (sampling_of(settings).assumed) {
     case Assumed::kCorner:
-      return samples<Assumed::kCorner>(plastic_rest, current, lame, settings);
+      return samples<Assumed::kCorner>(plastic_rest, current, lame, settings, plastic_inverse);
     case Assumed::kNothing:
       break;
   }
-  return samples<Assumed::kNothing>(plastic_rest, current, lame, settings);
+  return samples<Assumed::kNothing>(plastic_rest, current, lame, settings, plastic_inverse);
 }
 
 }  // namespace hexaplast

@@ -6,19 +6,22 @@
 #include "hexaplast/base/types.hpp"
 #include "hexaplast/material/material.hpp"
 #include "kinematics/polar.hpp"
+#include "state/element_history.hpp"
 
 namespace hexaplast {
 
 /// The eight samples of one hexahedron, by the formulas of the kernels.
 struct ElementSamples {
-  std::array<Mat3, kCorners> F;       ///< deformation gradients                                       eq. 7, E11c
+  std::array<Mat3, kCorners> F;       ///< deformation gradients, of isolated rest shapes F^e       eq. 7, E11c, P1
   std::array<Polar, kCorners> polar;  ///< R, S of them                                                eq. 6
   std::array<Mat3, kCorners> stress;  ///< [Pa] sigma in the material frame              eq. 12, E3, E5, E15, E19
   double volume = 0;                  ///< [m^3] of the plastic rest shape; each sample carries an eighth of it
+  double pressure = 0;                ///< [Pa] of the volume ratio, which is part of the stress
+  double volume_ratio = 1;            ///< current volume over `volume`; 1 where nothing asks for it
 };
 
-/// Corners [m].
+/// Corners [m]. plastic_inverse: the G_i of isolated rest shapes, null of joined ones.
 ElementSamples element_samples(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame,
-                               const Settings& settings);
+                               const Settings& settings, const CornerTensors* plastic_inverse = nullptr);
 
 }  // namespace hexaplast

@@ -113,7 +113,9 @@ void validate(const Settings& settings, Names names) {
     require("rotation_plasticity", mode, "rest_shape", RestShape::kJoined);
   }
   require_plain("averaging", AveragingMethod::kJacobi);
-  require_plain("rest_shape", RestShape::kIsolated);
+  if (settings.implementation == Implementation::kFast)
+    require("rest_shape", RestShape::kIsolated, "bending", Bending::kAssumedCorner,
+            fmt::format(" or {} = plain", called("implementation", names)));
   require("rest_shape", RestShape::kIsolated, "law", ElasticLaw::kCorotated);
   require("yield_stress_measure", YieldStressMeasure::kCauchy, "rest_shape", RestShape::kIsolated);
   require("yield_stress_measure", YieldStressMeasure::kCauchy, "volumetric", Volumetric::kVolumeRatio);

@@ -98,8 +98,7 @@ constexpr Row<Settings> kSettingsRows[] = {
      .group = kFlow,
      .words = kRestShapes,
      .help = "Where permanent deformation lives. joined: in one mesh that fits all hexahedra best, without residual "
-             "stress; isolated: in each quadrature point (implementation=\"plain\"), with residual stress, without "
-             "flow of rotation.",
+             "stress; isolated: in each quadrature point, with residual stress, without flow of rotation.",
      .at = kMember<&Settings::rest_shape>},
     {.member = "rotation_plasticity",
      .name = "rotationPlasticity",
@@ -148,7 +147,7 @@ constexpr Row<Settings> kSettingsRows[] = {
      .words = kImplementations,
      .help = "What computes. plain: one hexahedron after the other, in double precision, for reading and comparing; it "
              "alone has bending=\"vertex\" and \"centre\", averaging=\"jacobi\", rotationPlasticity=\"vertex\" and "
-             "\"centre\", and restShape=\"isolated\".",
+             "\"centre\", and restShape=\"isolated\" with bending=\"blended\".",
      .at = kMember<&Settings::implementation>},
     {.member = "volume_restitution",
      .name = "volumeRestitution",

@@ -35,13 +35,6 @@ Mat3 mean_of(const CornerTensors& plastic_inverse) {
   return to_eigen(scalar::mean_plastic_inverse(G));
 }
 
-/// log S minus its mean.
-Mat3 deviatoric_log(const Mat3& S) {
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(S);
-  const Vec3 log = eigen.eigenvalues().array().log();
-  return eigen.eigenvectors() * Vec3(log.array() - log.mean()).asDiagonal() * eigen.eigenvectors().transpose();
-}
-
 /// (tr S I - S)^-1, bounded where two stretches are opposite.                                                 eq. E13
 Mat3 inverse_of_turning(const Mat3& S) {
   const Mat3 K = S.trace() * Mat3::Identity() - S, cof = cofactor(K);
@@ -132,8 +125,7 @@ Element::Element(const ElementPoints& plastic_rest, const ElementPoints& current
   const RestOperator rest = rest_operator(plastic_rest, sampling);
   samples_.volume = rest.volume;
   for (int i = 0; i < kCorners; ++i) gradient_[i] = sample_gradient(rest, i);
-  if (plastic_inverse)
-    for (const Mat3& G : *plastic_inverse) isolated_.emplace_back().plastic_inverse = G;
+  if (plastic_inverse) plastic_inverse_ = *plastic_inverse;
   if (sampling.assumed == Assumed::kCorner)
     assumed_.emplace(plastic_rest, current, sampling.corner_weight,
                      plastic_inverse ? mean_of(*plastic_inverse) : Mat3(Mat3::Identity()));
@@ -167,66 +159,8 @@ Element::Element(const ElementPoints& plastic_rest, const ElementPoints& current
     samples_.stress[i] = to_eigen(matrix(scalar::stress(law_, mooney_fraction_, S, lame.mu, k)));
     guard_[i] = law_ == ElasticLaw::kCorotated ? 0 : scalar::tangent_guard(law_, mooney_fraction_, S, lame.mu, k);
   }
-  if (plastic_inverse) find_isolated_stress(plastic_rest, settings.yield_stress_measure);
-}
-
-void Element::find_isolated_stress(const ElementPoints& initial, YieldStressMeasure measure) {
-  const bool is_cauchy = measure == YieldStressMeasure::kCauchy;
-  const double pressure = of_volume_ * volume_excess_;  // p; with `sample` it is in that of the law
-  const auto J_inverse = scalar::entries(centre_jacobian(initial).inverse());
-  scalar::Mat<double> normals[kCorners];
-  scalar::Sym<double> relieved[kCorners];
-  for (int i = 0; i < kCorners; ++i) {
-    normals[i] = scalar::face_normals(scalar::entries(isolated_[i].plastic_inverse), J_inverse);
-    isolated_[i].normals = to_eigen(normals[i]);
-    isolated_[i].corotated_stress = samples_.stress[i] - pressure * Mat3::Identity();
-    relieved[i] = scalar::symmetric_entries(samples_.stress[i]);  //                                        eq. P7, P7t
-    if (is_cauchy)
-      relieved[i] =
-          scalar::cauchy_stress(scalar::symmetric_entries(samples_.polar[i].S),
-                                scalar::symmetric_entries(isolated_[i].corotated_stress), pressure, volume_excess_ + 1);
-    isolated_[i].flow_stress = to_eigen(matrix(relieved[i]));
-  }
-  scalar::relieve(normals, relieved);  //                                                                        eq. P8
-  for (int i = 0; i < kCorners; ++i) samples_.stress[i] = to_eigen(matrix(relieved[i]));
-}
-
-IsolatedStep Element::flow_isolated(const Material& material, YieldNorm norm, const CornerValues& yield_stress,
-                                    double dt) const {
-  IsolatedStep step;
-  step.yield_stress = yield_stress;
-  step.log_stretch.fill(Mat3::Zero());
-  for (int i = 0; i < kCorners; ++i) {
-    step.plastic_inverse[i] = isolated_[i].plastic_inverse;
-    step.norm[i] = stress_norm(samples_.stress[i], norm);
-    step.fraction[i] = scalar::isolated_flow_fraction(step.norm[i], yield_stress[i], material.flow_rate * dt);
-    step.yielded = step.yielded || step.fraction[i] > 0;
-    if (!std::isfinite(step.norm[i])) step.dissipated = step.norm[i];  // an overflow, which the caller refuses
-  }
-  if (!step.yielded) return step;
-
-  scalar::Mat<double> normals[kCorners];
-  scalar::Sym<double> M[kCorners];
-  for (int i = 0; i < kCorners; ++i) {
-    normals[i] = scalar::entries(isolated_[i].normals);
-    M[i] = {};
-    if (step.fraction[i] > 0)
-      M[i] = scalar::flow_direction(scalar::symmetric_entries(deviatoric_log(samples_.polar[i].S)),
-                                    scalar::symmetric_entries(samples_.stress[i]),
-                                    scalar::symmetric_entries(isolated_[i].flow_stress), lame_.mu, step.fraction[i]);
-  }
-  scalar::relieve(normals, M);  //                                                                              eq. P11
-  for (int i = 0; i < kCorners; ++i) {
-    step.log_stretch[i] = to_eigen(matrix(M[i]));
-    step.strain[i] =
-        std::sqrt(2.0 / 3) * (step.log_stretch[i] - step.log_stretch[i].trace() / 3 * Mat3::Identity()).norm();
-    step.plastic_inverse[i] =
-        to_eigen(scalar::flowed_plastic_inverse(scalar::entries(isolated_[i].plastic_inverse), M[i]));
-    step.yield_stress[i] = hardened(yield_stress[i], material.hardening, step.fraction[i], step.norm[i]);
-    step.dissipated += samples_.volume / kCorners *
-                       (samples_.polar[i].S * isolated_[i].corotated_stress).cwiseProduct(step.log_stretch[i]).sum();
-  }
-  return step;
+  samples_.pressure = of_volume_ * volume_excess_;
+  samples_.volume_ratio = volume_excess_ + 1;
 }
 
 std::array<Mat3, kCorners> Element::gradients(const ElementPoints& u) const {
@@ -234,13 +168,13 @@ std::array<Mat3, kCorners> Element::gradients(const ElementPoints& u) const {
   for (int i = 0; i < kCorners; ++i) {
     F[i] = u.transpose() * gradient_[i];
     if (assumed_) F[i] += assumed_->gradient(u, i);
-    if (!isolated_.empty()) F[i] *= isolated_[i].plastic_inverse;
+    if (plastic_inverse_) F[i] *= (*plastic_inverse_)[i];
   }
   return F;
 }
 
 std::array<Mat3, kCorners> Element::on_gradients(std::array<Mat3, kCorners> P) const {
-  for (std::size_t i = 0; i < isolated_.size(); ++i) P[i] *= isolated_[i].plastic_inverse.transpose();  //      eq. P4
+  for (int i = 0; i < kCorners && plastic_inverse_; ++i) P[i] *= (*plastic_inverse_)[i].transpose();  //      eq. P4
   return P;
 }
 

@@ -10,6 +10,7 @@
 #include "kinematics/polar.hpp"
 #include "plain/plain.hpp"
 #include "plastic/element_flow.hpp"
+#include "plastic/isolated_flow.hpp"
 #include "plastic/rest_shape.hpp"
 
 namespace hexaplast::plain {
@@ -105,10 +106,7 @@ class Step {
   /// Fracture.                                                                                            theory.md 5.7
   void remove_broken() {
     for (int e = 0; e < model_.mesh.num_elements(); ++e) {
-      const CornerTensors* stretch = next.plastic_stretch.empty() ? nullptr : &next.plastic_stretch[e];
-      if (!outcomes_[e].yielded ||
-          !is_broken(model_.material(e), before_.yield_stress[e], next.yield_stress[e], stretch))
-        continue;
+      if (!outcomes_[e].yielded || !is_broken(model_, before_, next, e)) continue;
       next.alive[e] = 0;
       next.removed.push_back(e);
       ++report.removed;
@@ -173,38 +171,19 @@ FlowReport flow_isolated(const Model& model, ConstPoints x, double dt, History& 
     if (!history.alive[e]) continue;
     const Hexahedron& corners = model.mesh.hexahedra()[e];
     const ElementPoints initial = gather(model.mesh.positions(), corners), current = gather(x, corners);
-    const Element element(initial, current, model.lame[e], model.settings, history.plastic_inverse_of(e));
-
-    // protection against inversion, of samples and of current corners
-    double min_det = std::numeric_limits<double>::infinity();
-    for (const Mat3& F : element.samples().F) min_det = std::min(min_det, F.determinant());
-    report.inverted += min_det < 0;
-    if (min_det < model.settings.inversion_threshold ||
-        min_jacobian_ratio(model.corner_jacobian(e), current) < model.settings.corner_threshold()) {
-      ++report.skipped;
-      continue;
-    }
-
-    const Material& material = model.material(e);
-    if (!can_stretch(material)) continue;
-    const IsolatedStep step = element.flow_isolated(material, model.settings.yield_norm, history.yield_stress[e], dt);
-    if (step.yielded) {
-      ++report.yielded;
-      next.plastic_inverse[e] = step.plastic_inverse;
-      next.yield_stress[e] = step.yield_stress;
-      for (int i = 0; i < kCorners; ++i) next.plastic_strain[e][i] += step.strain[i];
-      next.dissipated_energy += step.dissipated;
-    }
+    const Element element(initial, current, model.lame[e], model.settings, &history.plastic_inverse[e]);
+    const IsolatedStep step = isolated_step(model, e, element.samples(), current, history, dt);
+    report.inverted += step.inverted;
+    report.skipped += step.skipped;
+    report.yielded += step.yielded;
+    set_isolated(e, step, next);
+    next.dissipated_energy += step.dissipated;
     if (!(next.is_finite(e) && std::isfinite(step.dissipated)))
       throw NumericalError(fmt::format("the plastic history of hexahedron {} is not finite", e));
-    if (!step.yielded) continue;
-    CornerTensors plastic;  // F^p
-    for (int i = 0; i < kCorners; ++i) plastic[i] = next.plastic_inverse[e][i].inverse();
-    if (is_broken(material, history.yield_stress[e], next.yield_stress[e], &plastic)) {
-      next.alive[e] = 0;
-      next.removed.push_back(e);
-      ++report.removed;
-    }
+    if (!step.yielded || !is_broken(model, history, next, e)) continue;
+    next.alive[e] = 0;
+    next.removed.push_back(e);
+    ++report.removed;
   }
   if (report.yielded == 0) return report;
   next.version = history.version + 1;

@@ -50,18 +50,6 @@ class AssumedStrain {
   Mat3 of_hourglass_[3][3];      // A_n = sum_l of_hourglass_[n][l] q_l                                       eq. E10
 };
 
-/// One plastic step of a hexahedron with isolated rest shapes.                                       theory.md 5.9
-struct IsolatedStep {
-  bool yielded = false;
-  CornerValues norm = {};         ///< [Pa] of the stress without what a hexahedron cannot show              eq. P8
-  CornerValues fraction = {};     ///< gamma                                                                   eq. P9
-  CornerValues strain = {};       ///< [-] accumulated in the step: sqrt(2/3) |dev M|_F
-  CornerTensors log_stretch;      ///< M: logarithm of S^p                                                    eq. P11
-  CornerTensors plastic_inverse;  ///< G after the step                                                       eq. P12
-  CornerValues yield_stress;      ///< [Pa] tau after the step                                                eq. P12
-  double dissipated = 0;          ///< [J]
-};
-
 /// One hexahedron at one set of current positions.
 class Element {
  public:
@@ -72,17 +60,12 @@ class Element {
   double energy() const;                                         ///< [J]                        eq. 18, E5, E14
   ElementPoints force() const;                                   ///< [N] per corner     eq. 15, E3, E6, E13, E15
   ElementPoints force_increment(const ElementPoints& dx) const;  ///< [N] rotations fixed    eq. 16, E4, E7, E20
-  const ElementSamples& samples() const { return samples_; }     ///< of isolated rest shapes: of F^e; stress of eq. P8
-
-  /// yield_stress [Pa]: tau before the step; dt [s]. For isolated rest shapes.                         eq. P6 to P12
-  IsolatedStep flow_isolated(const Material& material, YieldNorm norm, const CornerValues& yield_stress,
-                             double dt) const;
+  const ElementSamples& samples() const { return samples_; }     ///< of isolated rest shapes: of F^e
 
  private:
   std::array<Mat3, kCorners> gradients(const ElementPoints& u) const;
   ElementPoints transpose(const std::array<Mat3, kCorners>& P) const;
   std::array<Mat3, kCorners> on_gradients(std::array<Mat3, kCorners> P) const;  // P^e -> P                     eq. P4
-  void find_isolated_stress(const ElementPoints& initial, YieldStressMeasure measure);
 
   Lame lame_;
   ElasticLaw law_;
@@ -90,13 +73,8 @@ class Element {
   ElementPoints current_;
   std::array<ElementPoints, kCorners> gradient_;  // g~_ia [1/m]
   std::optional<AssumedStrain> assumed_;
-  ElementSamples samples_;  // F, R, S, and the stress that yields
-  struct IsolatedSample {
-    Mat3 plastic_inverse;                // G_i
-    Mat3 normals;                        // rows n_in                                                          eq. P6
-    Mat3 corotated_stress, flow_stress;  // [Pa] sigma_i, without p and as it yields                      eq. P7, P7t
-  };
-  std::vector<IsolatedSample> isolated_;  // eight of isolated rest shapes, none of joined ones
+  ElementSamples samples_;                        // F, R, S, and the stress that yields
+  std::optional<CornerTensors> plastic_inverse_;  // G_i of isolated rest shapes
 
   CornerValues dilatation_;                      // theta_i
   std::array<Mat3, kCorners> along_dilatation_;  // d theta_i / d F_i

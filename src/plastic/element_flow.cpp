@@ -106,6 +106,17 @@ bool is_broken(const Material& material, const CornerValues& yield_stress_before
   });
 }
 
+bool is_broken(const Model& model, const History& before, const History& next, int element) {
+  const Material& material = model.material(element);
+  CornerTensors of_isolated;  // F^p
+  const CornerTensors* stretch = next.plastic_stretch.empty() ? nullptr : &next.plastic_stretch[element];
+  if (!next.plastic_inverse.empty() && std::isfinite(material.fracture_stretch)) {
+    for (int i = 0; i < kCorners; ++i) of_isolated[i] = next.plastic_inverse[element][i].inverse();
+    stretch = &of_isolated;
+  }
+  return is_broken(material, before.yield_stress[element], next.yield_stress[element], stretch);
+}
+
 ElementStep flow_element(const FlowInput& at, const ElementHistory& before, double dt) {
   ElementStep step;
   step.next = before;

@@ -49,5 +49,7 @@ inline constexpr double kCollapsedJacobian = 0.02;  ///< of the original: averag
 /// there breaks nothing: an element without one, for which it is infinite, may still flow by rotation.
 bool is_broken(const Material& material, const CornerValues& yield_stress_before, const CornerValues& yield_stress,
                const CornerTensors* plastic_stretch);
+/// The same of an element that has flowed from one history to the next.
+bool is_broken(const Model& model, const History& before, const History& next, int element);
 
 }  // namespace hexaplast

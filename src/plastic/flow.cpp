@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/finite.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "plastic/element_flow.hpp"
 #include "plastic/flow_pass.hpp"
+#include "plastic/isolated_flow.hpp"
 #include "plastic/rest_shape.hpp"
 
 namespace hexaplast {
@@ -21,6 +23,15 @@ namespace {
 // flow, as a fraction of the stiffness.
 constexpr double kSinglePrecision = 1e-5, kSingleStress = 2e-6;
 
+/// Errors of F^e = F G of isolated rest shapes over those of F: at least |G| |G^-1|, about.
+double amplification(const Linearization& at, int place) {
+  const float* mean_plastic = at.mean_plastic_of(place / kBlock);
+  if (!mean_plastic) return 1;
+  double squares = 0;
+  for (int k = 0; k < kMeanPlastic; ++k) squares += std::pow(mean_plastic[k * kBlock + place % kBlock], 2);
+  return squares * squares / 3;
+}
+
 /// Whether the plastic step would leave an element as it is but for its volume, as far as single precision can tell.
 /// Errs on the safe side.
 bool does_not_flow(const Model& model, const Linearization& at, int e, const History& history) {
@@ -28,8 +39,9 @@ bool does_not_flow(const Model& model, const Linearization& at, int e, const His
   const float* screen =
       at.screen.data() + static_cast<std::size_t>(place / kBlock) * YieldScreen::kQuantities * kBlock + place % kBlock;
   const Material& material = model.material(e);
-  const double error =
-      model.settings.precision == Precision::kMixed ? kSingleStress * (2 * model.lame[e].mu + model.lame[e].lambda) : 0;
+  const double error = model.settings.precision == Precision::kMixed
+                           ? kSingleStress * (2 * model.lame[e].mu + model.lame[e].lambda) * amplification(at, place)
+                           : 0;
   for (int i = 0; i < kCorners; ++i) {
     if (!(screen[(YieldScreen::kNorm + i) * kBlock] + error < (1 - kSinglePrecision) * history.yield_stress[e][i]) &&
         material.flow_rate > 0)
@@ -39,6 +51,9 @@ bool does_not_flow(const Model& model, const Linearization& at, int e, const His
       return false;
   }
   const double guard = (1 + kSinglePrecision) * model.settings.inversion_threshold;
+  if (model.settings.rest_shape == RestShape::kIsolated)
+    return screen[YieldScreen::kMinDet * kBlock] > guard &&
+           screen[YieldScreen::kCornerRatio * kBlock] > (1 + kSinglePrecision) * model.settings.corner_threshold();
   return screen[YieldScreen::kMinDet * kBlock] > guard &&
          screen[YieldScreen::kMinJacobian * kBlock] > guard * model.largest_jacobian[e];
 }
@@ -51,22 +66,47 @@ void copy_others(const History& from, int e, History& to) {
   if (!from.plastic_stretch.empty()) to.plastic_stretch[e] = from.plastic_stretch[e];
 }
 
-/// Flow of every live element: history -> work.trial, work.flows. False when none has anything to do; the trial is then
-/// not made.
-bool flow_elements(const Model& model, const Linearization& at, double dt, const History& history,
-                   FlowWorkspace& work) {
+/// Finds the elements that stay as they are, or have but their volume restored. False when no other is left.
+bool find_idle(const Model& model, const Linearization& at, const History& history, FlowWorkspace& work) {
   parallel_for(model.mesh.num_elements(), [&](int e) {
     ElementFlow& f = work.flows[e] = {};
     f.idle = !history.alive[e];
-    if (f.idle || !at.is_current || !does_not_flow(model, at, e, history)) return;
+    if (f.idle || !at.is_current || !at.is_screened || !does_not_flow(model, at, e, history)) return;
+    f.idle = model.settings.rest_shape == RestShape::kIsolated;
+    if (f.idle) return;
     f.volume_error = std::abs(at.volume[model.partition->place_of_element[e]] / model.volume[e] - 1);
     f.restores = f.volume_error >= kVolumeAtRest;
     if (f.restores) return;
     f.idle = true;
     f.volume_error = 0;
   });
-  if (std::all_of(work.flows.begin(), work.flows.end(), [](const ElementFlow& f) { return f.idle; })) return false;
+  return std::any_of(work.flows.begin(), work.flows.end(), [](const ElementFlow& f) { return !f.idle; });
+}
 
+/// All that flows of one element with isolated rest shapes, bit for bit.
+void copy_isolated(const History& from, int e, History& to) {
+  to.plastic_inverse[e] = from.plastic_inverse[e];
+  to.has_flowed[e] = from.has_flowed[e];
+  to.yield_stress[e] = from.yield_stress[e];
+  to.plastic_strain[e] = from.plastic_strain[e];
+}
+
+/// Exchanges what flows of isolated rest shapes.
+void swap_isolated(History& a, History& b) {
+  std::swap(a.plastic_inverse, b.plastic_inverse);
+  std::swap(a.has_flowed, b.has_flowed);
+  std::swap(a.yield_stress, b.yield_stress);
+  std::swap(a.plastic_strain, b.plastic_strain);
+  std::swap(a.dissipated_energy, b.dissipated_energy);
+  std::swap(a.alive, b.alive);
+  std::swap(a.removed, b.removed);
+}
+
+/// Flow of every live element: history -> work.trial, work.flows. False when none has anything to do; the trial is then
+/// not made.
+bool flow_elements(const Model& model, const Linearization& at, double dt, const History& history,
+                   FlowWorkspace& work) {
+  if (!find_idle(model, at, history, work)) return false;
   const Mat3 axes = Mat3::Identity();
   const auto flow_alone = [&](int e) {
     const Hexahedron& corners = model.mesh.hexahedra()[e];
@@ -156,7 +196,7 @@ void roll_back(const Model& model, int e, const History& history, FlowWorkspace&
 
 /// Marks elements that the averaging pressed towards inversion; returns how many.
 int mark_collapsing(const Model& model, const History& history, FlowWorkspace& work) {
-  AlignedVector<double>& plastic_rest = work.averaging.slots().first;
+  AlignedVector<double>& plastic_rest = work.averaging->slots().first;
   to_slots(*model.partition, work.trial.plastic_rest_positions, plastic_rest);
   const auto is_collapsing = [&](int e) {
     const auto ratio = [&](const History& of) {
@@ -178,19 +218,19 @@ int mark_collapsing(const Model& model, const History& history, FlowWorkspace& w
 
 /// Rest-shape averaging that never inverts an element.
 AveragingReport average_safely(const Model& model, LinearSolver& solver, const History& history, FlowWorkspace& work) {
-  AveragingReport report = work.averaging.advance(model, solver, work.trial, work.changed);
+  AveragingReport report = work.averaging->advance(model, solver, work.trial, work.changed);
   if (mark_collapsing(model, history, work) == 0) return report;
 
   for (int e = 0; e < model.mesh.num_elements(); ++e)
     if (work.flows[e].collapsing) roll_back(model, e, history, work);
   work.trial.plastic_rest_positions = history.plastic_rest_positions;
-  report = work.averaging.advance(model, solver, work.trial, work.changed);
+  report = work.averaging->advance(model, solver, work.trial, work.changed);
   if (mark_collapsing(model, history, work) == 0) return report;
 
   // what else the elements of a connected part do decides over these: the part stays as it is, the others go on
-  const std::vector<int>& part_of_node = work.averaging.parts(model, history).part_of_node;
+  const std::vector<int>& part_of_node = work.averaging->parts(model, history).part_of_node;
   const auto part_of = [&](int e) { return part_of_node[model.mesh.hexahedra()[e][0]]; };
-  work.stays.assign(work.averaging.parts(model, history).count, 0);
+  work.stays.assign(work.averaging->parts(model, history).count, 0);
   for (int e = 0; e < model.mesh.num_elements(); ++e)
     if (work.flows[e].collapsing) work.stays[part_of(e)] = 1;
   for (int e = 0; e < model.mesh.num_elements(); ++e)
@@ -201,14 +241,55 @@ AveragingReport average_safely(const Model& model, LinearSolver& solver, const H
   return report;
 }
 
+/// One step of one element with isolated rest shapes: history -> work.trial, work.flows.
+void flow_isolated_alone(const Model& model, const Linearization& at, double dt, const History& history, int e,
+                         FlowWorkspace& work) {
+  const ElementPoints current = gather(at.x, model.mesh.hexahedra()[e]);
+  const ElementSamples samples = element_samples(gather(history.plastic_rest_positions, model.mesh.hexahedra()[e]),
+                                                 current, model.lame[e], model.settings, &history.plastic_inverse[e]);
+  const IsolatedStep step = isolated_step(model, e, samples, current, history, dt);
+  copy_isolated(history, e, work.trial);
+  set_isolated(e, step, work.trial);
+  work.flows[e] = {
+      .yielded = step.yielded, .inverted = step.inverted, .skipped = step.skipped, .dissipated = step.dissipated};
+}
+
+/// flow_elements of isolated rest shapes.
+bool flow_isolated_elements(const Model& model, const Linearization& at, double dt, const History& history,
+                            FlowWorkspace& work) {
+  if (!find_idle(model, at, history, work)) return false;
+  const bool knows_trial = work.version == history.version;
+  parallel_for(model.partition->num_blocks, [&](int block) {
+    const bool differs = !knows_trial || work.differs[block] != 0;
+    work.differs[block] = 0;
+    for (int place = 0; place < kBlock; ++place) {
+      const int e = model.partition->element(block, place);
+      if (e < 0) continue;
+      if (!work.flows[e].idle)
+        work.differs[block] = FlowWorkspace::kAll;
+      else if (differs)
+        copy_isolated(history, e, work.trial);
+    }
+    if (work.differs[block] == 0) return;
+    const std::uint32_t left = flow_block(model, at, dt, history, block, work.trial, work.flows.data());
+    for (int place = 0; place < kBlock; ++place) {
+      const int e = model.partition->element(block, place);
+      if (e < 0 || work.flows[e].idle) continue;
+      if (left >> place & 1) flow_isolated_alone(model, at, dt, history, e, work);
+      ElementFlow& f = work.flows[e];
+      work.trial.has_flowed[e] = history.has_flowed[e] || f.yielded;
+      f.overflowed = !work.trial.is_finite(e) || !std::isfinite(f.dissipated);
+    }
+  });
+  work.version = history.version;
+  return true;
+}
+
 /// Removes the elements that broke in this step; returns how many.
 int remove_broken(const Model& model, const History& history, FlowWorkspace& work) {
   int count = 0;
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
-    const CornerTensors* stretch = work.trial.plastic_stretch.empty() ? nullptr : &work.trial.plastic_stretch[e];
-    if (!work.flows[e].yielded ||
-        !is_broken(model.material(e), history.yield_stress[e], work.trial.yield_stress[e], stretch))
-      continue;
+    if (!work.flows[e].yielded || !is_broken(model, history, work.trial, e)) continue;
     work.trial.alive[e] = 0;
     work.trial.removed.push_back(e);
     ++count;
@@ -220,22 +301,31 @@ int remove_broken(const Model& model, const History& history, FlowWorkspace& wor
 
 FlowWorkspace::FlowWorkspace(const Model& model, const History& history)
     : trial(history),
-      averaging(model),
       flows(model.mesh.num_elements()),
       changed(model.mesh.num_elements()),
       differs(model.partition->num_blocks, kAll) {
   trial.removed.reserve(model.mesh.num_elements());  // a step allocates nothing
+  if (model.settings.rest_shape == RestShape::kJoined) {
+    averaging.emplace(model);
+  } else {
+    trial.rest_shape = {};
+    trial.rotation_map = {};
+    trial.plastic_rest_positions = trial.averaging_increment = PointArray(0, 3);
+  }
 }
 
 FlowReport count_inverted(const Model& model, const Linearization& at) {
   FlowReport report;
+  const bool is_isolated = model.settings.rest_shape == RestShape::kIsolated;
   for (int block = 0; block < model.partition->num_blocks; ++block) {
-    const float* min_det =
-        at.screen.data() + (static_cast<std::size_t>(block) * YieldScreen::kQuantities + YieldScreen::kMinDet) * kBlock;
+    const float* screen = at.screen.data() + static_cast<std::size_t>(block) * YieldScreen::kQuantities * kBlock;
+    const float *min_det = screen + YieldScreen::kMinDet * kBlock,
+                *corner_ratio = screen + YieldScreen::kCornerRatio * kBlock;
     for (int place = 0; place < kBlock; ++place) {
       if (!(at.present[block] >> place & 1)) continue;
       report.inverted += min_det[place] < 0;
-      report.skipped += min_det[place] < model.settings.inversion_threshold;
+      report.skipped += min_det[place] < model.settings.inversion_threshold ||
+                        (is_isolated && corner_ratio[place] < model.settings.corner_threshold());
     }
   }
   return report;
@@ -243,8 +333,11 @@ FlowReport count_inverted(const Model& model, const Linearization& at) {
 
 FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSolver& solver, History& history,
                 FlowWorkspace& work) {
+  const bool is_isolated = model.settings.rest_shape == RestShape::kIsolated;
   FlowReport report;
-  if (!flow_elements(model, at, dt, history, work)) return report;
+  if (!(is_isolated ? flow_isolated_elements(model, at, dt, history, work)
+                    : flow_elements(model, at, dt, history, work)))
+    return report;
   for (std::size_t e = 0; e < work.flows.size(); ++e) {
     const ElementFlow& f = work.flows[e];
     if (f.overflowed) throw NumericalError(fmt::format("the plastic history of hexahedron {} is not finite", e));
@@ -257,13 +350,15 @@ FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSo
   }
   if (report.yielded == 0 && report.repaired == 0 && report.worst_volume_error < kVolumeAtRest) return report;
 
-  work.trial.plastic_rest_positions = history.plastic_rest_positions;
   work.trial.dissipated_energy = history.dissipated_energy;
   work.trial.alive = history.alive;
   work.trial.removed = history.removed;
-  work.trial.averaging_increment = history.averaging_increment;
-  report.averaging = average_safely(model, solver, history, work);
-  require_finite(work.trial.plastic_rest_positions, "plastic rest position");
+  if (!is_isolated) {
+    work.trial.plastic_rest_positions = history.plastic_rest_positions;
+    work.trial.averaging_increment = history.averaging_increment;
+    report.averaging = average_safely(model, solver, history, work);
+    require_finite(work.trial.plastic_rest_positions, "plastic rest position");
+  }
   report.removed = remove_broken(model, history, work);
   report.yielded = report.repaired = 0;  // averaging may have taken some back
   for (const ElementFlow& f : work.flows) {
@@ -272,8 +367,13 @@ FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSo
     report.rolled_back += f.rolled_back;
     work.trial.dissipated_energy += f.dissipated;
   }
-  work.trial.version = history.version + 1;
-  std::swap(history, work.trial);
+  if (is_isolated) {
+    swap_isolated(history, work.trial);
+    ++history.version;
+  } else {
+    work.trial.version = history.version + 1;
+    std::swap(history, work.trial);
+  }
   work.version = history.version;
   return report;
 }

@@ -8,8 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/transpose-inl.hpp"
-#include "element/element-inl.hpp"
+#include "element/lane_elements-inl.hpp"
 #include "kinematics/rotation-inl.hpp"
 #include "material/stress_norm-inl.hpp"
 #include "plastic/flow_pass.hpp"
@@ -20,18 +19,6 @@ HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
 
 using D = Lanes<double>;
-
-/// The elements of one register; in the place of those that are not there the first one of the block.
-template <class V>
-struct LaneElements {
-  LaneElements(const Model& model, int block, int lane) {
-    for (int k = 0; k < V::kCount; ++k) {
-      const int e = model.partition->element(block, lane + k);
-      number[k] = e < 0 ? model.partition->element(block, 0) : e;
-    }
-  }
-  int number[V::kCount];
-};
 
 /// Corners from their first one, of which the differences are taken before they are rounded.
 template <class T>
@@ -77,6 +64,60 @@ struct HistoryLanes {
   D at[kNumbers][kParts<T>];
 };
 
+/// Corners of the elements of one register at the plastic rest and current positions.
+template <class T>
+HWY_INLINE std::uint32_t gather_elements(const Model& model, const Linearization& at, int block, int lane,
+                                         CornerLanes<Lanes<T>>& x, CornerLanes<Lanes<T>>& u) {
+  const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
+  gather_about_corner<T>(model, block, lane, at.plastic_rest.data(), x);
+  gather_about_corner<T>(model, block, lane, at.current.data(), u);
+  replace_absent(present, x);
+  replace_absent(present, u);
+  return present;
+}
+
+/// What the elements of one register are made of.
+template <class T>
+HWY_INLINE MaterialLanes<Lanes<T>> material_lanes(const Model& model, int block, int lane) {
+  const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
+  D mu[kParts<T>], lambda[kParts<T>];
+  for (int part = 0; part < kParts<T>; ++part) {
+    mu[part] = load(lame + part * D::kCount);
+    lambda[part] = load(lame + kBlock + part * D::kCount);
+  }
+  return {model.settings, narrow<T>(mu), narrow<T>(lambda)};
+}
+
+/// A rate of the materials times dt.
+template <class T>
+HWY_INLINE Lanes<T> per_step(const Model& model, const int* elements, double dt, double Material::*rate) {
+  if (model.materials.size() == 1) return Lanes<T>(static_cast<T>(dt * model.materials[0].*rate));
+  return gather_numbers<T>(elements, [&](int e) { return dt * model.materials[e].*rate; });
+}
+
+/// Rotations and stretches of all samples. Returns the elements, a bit each, of which some is not unique.
+template <class V>
+HWY_INLINE std::uint32_t decompose_or_fail(SampleLanes<V>& element) {
+  std::uint32_t fails = 0;
+  for (int first = 0; first < kCorners; first += kAtOnce) {
+    polars<kAtOnce>(element.F + first, element.polar + first);
+    for (int m = 0; m < kAtOnce; ++m) fails |= element.polar[first + m].doubtful;
+  }
+  return fails;
+}
+
+/// Thresholds after the step.
+template <class T>
+HWY_INLINE void harden(const Model& model, const int* elements, const Lanes<T>* fractions, const Lanes<T>* sizes,
+                       HistoryLanes<T, kCorners>& threshold) {
+  for (int part = 0; part < kParts<T>; ++part) {
+    const D hardening = gather_numbers(elements + part * D::kCount, [&](int e) { return model.material(e).hardening; });
+    for (int i = 0; i < kCorners; ++i)
+      threshold.at[i][part] =
+          hardened(threshold.at[i][part], hardening, widen(fractions[i], part), widen(sizes[i], part));
+  }
+}
+
 /// The elements of one register of which the bits of `wanted` are set: history -> trial, flows. Returns those that it
 /// cannot do. What is added to the history is found in T; the history itself is double. Rotation maps are left to the
 /// caller and to the averaging, which finds them for every element of a part that moves.
@@ -84,7 +125,7 @@ template <class T>
 HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at, double dt, const History& history,
                                       int block, int lane, std::uint32_t wanted, History& trial, ElementFlow* flows) {
   using V = Lanes<T>;
-  const LaneElements<V> here(model, block, lane);
+  const LaneElements<V> here(*model.partition, block, lane);
   const int* const elements = here.number;
   const auto y_of = [](auto& of) { return [&of](int e) { return of.rest_shape[e].data(); }; };
   const auto corners_of = [](auto& values) { return [&values](int e) { return values[e].data(); }; };
@@ -94,39 +135,22 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
 
   const Settings& settings = model.settings;
   const Sampling sampling = sampling_of(settings);
-  const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
   CornerLanes<V> x, u;
-  gather_about_corner<T>(model, block, lane, at.plastic_rest.data(), x);
-  gather_about_corner<T>(model, block, lane, at.current.data(), u);
-  replace_absent(present, x);
-  replace_absent(present, u);
+  gather_elements<T>(model, at, block, lane, x, u);
   SampleLanes<V> element;
   for_shape(
       at.is_general[block] != 0,
       sampling.assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
         ElementLanes<kGeneral, kAssumed, V> shape;
-        place_element(x, u, sampling, shape);
+        place_element<kGeneral, kAssumed, V>(x, u, sampling, nullptr, shape);
         element = shape;
       });
-  std::uint32_t fails = 0;
-  for (int first = 0; first < kCorners; first += kAtOnce) {
-    polars<kAtOnce>(element.F + first, element.polar + first);
-    for (int m = 0; m < kAtOnce; ++m) fails |= element.polar[first + m].doubtful;
-  }
-  const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
-  D mu[kParts<T>], lambda[kParts<T>];
-  for (int part = 0; part < kParts<T>; ++part) {
-    mu[part] = load(lame + part * D::kCount);
-    lambda[part] = load(lame + kBlock + part * D::kCount);
-  }
-  const MaterialLanes<V> of(settings, narrow<T>(mu), narrow<T>(lambda));
+  std::uint32_t fails = decompose_or_fail(element);
+  const MaterialLanes<V> of = material_lanes<T>(model, block, lane);
   ModeLanes<V> volume_gradient;
   const PressureLanes<V> pressure = pressures(of, element, u, volume_gradient);
-  const auto per_step = [&](double Material::*rate) {
-    if (model.materials.size() == 1) return V(static_cast<T>(dt * model.materials[0].*rate));
-    return gather_numbers<T>(elements, [&](int e) { return dt * model.materials[e].*rate; });
-  };
-  const V rate = per_step(&Material::flow_rate), rotation_rate = per_step(&Material::rotation_flow_rate);
+  const V rate = per_step<T>(model, elements, dt, &Material::flow_rate),
+          rotation_rate = per_step<T>(model, elements, dt, &Material::rotation_flow_rate);
 
   // near the guard of the plastic rest shape the exact ratios decide
   const V largest_jacobian = gather_numbers<T>(elements, [&](int e) { return model.largest_jacobian[e]; });
@@ -244,18 +268,9 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
   }
   rest_shape.store(elements, done, y_of(trial));
 
-  const auto harden = [&](HistoryLanes<T, kCorners>& threshold, const V* fractions, const V* sizes) {
-    for (int part = 0; part < kParts<T>; ++part) {
-      const D hardening =
-          gather_numbers(elements + part * D::kCount, [&](int e) { return model.material(e).hardening; });
-      for (int i = 0; i < kCorners; ++i)
-        threshold.at[i][part] =
-            hardened(threshold.at[i][part], hardening, widen(fractions[i], part), widen(sizes[i], part));
-    }
-  };
   HistoryLanes<T, kCorners> plastic_strain(elements, corners_of(history.plastic_strain));
   if (model.can_stretch) {
-    harden(yield_stress, fraction, norm);
+    harden<T>(model, elements, fraction, norm, yield_stress);
     for (int i = 0; i < kCorners; ++i)
       for (int part = 0; part < kParts<T>; ++part) plastic_strain.at[i][part] += widen(strain[i], part);
   }
@@ -263,10 +278,145 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
   plastic_strain.store(elements, done, corners_of(trial.plastic_strain));
   if (model.can_rotate) {
     HistoryLanes<T, kCorners> rotation_yield(elements, corners_of(history.rotation_yield));
-    harden(rotation_yield, rotation_fraction, angle);
+    harden<T>(model, elements, rotation_fraction, angle, rotation_yield);
     rotation_yield.store(elements, done, corners_of(trial.rotation_yield));
   }
   return wanted & fails;
+}
+
+/// What yields at the samples of one register of elements with isolated rest shapes.
+template <class V>
+struct IsolatedLanes {
+  PlasticLanes<V> plastic;
+  Mat<V> normals[kCorners];                     ///< rows n_in
+  Sym<V> corotated[kCorners], whole[kCorners];  ///< [Pa] without and with all pressure
+  V lowest_corner;                              ///< det Jhat / det J
+  std::uint32_t fails;                          ///< a bit each: samples that are not unique
+};
+
+/// Gm is found in double precision: it has squares of G.
+template <class T>
+HWY_INLINE void narrow_plastic_inverse(const HistoryLanes<T, 9 * kCorners>& numbers, PlasticLanes<Lanes<T>>& plastic) {
+  PlasticLanes<D> parts[kParts<T>];
+  for (int part = 0; part < kParts<T>; ++part)
+    set_plastic_inverse([&](int n) { return numbers.at[n][part]; }, parts[part]);
+  const auto narrowed = [&](const auto& of) __attribute__((always_inline)) {
+    Mat<Lanes<T>> to;
+    for (int k = 0; k < 9; ++k) {
+      D entries[kParts<T>];
+      for (int part = 0; part < kParts<T>; ++part) entries[part] = of(parts[part]).m[k / 3][k % 3];
+      to.m[k / 3][k % 3] = narrow<T>(entries);
+    }
+    return to;
+  };
+  for (int i = 0; i < kCorners; ++i)
+    assign(narrowed([i](const PlasticLanes<D>& part) -> const Mat<D>& { return part.inverse[i]; }), plastic.inverse[i]);
+  assign(narrowed([](const PlasticLanes<D>& part) -> const Mat<D>& { return part.mean; }), plastic.mean);
+}
+
+/// The same where the samples are known.
+template <class T>
+HWY_NOINLINE std::uint32_t flow_isolated_samples(const Model& model, const Linearization& at, double dt,
+                                                 const History& history, int block, int lane, std::uint32_t wanted,
+                                                 const MaterialLanes<Lanes<T>>& of, const int* elements,
+                                                 const SampleLanes<Lanes<T>>& element,
+                                                 const IsolatedLanes<Lanes<T>>& isolated,
+                                                 HistoryLanes<T, 9 * kCorners>& plastic_inverse, History& trial,
+                                                 ElementFlow* flows) {
+  using V = Lanes<T>;
+  const auto corners_of = [](auto& values) { return [&values](int e) { return values[e].data(); }; };
+  HistoryLanes<T, kCorners> yield_stress(elements, corners_of(history.yield_stress));
+  const Settings& settings = model.settings;
+  Sym<V> relieved[kCorners], M[kCorners];
+  for (int i = 0; i < kCorners; ++i) relieved[i] = isolated.whole[i];
+  relieve(isolated.normals, relieved);
+
+  // near the guards the exact numbers decide
+  std::uint32_t fails =
+      isolated.fails | bits<T>(hn::Not(isolated.lowest_corner > V(static_cast<T>(1.01 * settings.corner_threshold()))));
+  const V rate = per_step<T>(model, elements, dt, &Material::flow_rate),
+          guard(static_cast<T>(settings.inversion_threshold)), none(T(0));
+  V flowing(none), fraction[kCorners], norm[kCorners], strain[kCorners];
+  for (int i = 0; i < kCorners; ++i) {
+    fails |= bits<T>(hn::Not(determinant(element.F[i]) > guard));
+    norm[i] = stress_norm_bound(relieved[i], settings.yield_norm);
+    fails |= bits<T>(hn::Not(norm[i] < V(std::numeric_limits<T>::infinity())));
+    fraction[i] = isolated_flow_fraction(norm[i], yield_stress[i], rate);
+    flowing = max(flowing, fraction[i]);
+    if (any_positive(fraction[i]))
+      M[i] = flow_direction(symmetric_part(deviatoric_log(element.polar[i].S, fails)), relieved[i], isolated.whole[i],
+                            of.mu, fraction[i]);
+    else
+      M[i] = {none, none, none, none, none, none};
+  }
+  relieve(isolated.normals, M);  //                                                                          eq. P11
+
+  V dissipated(none);
+  for (int i = 0; i < kCorners; ++i) {
+    const Mat<V> log = matrix(M[i]);
+    const V mean = V(T(1.0 / 3)) * trace(M[i]);
+    dissipated += dot(matrix(element.polar[i].S) * matrix(isolated.corotated[i]), log);
+    strain[i] = V(T(std::sqrt(2.0 / 3.0))) *
+                sqrt(squared_norm(Sym<V>{M[i].xx - mean, M[i].yy - mean, M[i].zz - mean, M[i].yz, M[i].zx, M[i].xy}));
+    const int terms = exponential_terms(dot(log, log), fails);
+    const Mat<V> change =
+        isolated.plastic.inverse[i] * exponential_series(scaled(V(T(-1)), log), terms);  //                  eq. P12
+    for (int part = 0; part < kParts<T>; ++part) {
+      const auto has_flowed = widen(flowing, part) > D(0.0);  // what did not flow keeps its bits
+      for (int k = 0; k < 9; ++k) {
+        D& entry = plastic_inverse.at[9 * i + k][part];
+        entry = select(has_flowed, entry + widen(change(k % 3, k / 3), part), entry);
+      }
+    }
+  }
+  const std::uint32_t done = wanted & ~fails;
+  plastic_inverse.store(elements, done, [&](int e) { return trial.plastic_inverse[e][0].data(); });
+  harden<T>(model, elements, fraction, norm, yield_stress);
+  yield_stress.store(elements, done, corners_of(trial.yield_stress));
+  HistoryLanes<T, kCorners> plastic_strain(elements, corners_of(history.plastic_strain));
+  for (int part = 0; part < kParts<T>; ++part) {
+    const int first = part * D::kCount;
+    const auto has_flowed = widen(flowing, part) > D(0.0);
+    for (int i = 0; i < kCorners; ++i) plastic_strain.at[i][part] += select(has_flowed, widen(strain[i], part), D(0.0));
+    alignas(64) double work[D::kCount];
+    const double* volume = at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane + first;
+    store(select(has_flowed, D(1.0 / kCorners) * load(volume) * widen(dissipated, part), D(0.0)), work);
+    const std::uint32_t yielded = bits<double>(has_flowed);
+    for (int k = 0; k < D::kCount; ++k)
+      if (done >> (first + k) & 1)
+        flows[elements[first + k]] = {.yielded = (yielded >> k & 1) != 0, .dissipated = work[k]};
+  }
+  plastic_strain.store(elements, done, corners_of(trial.plastic_strain));
+  return wanted & fails;
+}
+
+/// flow_lanes of isolated rest shapes.                                                                    section 5.9
+template <class T>
+HWY_NOINLINE std::uint32_t flow_isolated_lanes(const Model& model, const Linearization& at, double dt,
+                                               const History& history, int block, int lane, std::uint32_t wanted,
+                                               History& trial, ElementFlow* flows) {
+  using V = Lanes<T>;
+  const LaneElements<V> here(*model.partition, block, lane);
+  HistoryLanes<T, 9 * kCorners> plastic_inverse(here.number,
+                                                [&](int e) { return history.plastic_inverse[e][0].data(); });
+  const MaterialLanes<V> of = material_lanes<T>(model, block, lane);
+  CornerLanes<V> x, u;
+  gather_elements<T>(model, at, block, lane, x, u);
+  IsolatedLanes<V> isolated;
+  narrow_plastic_inverse(plastic_inverse, isolated.plastic);
+  const auto flow_as = [&]<bool kGeneral>() __attribute__((always_inline)) {
+    ElementLanes<kGeneral, Assumed::kCorner, V> element;
+    place_element(x, u, sampling_of(model.settings), &isolated.plastic, element);
+    isolated.fails = decompose_or_fail(element);
+    ModeLanes<V> volume_gradient;
+    const PressureLanes<V> pressure = pressures(of, element, u, volume_gradient);
+    yielding_stress(element, of, pressure, model.settings.yield_stress_measure, isolated.normals, isolated.corotated,
+                    isolated.whole);
+    isolated.lowest_corner = lowest_corner_ratio(element, x, u);
+    return flow_isolated_samples<T>(model, at, dt, history, block, lane, wanted, of, here.number, element, isolated,
+                                    plastic_inverse, trial, flows);
+  };
+  return at.is_general[block] ? flow_as.template operator()<true>() : flow_as.template operator()<false>();
 }
 
 template <class T>
@@ -275,7 +425,11 @@ std::uint32_t flow_of(const Model& model, const Linearization& at, double dt, co
   std::uint32_t left = 0;
   for (int lane = 0; lane < kBlock; lane += Lanes<T>::kCount) {
     const std::uint32_t here = wanted >> lane & ((1u << Lanes<T>::kCount) - 1);
-    if (here) left |= flow_lanes<T>(model, at, dt, history, block, lane, here, trial, flows) << lane;
+    if (!here) continue;
+    const bool is_isolated = model.settings.rest_shape == RestShape::kIsolated;
+    left |= (is_isolated ? flow_isolated_lanes<T>(model, at, dt, history, block, lane, here, trial, flows)
+                         : flow_lanes<T>(model, at, dt, history, block, lane, here, trial, flows))
+            << lane;
   }
   return left;
 }
@@ -305,7 +459,7 @@ void restore(const Model& model, const Linearization& at, double dt, const Histo
   for (int lane = 0; lane < kBlock; lane += D::kCount) {
     const std::uint32_t here = wanted >> lane & ((1u << D::kCount) - 1);
     if (!here) continue;
-    const LaneElements<D> elements(model, block, lane);
+    const LaneElements<D> elements(*model.partition, block, lane);
     const auto y_of = [](auto& of) { return [&of](int e) { return of.rest_shape[e].data(); }; };
     D rest_shape[3 * kCorners];
     load_elements<3 * kCorners>(addresses<const double>(elements.number, y_of(history)), rest_shape);
@@ -326,7 +480,7 @@ std::uint32_t collapsed(const Model& model, const double* positions, double rati
   for (int place = 0; place < kBlock; ++place)
     if (model.partition->element(block, place) >= 0) present |= 1u << place;
   for (int lane = 0; lane < kBlock; lane += D::kCount) {
-    const LaneElements<D> elements(model, block, lane);
+    const LaneElements<D> elements(*model.partition, block, lane);
     CornerLanes<D> x;
     gather(*model.partition, block, lane, positions, x);
     EdgeLanes<D> e;

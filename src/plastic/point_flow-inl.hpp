@@ -87,22 +87,29 @@ HWY_INLINE Mat<V> deviatoric_log(const Sym<V>& S, std::uint32_t& fails) {
   return log;
 }
 
-/// exp M - 1 of a symmetric matrix without trace, by its characteristic equation M^3 = j M + d; fails: bit per lane,
-/// the series does not suffice.                                                                              eq. 54
+/// Terms of exp M for |M|^2 = size; fails: bit per lane, the series does not suffice.
 template <class V>
-HWY_INLINE Mat<V> expm1(const Mat<V>& M, std::uint32_t& fails) {
+HWY_INLINE int exponential_terms(V size, std::uint32_t& fails) {
   using T = typename V::Scalar;
   // the first term left out is below 2e-16, those after it 2e-17; in single precision below 1e-8
   static constexpr SeriesLength kDouble[] = {{1e-5, 5}, {4e-4, 7}, {3e-3, 8}, {0.02, 10}, {0.5, 15}, {3, 24}};
   static constexpr SeriesLength kSingle[] = {{1e-5, 2}, {1e-4, 3}, {3e-3, 4}, {0.02, 6}, {0.5, 9}, {3, 14}};
   constexpr const SeriesLength(&kLengths)[6] = sizeof(T) == 8 ? kDouble : kSingle;
+  fails |= bits<T>(hn::Not(size < V(static_cast<T>(kLengths[5].size))));
+  return terms_for(size, kLengths);
+}
+
+/// exp M - 1 of a symmetric matrix without trace, by its characteristic equation M^3 = j M + d; fails: bit per lane,
+/// the series does not suffice.                                                                              eq. 54
+template <class V>
+HWY_INLINE Mat<V> expm1(const Mat<V>& M, std::uint32_t& fails) {
   const V size = dot(M, M);
-  fails |= bits<T>(hn::Not(size < V(kLengths[5].size)));
+  const int terms = exponential_terms(size, fails);
   const V j = V(0.5) * size;
   const Mat<V> cof = cofactor(M);
   const V d = M(0, 0) * cof(0, 0) + M(0, 1) * cof(0, 1) + M(0, 2) * cof(0, 2);
   V a(1.0), b(0.0), c(0.0);  // Horner: M (1 + M / 2 (1 + M / 3 (...)))
-  for (int k = terms_for(size, kLengths); k >= 2; --k) {
+  for (int k = terms; k >= 2; --k) {
     const V scale(1.0 / k), above = c;
     c = scale * b;
     b = scale * (a + above * j);

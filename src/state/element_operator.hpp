@@ -36,10 +36,10 @@ struct CoefficientPlaces {
   static constexpr bool kAssumes = kAssumed != Assumed::kNothing;
   static constexpr bool kHasMean = kGeneral && kAssumes;
 
-  static constexpr int kC = 0;                                                 ///< C_i = J_i^-1 R_i^T / 2
-  static constexpr int kRotation = kC + 9 * kCorners;                          ///< R_i
+  static constexpr int kC = 0;                                                 ///< C_i = J_i^-1 G_i R_i^T / 2
+  static constexpr int kRotation = kC + 9 * kCorners;                          ///< R_i G_i^T
   static constexpr int kShared = kRotation + (kGeneral ? 9 * kCorners : 0);    ///< h
-  static constexpr int kDirections = kShared + (kGeneral ? 3 * kCorners : 0);  ///< rows R_m J^n / 2
+  static constexpr int kDirections = kShared + (kGeneral ? 3 * kCorners : 0);  ///< rows R_m Gm^T J^n / 2
   static constexpr int kMean = kDirections + (kAssumes ? 9 : 0);               ///< RestLanes::mean
   static constexpr int kSkew = kMean + (kHasMean ? 24 : 0);                    ///< RestLanes::skew
   static constexpr int kDual = kSkew + (kHasMean ? 9 : 0);                     ///< RestLanes::dual
@@ -48,7 +48,7 @@ struct CoefficientPlaces {
 /// The same of the simple form that cycles take for elements: parallelepipeds with one rotation, whose products are
 /// sums over modes instead of samples.
 struct OneRotationPlaces {
-  static constexpr int kDirections = 0;         ///< rows R_m J^n / 2
+  static constexpr int kDirections = 0;         ///< rows R_m Gm^T J^n / 2
   static constexpr int kOfTwo = 9;              ///< ModeStiffness, as its factor
   static constexpr int kOfThree = kOfTwo + 45;  ///< the same
   static constexpr int kCount = kOfThree + 6;

@@ -13,6 +13,10 @@ namespace hexaplast {
 
 namespace {
 
+bool is_flowed(const CornerTensors& plastic_inverse) {
+  return std::ranges::any_of(plastic_inverse, [](const Mat3& G) { return G != Mat3::Identity(); });
+}
+
 CornerTensors identities() {
   CornerTensors tensors;
   tensors.fill(Mat3::Identity());
@@ -39,6 +43,7 @@ History::History(const Model& model)
       plastic_strain(model.mesh.num_elements(), CornerValues{}),
       plastic_stretch(model.tracks_plastic_stretch ? model.mesh.num_elements() : 0, identities()),
       plastic_inverse(model.settings.rest_shape == RestShape::kIsolated ? model.mesh.num_elements() : 0, identities()),
+      has_flowed(plastic_inverse.size()),
       alive(model.mesh.num_elements(), 1) {
   averaging_increment.setZero(model.mesh.num_nodes(), 3);
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
@@ -70,7 +75,9 @@ void History::set_element(int e, const ElementHistory& element) {
   if (!rotation_yield.empty()) rotation_yield[e] = element.rotation_yield;
   plastic_strain[e] = element.plastic_strain;
   if (!plastic_stretch.empty()) plastic_stretch[e] = element.plastic_stretch;
-  if (!plastic_inverse.empty()) plastic_inverse[e] = element.plastic_inverse;
+  if (plastic_inverse.empty()) return;
+  plastic_inverse[e] = element.plastic_inverse;
+  has_flowed[e] = is_flowed(plastic_inverse[e]);
 }
 
 // By sums, which take a fraction of the time and are no numbers where one of their terms is none.
@@ -78,9 +85,12 @@ bool History::is_finite(int e) const {
   const auto sum = [](const CornerValues& corners) {
     return Eigen::Map<const Eigen::Array<double, kCorners, 1>>(corners.data()).sum();
   };
-  const std::size_t maps = rotation_map.size() / rest_shape.size();
-  double numbers = rest_shape[e].sum() + sum(plastic_strain[e]), thresholds = sum(yield_stress[e]);
-  for (std::size_t m = 0; m < maps; ++m) numbers += rotation_map[e * maps + m].sum();
+  double numbers = sum(plastic_strain[e]), thresholds = sum(yield_stress[e]);
+  if (!rest_shape.empty()) {
+    const std::size_t maps = rotation_map.size() / rest_shape.size();
+    numbers += rest_shape[e].sum();
+    for (std::size_t m = 0; m < maps; ++m) numbers += rotation_map[e * maps + m].sum();
+  }
   for (const auto* tensors : {&plastic_stretch, &plastic_inverse})
     if (!tensors->empty())
       for (const Mat3& tensor : (*tensors)[e]) numbers += tensor.sum();
@@ -91,7 +101,10 @@ bool History::is_finite(int e) const {
 void History::serialize(Archive& archive) {
   archive(rest_shape, rotation_map, yield_stress, rotation_yield, plastic_rest_positions, plastic_strain,
           plastic_stretch, plastic_inverse, dissipated_energy, alive, removed, averaging_increment);
-  if (archive.reads()) removed.reserve(alive.size());  // a step allocates nothing
+  if (!archive.reads()) return;
+  removed.reserve(alive.size());  // a step allocates nothing
+  has_flowed.resize(plastic_inverse.size());
+  std::ranges::transform(plastic_inverse, has_flowed.begin(), is_flowed);
 }
 
 void validate(const Model& model, const History& history) {
@@ -117,6 +130,11 @@ void validate(const Model& model, const History& history) {
           "a value is not finite");
   for (int e = 0; e < model.mesh.num_elements(); ++e)
     require(history.is_finite(e), fmt::format("a value of hexahedron {} is not finite", e));
+
+  for (const CornerTensors& G : history.plastic_inverse)
+    for (const Mat3& one : G) require(one.determinant() > 0, "a plastic deformation is no deformation");
+  require(history.plastic_inverse.empty() || history.plastic_rest_positions == model.mesh.positions(),
+          "it has moved plastic rest positions");
 
   std::vector<unsigned char> left(num_elements, 1);
   for (const int e : history.removed) {

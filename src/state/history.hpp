@@ -22,6 +22,7 @@ struct History {
   std::vector<CornerTensors> plastic_stretch;  ///< per element; empty unless the model tracks it
   std::vector<CornerTensors> plastic_inverse;  ///< G = (F^p)^-1 per element; empty unless rest shapes are isolated: in
                                                ///< place of y, Pi and x, which stay as they are
+  std::vector<unsigned char> has_flowed;       ///< per element, of these: some G is not 1. Whoever sets them sets it
   double dissipated_energy = 0;                ///< [J] accumulated plastic work
   std::vector<unsigned char> alive;            ///< per element: 0 once it is removed
   std::vector<int> removed;                    ///< removed elements in the order of their removal
@@ -39,7 +40,8 @@ struct History {
     return plastic_inverse.empty() ? nullptr : &plastic_inverse[e];
   }
 
-  /// Whether every number of one element is finite; its thresholds may be infinite, but must be numbers.
+  /// Whether every number of one element is finite, of the arrays that are there; its thresholds may be infinite, but
+  /// must be numbers.
   bool is_finite(int e) const;
 
   /// Every array, in the order above; `version` belongs to the process alone.

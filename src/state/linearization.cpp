@@ -67,6 +67,8 @@ Linearization::Linearization(const Model& model)
       present(model.partition->num_blocks),
       is_general(model.partition->num_blocks),
       volume(per_element(model)),
+      has_flowed(model.settings.rest_shape == RestShape::kIsolated ? model.partition->num_blocks : 0),
+      mean_plastic(has_flowed.size() * kMeanPlastic * kBlock),
       current(slot_vector<double>(*model.partition)),
       force(slot_vector<double>(*model.partition)),
       screen(per_element(model) * YieldScreen::kQuantities),

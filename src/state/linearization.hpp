@@ -12,12 +12,18 @@ namespace hexaplast {
 /// What the plastic step asks of every sample before it looks closer, in single precision: per block
 /// [quantity][element of the block].
 struct YieldScreen {
-  static constexpr int kNorm = 0;                   ///< [Pa] at least the stress norm, per sample
-  static constexpr int kCosine = kCorners;          ///< of the angle between the rotations of sample and centre
-  static constexpr int kMinDet = 2 * kCorners;      ///< smallest det F~
-  static constexpr int kMinJacobian = kMinDet + 1;  ///< [m^3] smallest det J of the plastic rest shape's corners
-  static constexpr int kQuantities = kMinJacobian + 1;
+  static constexpr int kNorm = 0;                        ///< [Pa] at least the stress norm, per sample
+  static constexpr int kCosine = kCorners;               ///< of the angle between the rotations of sample and centre
+  static constexpr int kMinDet = 2 * kCorners;           ///< smallest det F~
+  static constexpr int kMinJacobian = kMinDet + 1;       ///< [m^3] smallest det J of the plastic rest shape's corners
+  static constexpr int kCornerRatio = kMinJacobian + 1;  ///< smallest det Jhat / det J of the corners, of isolated
+                                                         ///< rest shapes; 1 where nothing near the threshold to flow
+  static constexpr int kQuantities = kCornerRatio + 1;
 };
+
+/// Numbers of a Gm: its lower triangle.                                                                        eq. P2
+inline constexpr int kMeanPlastic = 6;
+constexpr int of_mean_plastic(int row, int column) { return row * (row + 1) / 2 + column; }
 
 /// Everything computed at one set of current positions, and at one plastic rest shape. May be thrown away at any time.
 struct Linearization {
@@ -29,9 +35,22 @@ struct Linearization {
   std::vector<std::uint16_t> present;     ///< per block: a bit per element that is there and alive
   std::vector<unsigned char> is_general;  ///< per block: some element is no parallelepiped
   AlignedVector<double> volume;           ///< [m^3] of the plastic rest shape, [block][element]; 0 where nothing is
+  std::vector<unsigned char> has_flowed;  ///< per block: some G of isolated rest shapes is not 1; empty of joined ones
+  AlignedVector<float> mean_plastic;      ///< there: Gm, [block][kMeanPlastic][element]; empty of joined ones
+
+  /// G per element of the history; null where nothing in a block has flowed by isolated rest shapes.
+  const CornerTensors* flowed_at(const History& history, int block) const {
+    return has_flowed.empty() || !has_flowed[block] ? nullptr : history.plastic_inverse.data();
+  }
+  const float* mean_plastic_of(int block) const {
+    return has_flowed.empty() || !has_flowed[block]
+               ? nullptr
+               : mean_plastic.data() + static_cast<std::size_t>(block) * kMeanPlastic * kBlock;
+  }
 
   // of the current positions
   bool is_current = false;              ///< what follows belongs to x and the plastic rest shape
+  bool is_screened = false;             ///< `screen` is filled
   long revision = 0;                    ///< no two that differ in what follows have the same
   PointArray x;                         ///< [m] current positions
   AlignedVector<double> current;        ///< [m] slots

@@ -59,6 +59,7 @@ struct Case {
   Precision precision;
   Does plasticity;
   std::unique_ptr<LinearSolver> (*solver)();
+  RestShape rest_shape = RestShape::kJoined;
 };
 
 template <Preconditioner kPreconditioner>
@@ -87,6 +88,7 @@ TEST_P(Allocations, AStepHasNone) {
   }
   Settings settings;
   settings.precision = GetParam().precision;
+  settings.rest_shape = GetParam().rest_shape;
   Body body(support::block({8, 8, 32}, 0.01), {material}, settings);
   support::SimulationSetup setup;
   for (int n = 0; n < body.mesh().num_nodes(); ++n)
@@ -137,7 +139,10 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"auto_mixed", Precision::kMixed, Does::kNothing, preconditioned<Preconditioner::kAuto>},
         Case{"tight_mixed", Precision::kMixed, Does::kNothing, tight},
         Case{"flowing_double", Precision::kDouble, Does::kFlows, plain},
-        Case{"flowing_mixed", Precision::kMixed, Does::kFlows, plain}),
+        Case{"flowing_mixed", Precision::kMixed, Does::kFlows, plain},
+        Case{"isolated_double", Precision::kDouble, Does::kFlows, preconditioned<Preconditioner::kMultigrid>,
+             RestShape::kIsolated},
+        Case{"isolated_mixed", Precision::kMixed, Does::kFlows, plain, RestShape::kIsolated}),
     [](const auto& test) { return std::string(test.param.name); });
 
 TEST(Allocations, KeepingAccountsOfEnergyHasNone) {

@@ -76,7 +76,7 @@ enum class YieldStressMeasure {
 /// Where permanent deformation lives.
 enum class RestShape {
   kJoined,   ///< one mesh fits the rest shapes of all elements best: no residual stress
-  kIsolated  ///< each sample keeps its own; plain implementation                                  theory.md section 5.9
+  kIsolated  ///< each sample keeps its own: residual stress                                       theory.md section 5.9
 };
 
 /// How rotation within an element becomes permanent.

@@ -49,20 +49,25 @@ std::vector<BodyKind> body_kinds() {
   tears.fracture_stretch = 100;
   const hexaplast::Settings in_double, mixed{.precision = hexaplast::Precision::kMixed},
       plain{.implementation = hexaplast::Implementation::kPlain},
-      isolated{.rest_shape = hexaplast::RestShape::kIsolated, .implementation = hexaplast::Implementation::kPlain};
+      isolated{.rest_shape = hexaplast::RestShape::kIsolated},
+      isolated_mixed{.rest_shape = hexaplast::RestShape::kIsolated, .precision = hexaplast::Precision::kMixed},
+      isolated_plain{.rest_shape = hexaplast::RestShape::kIsolated,
+                     .implementation = hexaplast::Implementation::kPlain};
   const std::string flowing = "yieldStress='1e-9' plasticFlowRate='2' rotationFlowRate='1' ";
   const std::string tearing = flowing + "fractureStretch='100' ", in_mixed = "precision='mixed'",
-                    in_plain = "implementation='plain'";
-  return {
-      {"ElasticDouble", "", elastic, in_double},
-      {"ElasticMixed", in_mixed, elastic, mixed},
-      {"FlowingDouble", flowing, flows, in_double},
-      {"FlowingMixed", flowing + in_mixed, flows, mixed},
-      {"TearingDouble", tearing, tears, in_double},
-      {"TearingMixed", tearing + in_mixed, tears, mixed},
-      {"ElasticPlain", in_plain, elastic, plain},
-      {"TearingPlain", tearing + in_plain, tears, plain},
-      {"IsolatedPlain", "yieldStress='1e-9' plasticFlowRate='2' restShape='isolated' " + in_plain, flows, isolated}};
+                    in_plain = "implementation='plain'",
+                    alone = "yieldStress='1e-9' plasticFlowRate='2' restShape='isolated' ";
+  return {{"ElasticDouble", "", elastic, in_double},
+          {"ElasticMixed", in_mixed, elastic, mixed},
+          {"FlowingDouble", flowing, flows, in_double},
+          {"FlowingMixed", flowing + in_mixed, flows, mixed},
+          {"TearingDouble", tearing, tears, in_double},
+          {"TearingMixed", tearing + in_mixed, tears, mixed},
+          {"ElasticPlain", in_plain, elastic, plain},
+          {"TearingPlain", tearing + in_plain, tears, plain},
+          {"IsolatedDouble", alone, flows, isolated},
+          {"IsolatedMixed", alone + in_mixed, flows, isolated_mixed},
+          {"IsolatedPlain", alone + in_plain, flows, isolated_plain}};
 }
 
 void PrintTo(const BodyKind& kind, std::ostream* out) { *out << kind.name; }
