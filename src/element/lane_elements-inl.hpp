@@ -7,11 +7,11 @@
 #define HEXAPLAST_ELEMENT_LANE_ELEMENTS_INL
 #endif
 
+#include "base/corner_tensors.hpp"
 #include "base/transpose-inl.hpp"
 #include "element/element-inl.hpp"
 #include "element/isolated-inl.hpp"
 #include "layout/partition.hpp"
-#include "state/element_history.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {

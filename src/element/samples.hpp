@@ -3,10 +3,9 @@
 
 #include <array>
 
-#include "hexaplast/base/types.hpp"
+#include "base/corner_tensors.hpp"
 #include "hexaplast/material/material.hpp"
 #include "kinematics/polar.hpp"
-#include "state/element_history.hpp"
 
 namespace hexaplast {
 

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <array>
-
-#include "hexaplast/base/types.hpp"
+#include "base/corner_tensors.hpp"
 
 namespace hexaplast {
-
-using CornerTensors = std::array<Mat3, kCorners>;
 
 /// The plastic history of one element, by value.
 struct ElementHistory {
