@@ -125,7 +125,7 @@ Element::Element(const ElementPoints& plastic_rest, const ElementPoints& current
   const RestOperator rest = rest_operator(plastic_rest, sampling);
   samples_.volume = rest.volume;
   for (int i = 0; i < kCorners; ++i) gradient_[i] = sample_gradient(rest, i);
-  if (plastic_inverse) plastic_inverse_ = *plastic_inverse;
+  if (plastic_inverse) plastic_inverse_.assign(plastic_inverse->begin(), plastic_inverse->end());
   if (sampling.assumed == Assumed::kCorner)
     assumed_.emplace(plastic_rest, current, sampling.corner_weight,
                      plastic_inverse ? mean_of(*plastic_inverse) : Mat3(Mat3::Identity()));
@@ -168,13 +168,13 @@ std::array<Mat3, kCorners> Element::gradients(const ElementPoints& u) const {
   for (int i = 0; i < kCorners; ++i) {
     F[i] = u.transpose() * gradient_[i];
     if (assumed_) F[i] += assumed_->gradient(u, i);
-    if (plastic_inverse_) F[i] *= (*plastic_inverse_)[i];
+    if (!plastic_inverse_.empty()) F[i] *= plastic_inverse_[i];
   }
   return F;
 }
 
 std::array<Mat3, kCorners> Element::on_gradients(std::array<Mat3, kCorners> P) const {
-  for (int i = 0; i < kCorners && plastic_inverse_; ++i) P[i] *= (*plastic_inverse_)[i].transpose();  //      eq. P4
+  for (std::size_t i = 0; i < plastic_inverse_.size(); ++i) P[i] *= plastic_inverse_[i].transpose();  //      eq. P4
   return P;
 }
 

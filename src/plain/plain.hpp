@@ -73,8 +73,8 @@ class Element {
   ElementPoints current_;
   std::array<ElementPoints, kCorners> gradient_;  // g~_ia [1/m]
   std::optional<AssumedStrain> assumed_;
-  ElementSamples samples_;                        // F, R, S, and the stress that yields
-  std::optional<CornerTensors> plastic_inverse_;  // G_i of isolated rest shapes
+  ElementSamples samples_;             // F, R, S, and the stress that yields
+  std::vector<Mat3> plastic_inverse_;  // G_i of isolated rest shapes, none of joined ones
 
   CornerValues dilatation_;                      // theta_i
   std::array<Mat3, kCorners> along_dilatation_;  // d theta_i / d F_i
