@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/finite.hpp"
 #include "hexaplast/base/error.hpp"
