@@ -22,14 +22,19 @@ HexMesh make_mesh(const BarSettings& settings) {
   return regular_grid(cells, Vec3::Zero(), Vec3(cells[0] * h, cells[1] * h, kBarLength));
 }
 
-Material make_material(const BarSettings& settings) {
+std::vector<Material> make_materials(const BarSettings& settings) {
   Material material{.young_modulus = settings.young_modulus, .poisson_ratio = settings.poisson_ratio};
-  if (settings.mode == Mode::kElastic) return material;
+  if (settings.mode == Mode::kElastic) return {material};
   material.flow_rate = 2;
   material.hardening = 0.2;
   // no stress gets near the one, every stress is above the other
-  material.yield_stress = settings.mode == Mode::kPlasticIdle ? 1e12 : 1e-6;
-  return material;
+  material.yield_stress = settings.mode == Mode::kPlastic ? 1e-6 : 1e12;
+  if (settings.mode != Mode::kPlasticPart) return {material};
+  const std::array<int, 3> cells = cells_of(settings);
+  const int count = cells[0] * cells[1] * cells[2];
+  std::vector<Material> materials(static_cast<std::size_t>(count), material);
+  for (long e = 0; e < std::lround(count * kYieldingPart); ++e) materials[e].yield_stress = 1e-6;  // z is slowest
+  return materials;
 }
 
 Settings make_settings(const BarSettings& settings) {
@@ -46,6 +51,8 @@ std::string_view name(Mode mode) {
       return "elastic";
     case Mode::kPlasticIdle:
       return "plastic_idle";
+    case Mode::kPlasticPart:
+      return "plastic_part";
     case Mode::kPlastic:
       return "plastic";
   }
@@ -61,7 +68,7 @@ std::array<int, 3> cells_for(int size) {
 }
 
 Bar::Bar(const BarSettings& settings)
-    : body_(make_mesh(settings), {make_material(settings)}, make_settings(settings)),
+    : body_(make_mesh(settings), make_materials(settings), make_settings(settings)),
       masses_(kDensity * nodal_volumes(body_.mesh().positions(), body_.mesh().hexahedra())),
       x_(body_.mesh().positions()),
       v_(PointArray::Zero(x_.rows(), 3)) {
@@ -108,11 +115,6 @@ std::string Bar::hash() const {
   hash.add(v_.data(), v_.size() * sizeof(double));
   body_.add_to(hash);
   return hash.text();
-}
-
-void Bar::place(const PointArray& x, const PointArray& v) {
-  x_ = x;
-  v_ = v;
 }
 
 void Bar::compute_force(double, ConstPoints x, ConstPoints v, Points f) {

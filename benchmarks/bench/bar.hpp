@@ -16,6 +16,7 @@ namespace hexaplast::bench {
 enum class Mode {
   kElastic,      ///< no plasticity at all
   kPlasticIdle,  ///< every corner is checked, none yields
+  kPlasticPart,  ///< a part at the clamped end yields in every step; the others are checked
   kPlastic       ///< every hexahedron yields in every step
 };
 std::string_view name(Mode mode);
@@ -32,8 +33,9 @@ struct BarSettings {
   std::optional<std::array<int, 3>> cells = {};  ///< in place of those for `size`
 };
 
-inline constexpr double kBarLength = 0.2;  ///< [m]
-inline constexpr double kBarDt = 0.01;     ///< [s]
+inline constexpr double kBarLength = 0.2;      ///< [m]
+inline constexpr double kBarDt = 0.01;         ///< [s]
+inline constexpr double kYieldingPart = 0.05;  ///< of the hexahedra, where a part yields
 
 /// Cells of a bar of about `size` cubes, its length 16 2^k of them: 8 x 8 x 16, 18 x 18 x 32, 40 x 40 x 64 for 1, 10
 /// and 100 thousand.
@@ -66,9 +68,6 @@ class Bar final : public MechanicalSystem {
   const std::vector<int>& fixed() const { return fixed_; }
   const PointArray& positions() const { return x_; }
   const PointArray& velocities() const { return v_; }
-
-  /// To where another bar of the same mesh is.
-  void place(const PointArray& x, const PointArray& v);
 
   /// [m/s^2] A tenth of the earth's: so soft a bar would collapse, and a collapsed one is no measure of speed.
   static Vec3 gravity() { return {1, 0, 0}; }

@@ -15,6 +15,9 @@ struct Options {
   std::vector<int> sizes{1000, 10000, 100000};  ///< hexahedra
   std::vector<int> threads{1, 2};
   bool quick = false;  ///< 25 iterations and one converged solver only, few repetitions
+  /// The default element alone, step by step in turn: elastic, and where all of it and a twentieth flows with joined
+  /// and with isolated rest shapes.
+  bool rest_shapes = false;
 };
 
 struct Outcome {

@@ -15,9 +15,9 @@ struct Record {
   // what was measured
   int size = 0;              ///< hexahedra
   std::string shape;         ///< box: every rest shape a parallelepiped at the start; or the name of a scene
-  std::string element;       ///< bending and volumetric: "blended sample"
+  std::string element;       ///< bending and volumetric: "blended sample"; behind them "isolated" rest shapes
   double poisson_ratio = 0;  ///< 0 for scenes
-  std::string mode;          ///< elastic, plastic_idle, plastic
+  std::string mode;          ///< elastic, plastic_idle, plastic_part, plastic
   std::string precision;     ///< double, mixed
   std::string solver;        ///< cg, jacobi, multigrid, auto; or the scene's
   std::string target;        ///< what the solver was asked for: "25 its", "1 %", "1e-6"

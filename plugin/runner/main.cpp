@@ -156,11 +156,18 @@ void add_bench(CLI::App& app, BenchOptions& options) {
                            ->type_name("SCENE")
                            ->excludes(sizes)
                            ->excludes(quick);
+  CLI::Option* rest_shapes = bench
+                                 ->add_flag("--rest-shapes", options.rest_shapes,
+                                            "Measure the default element alone, step by step in turn: elastic, and "
+                                            "where all and a twentieth of it flows, with joined and with isolated rest "
+                                            "shapes")
+                                 ->excludes(scene);
   CLI::Option* batch = bench
                            ->add_flag("--batch", options.is_batch,
                                       "Measure many small bars in one process: one after the other, and stepped at "
                                       "once; check that each has the bits that it has alone")
                            ->excludes(scene)
+                           ->excludes(rest_shapes)
                            ->excludes(baseline);
   bench->add_option("--bodies", options.bodies, "How many. Default 64")
       ->type_name("N")

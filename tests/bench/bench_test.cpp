@@ -25,12 +25,13 @@ TEST(BenchBar, SizesAreTheGridsThatAreNamed) {
 }
 
 TEST(BenchBar, ModesDoWhatTheyAreCalled) {
-  for (const auto& [mode, yields] :
-       {std::pair(Mode::kElastic, false), std::pair(Mode::kPlasticIdle, false), std::pair(Mode::kPlastic, true)}) {
+  for (const auto& [mode, part] : {std::pair(Mode::kElastic, 0.0), std::pair(Mode::kPlasticIdle, 0.0),
+                                   std::pair(Mode::kPlasticPart, 0.05), std::pair(Mode::kPlastic, 1.0)}) {
     Bar bar({.size = 100, .mode = mode});
     PreconditionedConjugateGradients solver(1e-6, 500);
     for (int step = 0; step < 3; ++step)
-      EXPECT_EQ(bar.step(solver).flow.yielded, yields ? bar.num_elements() : 0) << name(mode) << ", step " << step;
+      EXPECT_EQ(bar.step(solver).flow.yielded, std::lround(part * bar.num_elements()))
+          << name(mode) << ", step " << step;
   }
 }
 
@@ -171,6 +172,21 @@ TEST(BenchRecords, HashesMustAgreeBetweenThreads) {
   EXPECT_EQ(differing_hashes({one, two}).size(), 1u);
   two.mode = "elastic";
   EXPECT_TRUE(differing_hashes({one, two}).empty());
+}
+
+TEST(BenchRun, MeasuresRestShapesOfOneElement) {
+  Options options{.sizes = {300}, .quick = true, .rest_shapes = true};
+  const int before = num_threads();
+  const Outcome outcome = run(options, MachineLimits(options.threads), [](const std::vector<Record>&) {});
+  set_num_threads(before);
+  EXPECT_EQ(outcome.failures, std::vector<std::string>());
+  ASSERT_EQ(outcome.records.size(), 2u * 2 * 5);  // precisions, threads, bars
+  for (std::size_t k = 0; k < outcome.records.size(); ++k) {
+    const Record& record = outcome.records[k];
+    EXPECT_LE(record.velocity_error, .01);
+    EXPECT_EQ(record.element.ends_with(" isolated"), k % 5 > 2) << record.element;
+    EXPECT_EQ(record.mode, (std::array{"elastic", "plastic_part", "plastic", "plastic_part", "plastic"}[k % 5]));
+  }
 }
 
 TEST(BenchRun, MeasuresEveryCellAndFindsNothingWrong) {
