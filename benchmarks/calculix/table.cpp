@@ -6,19 +6,22 @@
 //   unsolved_steps
 //
 // for the twisted bar the angle of every layer. calculix_table --locking: the beams of locking.json and
-// locking_meshes.json, --hyperelastic: what hyperelastic.json strains far, both as rows of docs/validation.md. Takes
-// some minutes.
+// locking_meshes.json, --hyperelastic: what hyperelastic.json strains far, --isolated: joined and isolated rest shapes
+// of the default element, all three as rows of docs/validation.md. Takes some minutes.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <array>
 #include <cstdio>
 #include <limits>
 #include <map>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "support/beyond_yield.hpp"
 #include "support/calculix_bar.hpp"
 #include "support/cantilever.hpp"
 #include "support/large_strain.hpp"
@@ -221,6 +224,118 @@ void report_large_strain() {
   }
 }
 
+// ---- isolated rest shapes
+
+std::string both(double peak, double residual) { return fmt::format("{:.4f} / {:.4f}", peak, residual); }
+
+std::string both(const support::BentCantilever& beam) {
+  constexpr double kMillimetre = 1e3;
+  return both(kMillimetre * beam.loaded, kMillimetre * beam.released);
+}
+
+/// [mm] under the load and after it.
+void report_cantilevers(const Json& reference) {
+  fmt::print("cantilever: load, mesh | beam theory | joined, 15 / nu | creep in 1 / nu | isolated | creep | C3D8I\n");
+  for (const Json& row : reference) {
+    support::Cantilever beam{.cells = row["cells"], .load = row["load"], .poisson_ratio = row["poisson_ratio"]};
+    const support::BentCantilever isolated = support::bend(beam);
+    beam.rest_shape = RestShape::kJoined;
+    beam.time = 15;
+    const support::BentCantilever joined = support::bend(beam);
+    print_row(fmt::format("{}, {}, nu {}", beam.load, fmt::join(beam.cells, "x"), beam.poisson_ratio),
+              {both(support::bend_in_theory(beam)), both(joined), fmt::format("{:.1e}", joined.creep), both(isolated),
+               fmt::format("{:.1e}", isolated.creep), both({.loaded = row["loaded"], .released = row["released"]})});
+  }
+}
+
+/// Peak and permanent elongation, or twist [deg] of the end, with joined and isolated rest shapes, beside C3D8I.
+void report_isolated_bar(const std::string& name, double yield_stress, double flow_rate, EndLoad load, double force,
+                         support::Schedule schedule, const std::string& file, const std::string& key,
+                         const std::string& value) {
+  for (const int refine : {1, 2}) {
+    const Json wanted = {{key, value}, {"element", "C3D8I"}, {"refine", refine}};
+    const Json theirs = support::row_of(support::calculix(file), wanted);
+    const auto expected = [&](const char* when) -> double {
+      constexpr int kEnd = 5;  // of the layers from the middle
+      return load == EndLoad::kFaceTwist ? support::twist_deg(theirs[when], kEnd)
+                                         : theirs[when]["mean_elongation"].get<double>();
+    };
+    const double peak = expected("peak"), residual = expected("residual");
+    std::vector<std::string> cells{fmt::format("{:.4g} / {:.4g}", peak, residual)};
+    for (const RestShape rest_shape : {RestShape::kJoined, RestShape::kIsolated}) {
+      BarCase bar = plastic(yield_stress, flow_rate, load, force, schedule);
+      bar.settings = kDefault.settings({.recovery = RecoveryMode::kNone});
+      bar.settings.rotation_plasticity = RotationPlasticity::kNone;
+      bar.settings.rest_shape = rest_shape;
+      if (rest_shape == RestShape::kIsolated && yield_stress > 200)  // where strains are large
+        bar.settings.yield_stress_measure = YieldStressMeasure::kCauchy;
+      bar.refine = refine;
+      bar.dt = 1 / (2 * flow_rate);
+      const BarRun run = support::run_bar(bar);
+      const auto found = [&](const support::BarState& state) {
+        return load == EndLoad::kFaceTwist ? state.twist_deg.back() : state.mean_elongation;
+      };
+      cells.push_back(fmt::format("{:.4g} / {:.4g} ({:+.1f} / {:+.1f} %, {} unsolved)", found(run.peak),
+                                  found(run.residual), 100 * (found(run.peak) / peak - 1),
+                                  100 * (found(run.residual) / residual - 1), run.unsolved));
+    }
+    print_row(fmt::format("{}, refined {}", name, refine - 1), cells);
+  }
+}
+
+void report_isolated() {
+  const Json reference = support::calculix("beyond_yield");
+  report_cantilevers(reference["cantilever"]);
+
+  fmt::print("limit moment over the exact one: cells | nu 0 | .3 | .45\n");
+  for (const auto& [name, is_plate, all_cells] :
+       {std::tuple("beam", false, std::vector{1, 4}), std::tuple("plate", true, std::vector{1, 2, 4})})
+    for (const int cells : all_cells) {
+      std::vector<std::string> row;
+      for (const double poisson_ratio : {0.0, 0.3, 0.45})
+        row.push_back(fmt::format("{:.3f}", support::limit_moment(cells, is_plate, poisson_ratio)));
+      print_row(fmt::format("{}, {}", name, cells), row);
+    }
+
+  fmt::print("loop: cells | residual curvature (1.5556) | moment at .9 on the way back (-.6486) | rms\n");
+  for (const int cells : {4, 8}) {
+    const support::BendingLoop loop = support::bend_to_and_fro(cells);
+    print_row(fmt::to_string(cells), {fmt::format("{:.4f}", loop.residual_curvature),
+                                      fmt::format("{:.4f}", loop.reversed_moment), fmt::format("{:.4f}", loop.rms)});
+  }
+
+  fmt::print("tube: cells | outer displacement | residual hoop stress at the bore (exact) | rms\n");
+  for (const int cells : {4, 8}) {
+    const support::ExpandedTube tube = support::expand_tube(cells);
+    print_row(fmt::to_string(cells),
+              {fmt::format("{:+.2f} %", 100 * (tube.outer_displacement - 1)),
+               fmt::format("{:.4f} ({:.4f})", tube.hoop[0], tube.exact_hoop[0]), fmt::format("{:.4f}", tube.rms)});
+  }
+
+  fmt::print("block: stretch 1.1 | 1.2 | 1.3\n");
+  const auto forces = [](const std::array<double, 3>& force) {
+    std::vector<std::string> row;
+    for (const double value : force) row.push_back(fmt::format("{:.3f}", value));
+    return row;
+  };
+  print_row("C3D8I", forces(reference["block"]["force"]));
+  for (const auto& [moves, flows] : {std::pair(2, 2), std::pair(2, 6), std::pair(10, 10)})
+    print_row(fmt::format("{} plastic steps in each of {} moves per %", flows, moves),
+              forces(support::stretch_block(moves, flows)));
+
+  fmt::print("bars: case | C3D8I | joined | isolated\n");
+  const auto central = EndLoad::kCentralStretch, face = EndLoad::kFaceStretch, twist = EndLoad::kFaceTwist;
+  report_isolated_bar("tau 50, F .05, central", 50, 5, central, 0.05, {}, "bar_variants", "case",
+                      "stretch_viscoCalib_tau50_nu5_F0.05_C3D8");
+  report_isolated_bar("tau 100, F .1, central", 100, 5, central, 0.1, {}, "bar_variants", "case",
+                      "stretch_viscoCalib_tau100_nu5_F0.1_C3D8");
+  report_isolated_bar("tau 100, F .117, face", 100, 5, face, 0.117, {}, "bar_elements", "load", "stretchface");
+  report_isolated_bar("tau 250, F .3, face", 250, 20, face, 0.3, {.ramp = 2, .hold = 5, .release = 6, .end = 8},
+                      "bar_variants", "case", "refineface_plast_tau250_F0.3_C3D8_r1");
+  report_isolated_bar("tau 100, twist", 100, 20, twist, 0.06, {.ramp = 2, .hold = 4, .release = 6, .end = 8},
+                      "bar_variants", "case", "twistface_plast_tau100_f0.06_C3D8");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -232,8 +347,12 @@ int main(int argc, char** argv) {
     report_large_strain();
     return 0;
   }
+  if (argc == 2 && std::string_view(argv[1]) == "--isolated") {
+    report_isolated();
+    return 0;
+  }
   if (argc > 1) {
-    fmt::print(stderr, "usage: calculix_table [--locking | --hyperelastic]\n");
+    fmt::print(stderr, "usage: calculix_table [--locking | --hyperelastic | --isolated]\n");
     return 2;
   }
   fmt::print(

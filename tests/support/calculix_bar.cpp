@@ -8,7 +8,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "hexaplast/geometry/sections.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "support/shapes.hpp"
 
@@ -58,6 +57,22 @@ double mean_height(const std::vector<int>& nodes, ConstPoints x) {
   return sum / static_cast<double>(nodes.size());
 }
 
+/// [deg] Mean turn about the axis of the corners of a layer and of its central ninth, as the reference tells it.
+double twist(const HexMesh& mesh, const std::vector<int>& layer, ConstPoints x) {
+  double sum = 0;
+  int count = 0;
+  for (const int n : layer) {
+    const Vec3 X = mesh.positions().row(n);
+    const bool is_on_diagonal = std::abs(std::abs(X.x()) - std::abs(X.y())) < 1e-9;
+    const bool is_central = std::abs(std::abs(X.x()) - kCell / 2) < 1e-9;
+    const bool is_corner = std::abs(std::abs(X.x()) - kWidth / 2) < 1e-9;
+    if (!is_on_diagonal || !(is_central || is_corner)) continue;
+    sum += std::remainder(std::atan2(x(n, 1), x(n, 0)) - std::atan2(X.y(), X.x()), 2 * std::numbers::pi);
+    ++count;
+  }
+  return sum / count * 180 / std::numbers::pi;
+}
+
 BarState measure(const Body& body, ConstPoints x) {
   const HexMesh& mesh = body.mesh();
   std::vector<std::vector<int>> layers;
@@ -69,33 +84,11 @@ BarState measure(const Body& body, ConstPoints x) {
   state.central_elongation =
       (mean_height(central(mesh, layers.back()), x) - mean_height(central(mesh, layers.front()), x)) / length - 1;
   state.volume_ratio = body.volume(x) / body.initial_volume();
-  for (const std::vector<int>& layer : layers)
-    state.twist_deg.push_back(section_angle(mesh, layer, kAxis, x) * 180 / std::numbers::pi);
+  for (const std::vector<int>& layer : layers) state.twist_deg.push_back(twist(mesh, layer, x));
   for (int k = 0; k < kSlices; ++k)
     state.slice_stretch.push_back((mean_height(layers[k + 1], x) - mean_height(layers[k], x)) / kCell);
   return state;
 }
-
-/// A body in the corner of three planes through the origin: the nodes on a plane glide along it.
-class CorneredBody final : public LoadedBody {
- public:
-  CorneredBody(Body& body, Load load)
-      : LoadedBody(body, std::vector<double>(body.mesh().num_nodes(), 0.0), {}, std::move(load)) {
-    for (int axis = 0; axis < 3; ++axis) held_[axis] = nodes_at(body.mesh(), axis, 0);
-  }
-
-  void project(Points field) const override {
-    for (int axis = 0; axis < 3; ++axis)
-      for (const int n : held_[axis]) field(n, axis) = 0;
-  }
-  void pin(BlockMatrix& A) const override {
-    for (int axis = 0; axis < 3; ++axis)
-      for (const int n : held_[axis]) A.pin(n, axis);
-  }
-
- private:
-  std::array<std::vector<int>, 3> held_;
-};
 
 /// Far below the errors that are looked for, well above rounding.
 NewtonSettings settings_for(double force) {
@@ -165,6 +158,17 @@ BarRun run_bar(const BarCase& bar) {
   return run;
 }
 
+Json row_of(const Json& rows, const Json& wanted) {
+  for (const Json& row : rows)
+    if (std::ranges::all_of(wanted.items(), [&](const auto& item) { return row[item.key()] == item.value(); }))
+      return row;
+  throw std::runtime_error("no row has " + wanted.dump());
+}
+
+double twist_deg(const Json& state, std::size_t layer) {
+  return (state["twist_central_deg"][layer].get<double>() + state["twist_corner_deg"][layer].get<double>()) / 2;
+}
+
 std::vector<double> uniaxial_stretch(const Material& material, double nominal_stress,
                                      const std::vector<double>& times) {
   constexpr double kStep = 0.01;  // [s]
@@ -172,7 +176,10 @@ std::vector<double> uniaxial_stretch(const Material& material, double nominal_st
   settings.rotation_plasticity = RotationPlasticity::kNone;
   Body body(block({1, 1, 1}, kCell), {material}, settings);
   const double force = nominal_stress * kCell * kCell;
-  CorneredBody system(body, [&](double time, ConstPoints, Points f) {
+  std::vector<GuidedBody::Held> held;  // the cube is in the corner of three planes through the origin
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int n : nodes_at(body.mesh(), axis, 0)) held.push_back({n, axis});
+  GuidedBody system(body, held, [&](double time, ConstPoints, Points f) {
     for (const int n : nodes_at(body.mesh(), kAxis, kCell)) f(n, kAxis) += Schedule().weight(time) * force / 4;
   });
   NewtonRaphson newton(settings_for(force));

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "hexaplast/solve/newton_raphson.hpp"
+#include "support/golden.hpp"
 #include "support/simulation.hpp"
 
 /// The bar that CalculiX has solved (tests/data/calculix): 0.03 x 0.03 x 0.1 m of cubes, held in its middle plane,
@@ -39,7 +40,8 @@ struct BarState {
   double central_elongation = 0;      ///< [-] between the nodes of the central ninth of both ends
   double mean_elongation = 0;         ///< [-] between all nodes of both ends
   double volume_ratio = 1;            ///< of the world mesh
-  std::vector<double> twist_deg;      ///< of each layer of nodes, from the lower end upwards
+  std::vector<double> twist_deg;      ///< of each layer of nodes, from the lower end upwards: mean turn of the corners
+                                      ///< of the section and of its central ninth
   std::vector<double> slice_stretch;  ///< [-] distance of neighbouring layers / initial distance, coarse slices
 };
 
@@ -55,6 +57,12 @@ Material calculix_material(double yield_stress, double flow_rate);
 
 /// Quasi-static: per time step equilibrium under the load of that time, then plastic flow.
 BarRun run_bar(const BarCase& bar);
+
+/// The first row of a list of tests/data/calculix that has all that is wanted.
+Json row_of(const Json& rows, const Json& wanted);
+
+/// BarState::twist_deg of a layer in a state of those rows.
+double twist_deg(const Json& state, std::size_t layer);
 
 /// Stretch of one cube in uniaxial stress, free to contract, under the default schedule of a `nominal_stress` [Pa], at
 /// the given times [s].

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "hexaplast/base/hash.hpp"
 #include "hexaplast/moving_body.hpp"
@@ -11,6 +13,27 @@ namespace hexaplast::support {
 using Load = NodalLoad;
 using Simulation = MovingBody;
 using SimulationSetup = Motion;
+
+/// A body some of whose nodes are held along some axes.
+class GuidedBody final : public LoadedBody {
+ public:
+  struct Held {
+    int node, axis;
+  };
+  GuidedBody(Body& body, std::vector<Held> held, Load load)
+      : LoadedBody(body, std::vector<double>(body.mesh().num_nodes(), 0.0), {}, std::move(load)),
+        held_(std::move(held)) {}
+
+  void project(Points field) const override {
+    for (const Held& held : held_) field(held.node, held.axis) = 0;
+  }
+  void pin(BlockMatrix& A) const override {
+    for (const Held& held : held_) A.pin(held.node, held.axis);
+  }
+
+ private:
+  std::vector<Held> held_;
+};
 
 /// Of its history.
 inline std::string hash_of(const Body& body) {
