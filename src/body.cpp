@@ -37,7 +37,7 @@ double moved(double threshold, double before, double now) {
 }
 
 // To be raised with each change of History::serialize. Members of Material and Settings are part of the identity.
-constexpr std::uint32_t kSavedVersion = 4;
+constexpr std::uint32_t kSavedVersion = 5;
 constexpr SavedKind kSavedBody{{'H', 'X', 'P', 'B', 'O', 'D', 'Y', '\0'}, kSavedVersion, "body"};
 
 /// What saved members are: their names, in their order, and the words that enumerators stand for.
@@ -146,12 +146,27 @@ void Body::State::require_linearized(const char* call) const {
         fmt::format("{}: linearize must be called first, which it was not since {}", call, not_linearized_since));
 }
 
+void Body::State::require_relaxing_step(const char* call) const {
+  if (model.settings.num_branches() > 0 && std::isnan(time_step))
+    throw InputError(fmt::format("{}: the body relaxes: set_time_step must be called first", call));
+}
+
+void Body::set_time_step(double dt) {
+  if (!(dt >= 0)) throw InputError(fmt::format("set_time_step: dt = {} s: must lie in [0, inf]", dt));
+  if (dt == state_->time_step) return;
+  state_->time_step = dt;
+  if (settings().num_branches() == 0) return;
+  state_->branches = branch_steps(settings(), dt);
+  state_->not_linearized_since = "set_time_step";
+}
+
 void Body::linearize(ConstPoints x) {
   state_->require_field("linearize", "x", x);
+  state_->require_relaxing_step("linearize");
   state_->springs.clear();  // which described the system before
   state_->terms.clear();
   if (state_->is_plain())
-    state_->plain.emplace(state_->model, state_->history, x);
+    state_->plain.emplace(state_->model, state_->history, x, state_->branches);
   else
     hexaplast::linearize(state_->model, state_->history, x, state_->at, !state_->skip_screening);
   state_->not_linearized_since = nullptr;
@@ -225,7 +240,8 @@ double Body::recovery_work(ConstPoints x) const {
 
 double Body::energy(ConstPoints x) const {
   state_->require_field("energy", "x", x);
-  if (state_->is_plain()) return plain::Elasticity(state_->model, state_->history, x).energy();
+  state_->require_relaxing_step("energy");
+  if (state_->is_plain()) return plain::Elasticity(state_->model, state_->history, x, state_->branches).energy();
   return hexaplast::energy(state_->model, state_->history, x, state_->slots(), state_->product);
 }
 
@@ -236,9 +252,14 @@ FlowReport Body::flow(ConstPoints x, double dt) {
     check_time_step(state_->model.materials, state_->model.settings, dt);
     state_->checked_dt = dt;
   }
+  state_->require_relaxing_step("flow");
+  if (settings().num_branches() > 0 && std::isfinite(state_->time_step) && state_->time_step != dt)
+    throw InputError(
+        fmt::format("flow: dt = {} s: must be the time step of set_time_step, {} s", dt, state_->time_step));
   require_finite(x, "position");
   state_->not_linearized_since = "flow";
-  if (state_->is_plain()) return plain::flow(state_->model, x, dt, state_->averaging_solver, state_->history);
+  if (state_->is_plain())
+    return plain::flow(state_->model, x, dt, state_->averaging_solver, state_->history, state_->branches);
   if (state_->skip_screening && state_->at.plastic_rest_version == state_->history.version)
     set_positions(state_->model, x, state_->at);
   else
@@ -344,6 +365,7 @@ void Body::reset() {
 ElementFields Body::fields(ConstPoints x) const {
   state_->require_field("fields", "x", x);
   const int num_elements = state_->model.mesh.num_elements();
+  const std::vector<BranchStep> branches = branch_steps(settings(), 0);  // stress is that of the moment
   ElementFields out;
   for (auto* field : {&out.plastic_strain, &out.yield_stress, &out.volume_ratio, &out.stress_norm, &out.strain})
     field->resize(num_elements);
@@ -361,8 +383,10 @@ ElementFields Body::fields(ConstPoints x) const {
                         current = gather(x, corners);
     const Lame& k = state_->model.lame[e];
     const CornerTensors* G = state_->history.plastic_inverse_of(e);
-    ElementSamples samples = state_->is_plain() ? plain::Element(plastic_rest, current, k, settings, G).samples()
-                                                : element_samples(plastic_rest, current, k, settings, G);
+    ElementSamples samples =
+        state_->is_plain()
+            ? plain::Element(plastic_rest, current, k, settings, G, {state_->history, e, branches}).samples()
+            : element_samples(plastic_rest, current, k, settings, G);
     if (G) samples.stress = isolated_stress(plastic_rest, *G, samples, settings.yield_stress_measure).relieved;
     out.volume_ratio[e] = samples.volume / state_->model.volume[e];
     for (int i = 0; i < kCorners; ++i) {
@@ -407,6 +431,8 @@ void Body::add_to(StateHash& hash) const {
   add_array(hash, state_->history.alive);
   add_array(hash, state_->history.removed);
   hash.add(state_->history.averaging_increment.data(), state_->history.averaging_increment.size() * sizeof(double));
+  add_array(hash, state_->history.branch_strain);
+  add_array(hash, state_->history.branch_stretch);
 }
 
 }  // namespace hexaplast

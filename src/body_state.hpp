@@ -11,6 +11,7 @@
 #include "elastic/operators.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
+#include "material/relaxation.hpp"
 #include "plain/plain.hpp"
 #include "plastic/flow.hpp"
 
@@ -31,6 +32,7 @@ struct Body::State {
   void require_field(const char* call, const char* name, ConstPoints field) const;
   void require_linearized(const char* call) const;
   void require_hexahedron(int hexahedron) const;
+  void require_relaxing_step(const char* call) const;  // that there is one, where something relaxes
 
   bool is_plain() const { return model.settings.implementation == Implementation::kPlain; }
   SlotScratch& slots() { return flow && flow->averaging ? flow->averaging->slots() : own_slots; }
@@ -45,6 +47,8 @@ struct Body::State {
   bool skip_screening = false;  // in the latest plastic step: screening first would be in vain
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   double checked_dt = kNone;                  // time step that passed check_time_step
+  double time_step = kNone;                   // of what follows
+  std::vector<BranchStep> branches;           // how they take it
   SlotScratch own_slots;                      // of bodies without averaging
   ProductWorkspace product;                   // of add_stiffness_product and energy
   DoublePrecisionOperator exact;              // of mixed precision

@@ -178,6 +178,7 @@ void follow_path(const ElementPoints& initial, const Material& material, const S
   Body body(mesh_of(initial), {material}, plainly(settings));
   const auto respond = [&](double time, const Mat3& F) {
     const PointArray x = initial * F.transpose();
+    body.set_time_step(0);  // what acts at the moment
     body.linearize(x);
     PointArray f = PointArray::Zero(kCorners, 3);
     body.add_force(f);
@@ -204,6 +205,7 @@ void follow_path(const ElementPoints& initial, const Material& material, const S
     for (int n = 1; n <= steps; ++n) {
       const double fraction = static_cast<double>(n) / steps;
       const Mat3 F = (1 - fraction) * path[k - 1].F + fraction * path[k].F;
+      body.set_time_step(span / steps);
       body.flow(initial * F.transpose(), span / steps);
       respond(path[k - 1].time + fraction * span, F);
     }

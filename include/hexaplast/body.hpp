@@ -35,6 +35,7 @@ struct ElementFields {
 /// positions, any number of times. flow is called once per accepted time step.
 ///
 ///   call                                                  | before it
+///   linearize, energy, flow of Settings::relaxation       | set_time_step
 ///   add_force, add_stiffness_*, describe                  | linearize, and none of the calls below since then
 ///   flow, remove, set_materials, reset, load, serialize   | nothing; they end the linearization
 ///   energy, fields, volume, save                          | nothing; they leave the linearization alone
@@ -50,6 +51,11 @@ class Body {
   Body(Body&& other) noexcept;
   Body& operator=(Body other) noexcept;
   ~Body();
+
+  /// What follows is of a step of dt [s] >= 0; infinite: of an equilibrium, in which what relaxes has done so; 0: of a
+  /// sudden change. Where nothing relaxes (Settings::relaxation) it is without effect. Otherwise another dt ends the
+  /// linearization. Throws InputError for other numbers.
+  void set_time_step(double dt);
 
   /// Fixes the positions that add_force, the stiffness verbs and describe refer to.
   void linearize(ConstPoints x);
@@ -67,15 +73,17 @@ class Body {
   /// and is void together with it.
   void describe(double factor, MatrixFreeSystem& system) const;
 
-  /// Elastic energy [J] at any positions; leaves the linearization alone.
+  /// Elastic energy [J] at any positions; leaves the linearization alone. Its slope is the force. What branches of
+  /// Settings::relaxation dissipate within the step counts until `flow`: after it, the energy is what is stored.
   double energy(ConstPoints x) const;
 
   /// [J] that the springs of `recovery` hold at x beyond what they would hold there with the strengths that they have
   /// in the linearization: what their coming and going brings into the body. Throws InputError without a linearization.
   double recovery_work(ConstPoints x) const;
 
-  /// Plastic flow over dt [s] at the accepted positions x: the only writer of the history. Throws InputError where
-  /// c dt, nu dt or nu^R dt passes its limit, NumericalError when x or the result is not finite; the history is then as
+  /// Plastic flow and relaxation over dt [s] at the accepted positions x: the only writer of the history. Throws
+  /// InputError where c dt, nu dt or nu^R dt passes its limit, or something relaxes and the time step is another one
+  /// (equilibria have any dt), NumericalError when x or the result is not finite; the history is then as
   /// before.
   FlowReport flow(ConstPoints x, double dt);
 
@@ -96,7 +104,7 @@ class Body {
   ///
   ///   bytes | content, little-endian
   ///       8 | "HXPBODY" and a zero
-  ///       4 | format version: 4
+  ///       4 | format version: 5
   ///       8 | XXH64 of mesh and settings, and of the names of all members and words
   ///       8 | size of what follows
   ///       n | materials, history: lists preceded by their lengths (base/archive.hpp)
@@ -125,7 +133,7 @@ class Body {
   std::span<const int> removed() const;                    ///< in the order of their removal
   std::span<const CornerValues> yield_stress() const;      ///< [Pa] per hexahedron; infinite if it never yields
   std::span<const CornerValues> plastic_strain() const;    ///< [-] per hexahedron, accumulated
-  double dissipated_energy() const;                        ///< [J] accumulated plastic work
+  double dissipated_energy() const;                        ///< [J] accumulated plastic work, and loss by relaxation
   ElementPoints element_rest_shape(int hexahedron) const;  ///< [m] its isolated one, Pi y, about its mean
 
   ElementFields fields(ConstPoints x) const;

@@ -41,6 +41,7 @@ class LoadedBody : public MechanicalSystem {
   const std::vector<double>& mass() const { return mass_; }  ///< [kg] per node
 
   int num_nodes() const override { return body_->mesh().num_nodes(); }
+  void set_time_step(double dt) override { body_->set_time_step(dt); }
   void compute_force(double time, ConstPoints x, ConstPoints v, Points f) override;
   void add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
   void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const override;

@@ -21,6 +21,7 @@ std::string_view kept(std::string text) {
 /// The default as scenes write it; where it is infinite, there is none.
 template <class Options>
 std::string initial_text(const Row<Options>& row) {
+  if (row.at.list) return "";
   const double value = row.at.get(Options{});
   if (row.at.type == MemberType::kWord) return std::string(row.words[static_cast<std::size_t>(value)]);
   return row.may_be_infinite() ? "" : fmt::format("{}", value);
@@ -39,7 +40,7 @@ template <class Options>
 Attribute attribute_of(const Row<Options>& row) {
   const Type type = row.at.type == MemberType::kWord      ? Type::kWord
                     : row.at.type == MemberType::kInteger ? Type::kInteger
-                    : row.may_vary                        ? Type::kReals
+                    : row.may_vary || row.at.list         ? Type::kReals
                                                           : Type::kReal;
   return {.name = row.name,
           .type = type,

@@ -65,6 +65,7 @@ class HexahedronElastoplasticFEMForceField final : public BodyField, public scen
     announce();
   }
 
+  void set_time_step(double dt) override { part().body().set_time_step(dt); }
   void add_force(double, ConstPoints x, ConstPoints, Points f) override {
     part().body().linearize(x);
     part().body().add_force(f);

@@ -14,13 +14,14 @@ template <class Options>
 std::optional<std::vector<double>> values_of(scene::Object& owner, const Row<Options>& row) {
   const scene::Data* data = owner.find_data(row.name);
   if (!data || (!data->is_given() && data->attribute().initial.empty())) return std::nullopt;
-  if (row.may_vary) return owner.reals(row.name);
+  if (row.may_vary || row.at.list) return owner.reals(row.name);
   switch (row.at.type) {
     case MemberType::kWord:
       return {{static_cast<double>(place_of_word(row, owner.text(row.name)))}};
     case MemberType::kInteger:
       return {{static_cast<double>(owner.integer(row.name))}};
     case MemberType::kReal:
+    case MemberType::kReals:
       break;
   }
   return {{owner.real(row.name)}};

@@ -19,9 +19,9 @@ void set_values(const Row<Material>& row, std::span<const double> values, std::s
   for (std::size_t e = 0; e < materials.size(); ++e) row.at.set(materials[e], values[values.size() == 1 ? 0 : e]);
 }
 
-void set_value(const Row<Settings>& row, double value, Settings& settings) {
-  check_admissible(row, value);
-  row.at.set(settings, value);
+void set_values(const Row<Settings>& row, std::span<const double> values, Settings& settings) {
+  for (const double value : values) check_admissible(row, value);
+  row.set_values(settings, values);
 }
 
 void fill_partly(std::span<const double> fill, std::vector<Material>& materials) {
@@ -34,6 +34,7 @@ HexahedralBody::HexahedralBody(ConstPoints rest, const std::vector<Hexahedron>& 
                                HexahedralBodyOptions options, double dt)
     : dt_(dt), body_(made(rest, hexahedra, std::move(options))) {
   warn(check_shapes(quality(body_.mesh())));
+  body_.set_time_step(dt);
 }
 
 Body HexahedralBody::made(ConstPoints rest, const std::vector<Hexahedron>& hexahedra, HexahedralBodyOptions options) {
@@ -61,7 +62,7 @@ void HexahedralBody::warn(const std::vector<std::string>& texts) {
 void HexahedralBody::set_options(HexahedralBodyOptions options, double dt) {
   OptionErrors errors;
   for (const Row<Settings>& row : settings_rows())
-    if (row.at.get(options.settings) != row.at.get(body_.settings()))
+    if (row.values(options.settings) != row.values(body_.settings()))
       errors.add({row.name, "cannot change during a run, only members of the material can"});
   errors.throw_all();
   check(options, dt);

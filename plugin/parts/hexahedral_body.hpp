@@ -24,7 +24,7 @@ struct HexahedralBodyOptions {
 /// them, and for values that the row does not admit.
 void set_values(const Row<Material>& row, std::span<const double> values, std::size_t num_hexahedra,
                 std::vector<Material>& materials);
-void set_value(const Row<Settings>& row, double value, Settings& settings);
+void set_values(const Row<Settings>& row, std::span<const double> values, Settings& settings);
 
 /// Leaves of each hexahedron the fraction that is full.
 void fill_partly(std::span<const double> fill, std::vector<Material>& materials);
@@ -40,8 +40,7 @@ HexahedralBodyOptions body_options(const Given& given, std::size_t num_hexahedra
   OptionErrors errors;
   for (const Row<Settings>& row : settings_rows())
     errors.collect([&] {
-      if (const std::optional<std::vector<double>> values = given(row))
-        set_value(row, values->front(), options.settings);
+      if (const std::optional<std::vector<double>> values = given(row)) set_values(row, *values, options.settings);
     });
   for (const Row<Material>& row : material_rows())
     errors.collect([&] {

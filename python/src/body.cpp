@@ -47,6 +47,7 @@ std::vector<Material> materials_from(const std::variant<Material, std::vector<Ma
 /// A member in Python's type.
 template <class Options>
 py::object value_of(const Row<Options>& row, const Options& options) {
+  if (row.at.list) return py::cast(row.values(options));
   const double value = row.at.get(options);
   switch (row.at.type) {
     case MemberType::kWord:
@@ -54,6 +55,7 @@ py::object value_of(const Row<Options>& row, const Options& options) {
     case MemberType::kInteger:
       return py::int_(static_cast<int>(value));
     case MemberType::kReal:
+    case MemberType::kReals:
       break;
   }
   return py::float_(value);
@@ -64,6 +66,7 @@ void assign(const Row<Options>& row, py::handle value, Options& options) {
   try {
     if (row.at.type == MemberType::kReal) return row.at.set(options, value.cast<double>());
     if (row.at.type == MemberType::kInteger) return row.at.set(options, value.cast<int>());
+    if (row.at.list) return row.set_values(options, value.cast<std::vector<double>>());
     const auto word = value.cast<std::string>();
     const int place = place_of_word(row, word);
     if (place < 0)
@@ -220,7 +223,7 @@ void add_body_state(py::module_& module) {
             const Turn turn(b.taken());
             return b.body().dissipated_energy();
           },
-          "[J] plastic work so far")
+          "[J] plastic work and loss by relaxation so far")
       .def_property_readonly(
           "initial_volume",
           [](BodyState& b) {
@@ -272,6 +275,16 @@ void add_owned_body(py::module_& module) {
            py::arg("positions"), py::arg("hexahedra"), py::arg("material") = Material(),
            py::arg("settings") = Settings(),
            "positions (n, 3) [m]; hexahedra (m, 8), in the corner order of VTK; one Material, or one per hexahedron")
+      .def(
+          "set_time_step",
+          [](Body& b, double dt) {
+            const Turn turn(b.taken());
+            b.body().set_time_step(dt);
+          },
+          py::arg("dt"),
+          "What follows is of a step of dt [s]; inf: of an equilibrium; 0: of a sudden change. A body whose settings "
+          "have\n"
+          "`relaxation` needs it before `force`, `energy` and `flow`; to others it does nothing")
       .def(
           "force",
           [](Body& b, py::handle positions) {

@@ -207,6 +207,8 @@ def test_settings_and_materials_are_plain_data():
     assert settings != hexaplast.Settings()
     settings.rotation_plasticity = "objective"
     assert settings == hexaplast.Settings()
+    settings.relaxation = [0.5, 2]
+    assert settings.relaxation == [0.5, 2] and "relaxation=[0.5, 2]" in repr(settings)
     for name, words in {
         "bending": ("blended", "assumedCorner", "vertex", "centre"),
         "volumetric": ("sample", "volumeRatio"),

@@ -33,4 +33,6 @@ void serialize(Archive& archive, MemberType type, double& number) {
   number = whole;
 }
 
+void serialize(Archive& archive, std::vector<double>& list) { archive(list); }
+
 }  // namespace hexaplast

@@ -9,6 +9,12 @@
 
 namespace hexaplast {
 
+inline CornerTensors no_tensors() {
+  CornerTensors tensors;
+  tensors.fill(Mat3::Zero());
+  return tensors;
+}
+
 /// The eight samples of one hexahedron, by the formulas of the kernels.
 struct ElementSamples {
   std::array<Mat3, kCorners> F;       ///< deformation gradients, of isolated rest shapes F^e       eq. 7, E11c, P1
@@ -17,6 +23,8 @@ struct ElementSamples {
   double volume = 0;                  ///< [m^3] of the plastic rest shape; each sample carries an eighth of it
   double pressure = 0;                ///< [Pa] of the volume ratio, which is part of the stress
   double volume_ratio = 1;            ///< current volume over `volume`; 1 where nothing asks for it
+  CornerTensors branch_stress = no_tensors();  ///< [Pa] part of the stress that viscoelastic branches hold
+  double branch_moduli = 0;                    ///< [-] sum of their g
 };
 
 /// Corners [m]. plastic_inverse: the G_i of isolated rest shapes, null of joined ones.

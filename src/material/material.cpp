@@ -35,6 +35,25 @@ void require_fracture_beyond_yield(const std::vector<Material>& materials, Names
          fmt::format("lie in [{}, inf] Pa, from {} on", min->yield_stress, called("yield_stress", names)));
 }
 
+void require_branches(const Settings& settings, Names names) {
+  const std::size_t count = settings.relaxation.size();
+  if (count == 0) return;
+  const std::string name(called("relaxation", names));
+  if (count % 2 != 0 || count > 2 * kMaxBranches)
+    throw InputError(
+        fmt::format("{}: {} numbers, must be pairs of a modulus and a time, at most {}", name, count, kMaxBranches));
+  const auto require = [&](std::string_view member, auto value) {
+    const Row<Settings>& row = *find_row(settings_rows(), member, Names::kMembers);
+    if (row.at.get(settings) != static_cast<double>(value))
+      throw InputError(
+          fmt::format("{} needs {} = {}", name, row.called(names), row.words[static_cast<std::size_t>(value)]));
+  };
+  require("law", ElasticLaw::kCorotated);
+  require("bending", Bending::kAssumedCorner);
+  require("volumetric", Volumetric::kVolumeRatio);
+  require("implementation", Implementation::kPlain);
+}
+
 /// The rates among the members: their largest products with the time step, which warn only where they have no limit.
 template <class Options>
 void check_rates(std::span<const Row<Options>> rows, std::span<const Options> all, double dt, Names names,
@@ -90,8 +109,8 @@ void validate(const std::vector<Material>& materials, Names names) {
 
 void validate(const Settings& settings, Names names) {
   for (const Row<Settings>& row : settings_rows())
-    if (const double value = row.at.get(settings); !row.admits(value))
-      refuse(row.called(names), value, "", row.condition());
+    for (const double value : row.values(settings))
+      if (!row.admits(value)) refuse(row.called(names), value, "", row.condition());
   const auto require = [&](std::string_view member, auto value, std::string_view other_member, auto needed,
                            std::string_view reason = "") {
     const Row<Settings>& row = *find_row(settings_rows(), member, Names::kMembers);
@@ -120,10 +139,16 @@ void validate(const Settings& settings, Names names) {
   require("yield_stress_measure", YieldStressMeasure::kCauchy, "rest_shape", RestShape::kIsolated);
   require("yield_stress_measure", YieldStressMeasure::kCauchy, "volumetric", Volumetric::kVolumeRatio);
   require("precision", Precision::kMixed, "implementation", Implementation::kFast);
+  require_branches(settings, names);
 }
 
 void validate(const std::vector<Material>& materials, const Settings& settings, Names names) {
-  if (settings.rest_shape == RestShape::kJoined) return;
+  if (settings.rest_shape == RestShape::kJoined) {
+    if (settings.num_branches() > 0 && can_flow(materials, settings))
+      throw InputError(fmt::format("{} of a body that yields needs {} = isolated", called("relaxation", names),
+                                   called("rest_shape", names)));
+    return;
+  }
   for (std::size_t e = 0; e < materials.size(); ++e)
     if (can_rotate(materials[e], settings))
       refuse(called("rotation_flow_rate", names), materials[e].rotation_flow_rate, place_of(e, materials),
@@ -152,8 +177,10 @@ double bytes_per_hexahedron(const std::vector<Material>& materials, const Settin
                                 settings.rotation_plasticity == RotationPlasticity::kCentre;
   // what not every history has stands in the trial history of a step once more
   const double tensors = (has_stretches ? kCorners : 0) + (turns_at_corners ? kCorners - 1 : 0);
+  const double of_branches = settings.num_branches() > 0 ? 1 + settings.num_branches() : 0;  // of six numbers
   if (settings.implementation == Implementation::kPlain)
-    return 15000 + (is_isolated ? 2600 : 0) + (flows ? 2 : 1) * tensors * sizeof(Mat3) + (flows ? 1000 : 0);
+    return 15000 + 2 * of_branches * kCorners * 6 * sizeof(double) + (is_isolated ? 2600 : 0) +
+           (flows ? 2 : 1) * tensors * sizeof(Mat3) + (flows ? 1000 : 0);
   const double coefficients = (settings.bending == Bending::kAssumedCorner ? 51 : 0) +
                               (settings.volumetric != Volumetric::kSample ? 42 : 0) +
                               (settings.law != ElasticLaw::kCorotated ? 56 : 0);

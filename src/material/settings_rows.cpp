@@ -54,6 +54,14 @@ constexpr Row<Settings> kSettingsRows[] = {
      .range = {.min = 0, .max = 1},
      .help = "Fraction of the shear modulus that is the second constant of law=\"mooneyRivlin\".",
      .at = kMember<&Settings::mooney_fraction>},
+    {.member = "relaxation",
+     .name = "relaxation",
+     .group = kElasticity,
+     .range = {.min = 0, .exclusive_min = true},
+     .help = "Viscoelasticity, \"g1 t1 g2 t2 ...\": resistance to shear that relaxes, at most 8 moduli, each as a "
+             "fraction g of the shear modulus, with its time t in seconds. youngModulus and poissonRatio are those of "
+             "slow deformation. Needs implementation=\"plain\" and, where the body yields, restShape=\"isolated\".",
+     .at = kMember<&Settings::relaxation>},
     {.member = "recovery",
      .name = "recovery",
      .group = kNumerics,

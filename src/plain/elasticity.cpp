@@ -22,7 +22,7 @@ double corner_ratio(const ElementPoints& plastic_rest, const ElementPoints& curr
 
 }  // namespace
 
-Elasticity::Elasticity(const Model& model, const History& history, ConstPoints x)
+Elasticity::Elasticity(const Model& model, const History& history, ConstPoints x, std::span<const BranchStep> branches)
     : hexahedra_(model.mesh.hexahedra()), elements_(hexahedra_.size()) {
   const bool recovers = model.settings.recovery == RecoveryMode::kCluster;
   if (recovers) recovery_.corner_ratios.resize(static_cast<std::size_t>(model.partition->num_blocks) * kBlock);
@@ -30,7 +30,8 @@ Elasticity::Elasticity(const Model& model, const History& history, ConstPoints x
     if (!history.alive[e]) continue;
     const Hexahedron& corners = hexahedra_[e];
     const ElementPoints plastic_rest = gather(history.plastic_rest_positions, corners), current = gather(x, corners);
-    elements_[e].emplace(plastic_rest, current, model.lame[e], model.settings, history.plastic_inverse_of(e));
+    elements_[e].emplace(plastic_rest, current, model.lame[e], model.settings, history.plastic_inverse_of(e),
+                         Branches(history, e, branches));
     if (recovers) recovery_.corner_ratios[model.partition->place_of_element[e]] = corner_ratio(plastic_rest, current);
   }
   if (recovers) recovery_.find(model, history.alive, history.plastic_rest_positions, x);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "element/isolated-inl.hpp"
+#include "element/relaxation-inl.hpp"
 #include "kinematics/gradients.hpp"
 #include "kinematics/sampling.hpp"
 #include "material/law-inl.hpp"
@@ -39,6 +40,22 @@ Mat3 mean_of(const CornerTensors& plastic_inverse) {
 Mat3 inverse_of_turning(const Mat3& S) {
   const Mat3 K = S.trace() * Mat3::Identity() - S, cof = cofactor(K);
   return cof / std::max({K.determinant(), 1e-9 * cof.trace(), 1e-30});
+}
+
+/// q + A, with which q's moments are in balance. Where stretches are opposite, as they may be in inverted samples, A
+/// has no bound: both are scaled down there.                                                              eq. P14, P15
+Mat3 in_balance(const Mat3& q, const Mat3& S) {
+  constexpr double kSmallest = 0.1;  // of (s_a + s_b)/|s_a - s_b|; above 1 where nothing is inverted
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(S);
+  const Mat3& axes = eigen.eigenvectors();
+  const Vec3& s = eigen.eigenvalues();
+  Mat3 H = axes.transpose() * q * axes;
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) {
+      const double divisor = std::max(s[a] + s[b], kSmallest * std::abs(s[a] - s[b]));
+      if (a != b && divisor > 0) H(a, b) *= 2 * s[a] / divisor;  // 1 + (s_a - s_b)/(s_a + s_b)
+    }
+  return axes * H * axes.transpose();
 }
 
 }  // namespace
@@ -119,7 +136,7 @@ ElementPoints AssumedStrain::turning(const std::array<Mat3, kCorners>& P, const 
 // ---- element
 
 Element::Element(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame,
-                 const Settings& settings, const CornerTensors* plastic_inverse)
+                 const Settings& settings, const CornerTensors* plastic_inverse, const Branches& branches)
     : lame_(lame), law_(settings.law), mooney_fraction_(settings.mooney_fraction), current_(current) {
   const Sampling sampling = sampling_of(settings);
   const RestOperator rest = rest_operator(plastic_rest, sampling);
@@ -161,6 +178,32 @@ Element::Element(const ElementPoints& plastic_rest, const ElementPoints& current
   }
   samples_.pressure = of_volume_ * volume_excess_;
   samples_.volume_ratio = volume_excess_ + 1;
+  if (!branches.steps.empty()) add(branches);
+}
+
+void Element::add(const Branches& branches) {
+  for (const BranchStep& step : branches.steps) {
+    samples_.branch_moduli += step.modulus;
+    branch_modulus_ += lame_.mu * step.modulus * step.response;
+  }
+  for (int i = 0; i < kCorners; ++i) {
+    const Mat3& S = samples_.polar[i].S;
+    const auto D =
+        scalar::sum(scalar::deviator(scalar::symmetric_entries(S)), -1.0, scalar::symmetric((*branches.stretch)[i]));
+    scalar::Sym<double> q = {};
+    for (std::size_t k = 0; k < branches.steps.size(); ++k) {
+      const BranchStep& step = branches.steps[k];
+      const auto b = scalar::symmetric(branches.strain[k][i]);
+      const double modulus = step.modulus * lame_.mu;
+      q = scalar::sum(q, 2 * modulus, scalar::branch_strain(step.decay, b, step.response, D));
+      branch_energy_ += modulus / kCorners *
+                        (scalar::product(b, b) + 2 * step.decay * scalar::product(b, D) +
+                         step.response * scalar::product(D, D));  //                                          eq. P17
+    }
+    samples_.branch_stress[i] = to_eigen(matrix(q));
+    samples_.stress[i] += samples_.branch_stress[i];  //                                                       eq. P7
+    branch_stress_[i] = in_balance(samples_.branch_stress[i], S);
+  }
 }
 
 std::array<Mat3, kCorners> Element::gradients(const ElementPoints& u) const {
@@ -194,7 +237,7 @@ double Element::energy() const {
         (scalar::shape_energy(law_, mooney_fraction_, S, lame_.mu) + (k0_ + own_ * theta / 2) * theta) / kCorners;
   }
   density += (shared_ * mean_dilatation_ * mean_dilatation_ + of_volume_ * volume_excess_ * volume_excess_) / 2;
-  return samples_.volume * density;
+  return samples_.volume * (density + branch_energy_);
 }
 
 ElementPoints Element::force() const {
@@ -204,6 +247,7 @@ ElementPoints Element::force() const {
     const double k = k0_ + own_ * dilatation_[i] + shared_ * mean_dilatation_;
     P[i] = R * to_eigen(matrix(
                    scalar::stress(law_, mooney_fraction_, scalar::symmetric_entries(S), lame_.mu, k)));  // eq. 12, 13
+    P[i] += R * branch_stress_[i];  //                                                                       eq. P14
   }
   P = on_gradients(P);
   ElementPoints acting = transpose(P) / kCorners;
@@ -226,6 +270,7 @@ ElementPoints Element::force_increment(const ElementPoints& dx) const {
     const Mat3 Z = R.transpose() * dF[i];
     dP[i] =
         R * lame_.mu * (Z + Z.transpose()) + (free_ * t[i] + shared_ * mean) * along_dilatation_[i] + guard_[i] * dF[i];
+    dP[i] += branch_modulus_ * R * (Z + Z.transpose() - 2.0 / 3 * Z.trace() * Mat3::Identity());
   }
   ElementPoints acting = transpose(on_gradients(dP)) / kCorners;
   if (of_volume_ != 0) acting += of_volume_ * volume_gradient_.cwiseProduct(dx).sum() * volume_gradient_;

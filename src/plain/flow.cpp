@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "base/finite.hpp"
+#include "base/tensors-inl.hpp"
+#include "element/relaxation-inl.hpp"
 #include "hexaplast/base/error.hpp"
 #include "kinematics/polar.hpp"
 #include "plain/plain.hpp"
@@ -14,6 +16,8 @@
 #include "plastic/rest_shape.hpp"
 
 namespace hexaplast::plain {
+
+namespace scalar = HWY_NAMESPACE;  // the formulas, here of doubles
 
 namespace {
 
@@ -162,22 +166,62 @@ class Step {
   std::vector<Outcome> outcomes_;       // per element
 };
 
+/// Takes the branches of an element over the step. Returns what they dissipate [J].                    eq. P13, P19
+double relax(int e, const ElementSamples& samples, double mu, std::span<const BranchStep> steps, History& history) {
+  double density = 0;  // [J/m^3]
+  for (int i = 0; i < kCorners; ++i) {
+    auto& stretch = history.branch_stretch[e][i];
+    const auto before = scalar::symmetric(stretch);
+    const auto now = scalar::deviator(scalar::symmetric_entries(samples.polar[i].S));
+    const auto D = scalar::sum(now, -1.0, before);
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+      const BranchStep& step = steps[k];
+      auto& strain = history.branch_strains_of(e)[k][i];
+      const auto b = scalar::symmetric(strain);
+      density += step.modulus * mu *
+                 (step.loss_held * scalar::product(b, b) + step.loss_mixed * scalar::product(b, D) +
+                  step.loss_moved * scalar::product(D, D));
+      strain = scalar::numbers(scalar::branch_strain(step.decay, b, step.response, D));
+    }
+    stretch = scalar::numbers(now);
+  }
+  return samples.volume / kCorners * density;
+}
+
+/// Stretch that has flowed leaves the branches too.                                                        eq. P16
+void relieve_branches(int e, const ElementSamples& flowed, History& history) {
+  for (int i = 0; i < kCorners; ++i) {
+    auto& stretch = history.branch_stretch[e][i];
+    const auto now = scalar::deviator(scalar::symmetric_entries(flowed.polar[i].S));
+    const auto change = scalar::sum(now, -1.0, scalar::symmetric(stretch));
+    for (CornerSymmetric& strain : history.branch_strains_of(e))
+      strain[i] = scalar::numbers(scalar::sum(scalar::symmetric(strain[i]), 1.0, change));
+    stretch = scalar::numbers(now);
+  }
+}
+
 }  // namespace
 
-FlowReport flow_isolated(const Model& model, ConstPoints x, double dt, History& history) {
+FlowReport flow_isolated(const Model& model, ConstPoints x, double dt, History& history,
+                         std::span<const BranchStep> branches) {
   FlowReport report;
   History next = history;
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
     if (!history.alive[e]) continue;
     const Hexahedron& corners = model.mesh.hexahedra()[e];
     const ElementPoints initial = gather(model.mesh.positions(), corners), current = gather(x, corners);
-    const Element element(initial, current, model.lame[e], model.settings, &history.plastic_inverse[e]);
+    const Element element(initial, current, model.lame[e], model.settings, history.plastic_inverse_of(e),
+                          Branches(history, e, branches));
     const IsolatedStep step = isolated_step(model, e, element.samples(), current, history, dt);
     report.inverted += step.inverted;
     report.skipped += step.skipped;
     report.yielded += step.yielded;
     set_isolated(e, step, next);
     next.dissipated_energy += step.dissipated;
+    if (!branches.empty()) next.dissipated_energy += relax(e, element.samples(), model.lame[e].mu, branches, next);
+    if (!branches.empty() && step.yielded)
+      relieve_branches(
+          e, Element(initial, current, model.lame[e], model.settings, next.plastic_inverse_of(e)).samples(), next);
     if (!(next.is_finite(e) && std::isfinite(step.dissipated)))
       throw NumericalError(fmt::format("the plastic history of hexahedron {} is not finite", e));
     if (!step.yielded || !is_broken(model, history, next, e)) continue;
@@ -185,14 +229,16 @@ FlowReport flow_isolated(const Model& model, ConstPoints x, double dt, History& 
     next.removed.push_back(e);
     ++report.removed;
   }
-  if (report.yielded == 0) return report;
+  if (report.yielded == 0 && branches.empty()) return report;
   next.version = history.version + 1;
   history = std::move(next);
   return report;
 }
 
-FlowReport flow(const Model& model, ConstPoints x, double dt, LinearSolver& solver, History& history) {
-  if (model.settings.rest_shape == RestShape::kIsolated) return flow_isolated(model, x, dt, history);
+FlowReport flow(const Model& model, ConstPoints x, double dt, LinearSolver& solver, History& history,
+                std::span<const BranchStep> branches) {
+  if (model.settings.rest_shape == RestShape::kIsolated || !branches.empty())
+    return flow_isolated(model, x, dt, history, branches);
   Step step(model, x, history);
   step.flow_elements(dt);
   if (!model.can_flow() || !step.has_changed()) return step.report;

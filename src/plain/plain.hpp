@@ -3,11 +3,13 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "element/samples.hpp"
 #include "hexaplast/layout/linear_system.hpp"
 #include "hexaplast/plastic/flow_report.hpp"
+#include "material/relaxation.hpp"
 #include "state/history.hpp"
 #include "state/recovery.hpp"
 
@@ -50,15 +52,29 @@ class AssumedStrain {
   Mat3 of_hourglass_[3][3];      // A_n = sum_l of_hourglass_[n][l] q_l                                       eq. E10
 };
 
+/// The viscoelastic branches of an element, and how they take the present step.
+struct Branches {
+  Branches() = default;
+  Branches(const History& history, int e, std::span<const BranchStep> steps_) : steps(steps_) {
+    if (steps.empty()) return;
+    strain = history.branch_strains_of(e);
+    stretch = &history.branch_stretch[e];
+  }
+
+  std::span<const BranchStep> steps;
+  std::span<const CornerSymmetric> strain;   // b_k
+  const CornerSymmetric* stretch = nullptr;  // dev S_old
+};
+
 /// One hexahedron at one set of current positions.
 class Element {
  public:
   /// Corners [m]. plastic_inverse: the G_i of isolated rest shapes, null of joined ones.
   Element(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame, const Settings& settings,
-          const CornerTensors* plastic_inverse = nullptr);
+          const CornerTensors* plastic_inverse = nullptr, const Branches& branches = {});
 
-  double energy() const;                                         ///< [J]                        eq. 18, E5, E14
-  ElementPoints force() const;                                   ///< [N] per corner     eq. 15, E3, E6, E13, E15
+  double energy() const;                                         ///< [J]                        eq. 18, E5, E14, P17
+  ElementPoints force() const;                                   ///< [N] per corner  eq. 15, E3, E6, E13, E15, P14
   ElementPoints force_increment(const ElementPoints& dx) const;  ///< [N] rotations fixed    eq. 16, E4, E7, E20
   const ElementSamples& samples() const { return samples_; }     ///< of isolated rest shapes: of F^e
 
@@ -66,6 +82,7 @@ class Element {
   std::array<Mat3, kCorners> gradients(const ElementPoints& u) const;
   ElementPoints transpose(const std::array<Mat3, kCorners>& P) const;
   std::array<Mat3, kCorners> on_gradients(std::array<Mat3, kCorners> P) const;  // P^e -> P                     eq. P4
+  void add(const Branches& branches);
 
   Lame lame_;
   ElasticLaw law_;
@@ -85,13 +102,18 @@ class Element {
   double of_volume_ = 0;          // modulus of the volume ratio [Pa]
   double volume_excess_ = 0;      // beta^ - 1
   ElementPoints volume_gradient_ = ElementPoints::Zero();  // b_a [1/m] eq. E6
+
+  // of viscoelastic branches
+  CornerTensors branch_stress_ = no_tensors();  // [Pa] what R takes to their part of P^e                     eq. P14
+  double branch_modulus_ = 0;                   // mu_b [Pa]
+  double branch_energy_ = 0;                    // [J/m^3] mean of the samples                               eq. P17
 };
 
 /// Elasticity of a body at one set of current positions.
 class Elasticity {
  public:
   /// x: num_nodes x 3 [m].
-  Elasticity(const Model& model, const History& history, ConstPoints x);
+  Elasticity(const Model& model, const History& history, ConstPoints x, std::span<const BranchStep> branches = {});
 
   double energy() const;                                                       ///< [J]              eq. 18, E25
   void add_force(Points f) const;                                              ///< f += [N]        eq. 15, E25
@@ -123,12 +145,15 @@ struct StiffnessTerm final : NodalOperator {
 AveragingReport join_rest_shapes(const Model& model, const std::vector<unsigned char>& changed, LinearSolver& solver,
                                  History& history);
 
-/// The same without a mesh of plastic rest positions: each sample keeps its own deformation.           theory.md 5.9
-FlowReport flow_isolated(const Model& model, ConstPoints x, double dt, History& history);
+/// The same without a mesh of plastic rest positions: each sample keeps its own deformation, and what its branches
+/// hold.                                                                                         theory.md 5.9, 5.10
+FlowReport flow_isolated(const Model& model, ConstPoints x, double dt, History& history,
+                         std::span<const BranchStep> branches);
 
 /// One plastic step at the accepted current positions x (num_nodes x 3) [m].                              theory.md 5
 /// Throws NumericalError naming the element whose history, or the node whose plastic rest position, is not finite; the
 /// history is then as before.
-FlowReport flow(const Model& model, ConstPoints x, double dt, LinearSolver& solver, History& history);
+FlowReport flow(const Model& model, ConstPoints x, double dt, LinearSolver& solver, History& history,
+                std::span<const BranchStep> branches = {});
 
 }  // namespace hexaplast::plain

@@ -55,9 +55,10 @@ IsolatedStep isolated_flow(const ElementSamples& samples, const IsolatedStress& 
   step.plastic_inverse = plastic_inverse;
   step.yield_stress = yield_stress;
   step.log_stretch.fill(Mat3::Zero());
+  const double rate_dt = std::min(material.flow_rate * dt, 1 / (1 + samples.branch_moduli));  //             eq. P18
   for (int i = 0; i < kCorners; ++i) {
     step.norm[i] = stress_norm(stress.relieved[i], norm);
-    step.fraction[i] = scalar::isolated_flow_fraction(step.norm[i], yield_stress[i], material.flow_rate * dt);
+    step.fraction[i] = scalar::isolated_flow_fraction(step.norm[i], yield_stress[i], rate_dt);
     step.yielded = step.yielded || step.fraction[i] > 0;
     if (!std::isfinite(step.norm[i])) step.dissipated = step.norm[i];  // an overflow, which the caller refuses
   }
@@ -69,9 +70,10 @@ IsolatedStep isolated_flow(const ElementSamples& samples, const IsolatedStress& 
     normals[i] = scalar::entries(stress.normals[i]);
     M[i] = {};
     if (step.fraction[i] > 0)
-      M[i] = scalar::flow_direction(scalar::symmetric_entries(deviatoric_log(samples.polar[i].S)),
-                                    scalar::symmetric_entries(stress.relieved[i]),
-                                    scalar::symmetric_entries(stress.whole[i]), mu, step.fraction[i]);
+      M[i] = scalar::flow_direction(
+          scalar::symmetric_entries(deviatoric_log(samples.polar[i].S) + samples.branch_stress[i] / (2 * mu)),
+          scalar::symmetric_entries(stress.relieved[i]), scalar::symmetric_entries(stress.whole[i]), mu,
+          step.fraction[i]);
   }
   scalar::relieve(normals, M);  //                                                                           eq. P11
   for (int i = 0; i < kCorners; ++i) {
@@ -89,7 +91,6 @@ IsolatedStep isolated_flow(const ElementSamples& samples, const IsolatedStress& 
 IsolatedStep isolated_step(const Model& model, int element, const ElementSamples& samples, const ElementPoints& current,
                            const History& history, double dt) {
   const Settings& settings = model.settings;
-  const CornerTensors& G = history.plastic_inverse[element];
   IsolatedStep step;
   double min_det = std::numeric_limits<double>::infinity();
   for (const Mat3& F : samples.F) min_det = std::min(min_det, F.determinant());
@@ -98,6 +99,7 @@ IsolatedStep isolated_step(const Model& model, int element, const ElementSamples
                  min_jacobian_ratio(model.corner_jacobian(element), current) < settings.corner_threshold();
   if (step.skipped || !can_stretch(model.material(element))) return step;
   const ElementPoints initial = gather(history.plastic_rest_positions, model.mesh.hexahedra()[element]);
+  const CornerTensors& G = history.plastic_inverse[element];
   const IsolatedStress stress = isolated_stress(initial, G, samples, settings.yield_stress_measure);
   return isolated_flow(samples, stress, G, model.lame[element].mu, model.material(element), settings.yield_norm,
                        history.yield_stress[element], dt);

@@ -23,6 +23,7 @@ SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, 
                                 Points v) {
   require_rows("ImplicitEuler::step", "x", x, system.num_nodes());
   require_rows("ImplicitEuler::step", "v", v, system.num_nodes());
+  system.set_time_step(dt);
   const double h = dt, ah = settings_.trapezoidal ? h / 2 : h;
   const double rM = settings_.rayleigh_mass, rK = settings_.rayleigh_stiffness;
   const bool first_order = settings_.first_order;

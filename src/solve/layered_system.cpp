@@ -161,6 +161,11 @@ void LayeredSystem::sum(const TakesPart& takes_part, std::initializer_list<Down>
     if (interaction.is_of_roots) add_between(interaction);
 }
 
+void LayeredSystem::set_time_step(double dt) {
+  for (Layer& layer : layers_)
+    for (NodalForces* forces : layer.forces) forces->set_time_step(dt);
+}
+
 void LayeredSystem::compute_force(double time, ConstPoints x, ConstPoints v, Points f) {
   f.setZero();
   add_force(Over::kAll, time, x, v, f);

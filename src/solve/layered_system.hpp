@@ -18,6 +18,7 @@ class LayeredSystem : public MechanicalSystem {
   LayeredSystem(const LayeredSystem&) = delete;
 
   int num_nodes() const override { return num_nodes_; }
+  void set_time_step(double dt) override;
   void compute_force(double time, ConstPoints x, ConstPoints v, Points f) override;
   void add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
   void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const override;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/finite.hpp"
 #include "base/irregular_field.hpp"
@@ -33,6 +34,7 @@ void find_unsupported(const MechanicalSystem& system, PointArray& displacement, 
 
 NewtonReport NewtonRaphson::solve(MechanicalSystem& system, LinearSolver& solver, double time, Points x) {
   require_rows("NewtonRaphson::solve", "x", x, system.num_nodes());
+  system.set_time_step(std::numeric_limits<double>::infinity());
   const auto norm = [](ConstPoints field) { return std::sqrt(dot(field, field)); };
   const auto project = [&](PointArray& f) {
     system.project(f);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string_view>
 
 #include "hexaplast/base/error.hpp"
@@ -44,7 +45,10 @@ History::History(const Model& model)
       plastic_stretch(model.tracks_plastic_stretch ? model.mesh.num_elements() : 0, identities()),
       plastic_inverse(model.settings.rest_shape == RestShape::kIsolated ? model.mesh.num_elements() : 0, identities()),
       has_flowed(plastic_inverse.size()),
-      alive(model.mesh.num_elements(), 1) {
+      alive(model.mesh.num_elements(), 1),
+      branch_strain(static_cast<std::size_t>(model.mesh.num_elements()) * model.settings.num_branches(),
+                    CornerSymmetric{}),
+      branch_stretch(model.settings.num_branches() > 0 ? model.mesh.num_elements() : 0, CornerSymmetric{}) {
   averaging_increment.setZero(model.mesh.num_nodes(), 3);
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
     rest_shape[e] = model.initial_shape(e);
@@ -95,12 +99,15 @@ bool History::is_finite(int e) const {
     if (!tensors->empty())
       for (const Mat3& tensor : (*tensors)[e]) numbers += tensor.sum();
   if (!rotation_yield.empty()) thresholds += sum(rotation_yield[e]);
+  for (const CornerSymmetric& strain : branch_strains_of(e))
+    for (const auto& corner : strain) numbers += std::accumulate(corner.begin(), corner.end(), 0.0);
   return std::isfinite(numbers) && !std::isnan(thresholds);
 }
 
 void History::serialize(Archive& archive) {
   archive(rest_shape, rotation_map, yield_stress, rotation_yield, plastic_rest_positions, plastic_strain,
-          plastic_stretch, plastic_inverse, dissipated_energy, alive, removed, averaging_increment);
+          plastic_stretch, plastic_inverse, dissipated_energy, alive, removed, averaging_increment, branch_strain,
+          branch_stretch);
   if (!archive.reads()) return;
   removed.reserve(alive.size());  // a step allocates nothing
   has_flowed.resize(plastic_inverse.size());
@@ -119,6 +126,8 @@ void validate(const Model& model, const History& history) {
       history.rotation_map.size() == num_maps && history.averaging_increment.rows() == num_nodes &&
           history.plastic_stretch.size() == (model.tracks_plastic_stretch ? num_elements : 0) &&
           history.plastic_inverse.size() == (model.settings.rest_shape == RestShape::kIsolated ? num_elements : 0) &&
+          history.branch_strain.size() == num_elements * model.settings.num_branches() &&
+          history.branch_stretch.size() == (model.settings.num_branches() > 0 ? num_elements : 0) &&
           (history.rotation_yield.size() == num_elements || (history.rotation_yield.empty() && !model.can_rotate)),
       "it is of other settings or materials");
 

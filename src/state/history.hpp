@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <algorithm>
+#include <span>
 #include <vector>
 
 #include "hexaplast/base/archive.hpp"
@@ -28,6 +30,8 @@ struct History {
   std::vector<int> removed;                    ///< removed elements in the order of their removal
   PointArray averaging_increment;  ///< [m] latest step of the averaging, from which the next one starts; num_nodes x 3
                                    ///< in mixed precision, otherwise empty
+  std::vector<CornerSymmetric> branch_strain;   ///< b = q / (2 g mu) per element and viscoelastic branch
+  std::vector<CornerSymmetric> branch_stretch;  ///< dev S at the latest step, per element; empty without branches
   long version =
       0;  ///< grows whenever `plastic_rest_positions` or `alive` changes, so that derived data know they are old
 
@@ -36,6 +40,14 @@ struct History {
 
   ElementHistory element(int e) const;
   void set_element(int e, const ElementHistory& element);
+  /// Of each viscoelastic branch of an element.
+  std::span<CornerSymmetric> branch_strains_of(int e) {
+    const std::size_t branches = branch_strain.size() / std::max<std::size_t>(branch_stretch.size(), 1);
+    return std::span(branch_strain).subspan(e * branches, branches);
+  }
+  std::span<const CornerSymmetric> branch_strains_of(int e) const {
+    return const_cast<History*>(this)->branch_strains_of(e);
+  }
   const CornerTensors* plastic_inverse_of(int e) const {  ///< null unless rest shapes are isolated
     return plastic_inverse.empty() ? nullptr : &plastic_inverse[e];
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include "body_state.hpp"
@@ -29,13 +30,13 @@ std::string two_hexahedra(const std::string& body, const std::string& more = "")
 // Whatever rows the core has.
 TEST(BodyField, TakesEveryMemberOfMaterialAndSettings) {
   const auto body_of = [](scene::Scene& scene) { return at<scene::ForceField>(scene, "body").body(); };
-  const auto text_of = [](const auto& row, double value) {
-    const auto place = static_cast<std::size_t>(value);
-    return row.at.type == MemberType::kWord ? std::string(row.words[place]) : fmt::format("{}", value);
+  const auto text_of = [](const auto& row, const std::vector<double>& values) {
+    return row.at.type == MemberType::kWord ? std::string(row.words[static_cast<std::size_t>(values[0])])
+                                            : fmt::format("{}", fmt::join(values, " "));
   };
   for (const Row<Material>& row : material_rows()) {
     const double value = support::another(row, row.at.get({}));
-    scene::Scene scene = read_and_init(two_hexahedra(fmt::format("{}='{}'", row.name, text_of(row, value))));
+    scene::Scene scene = read_and_init(two_hexahedra(fmt::format("{}='{}'", row.name, text_of(row, {value}))));
     for (const Row<Material>& other : material_rows())
       EXPECT_EQ(other.at.get(body_of(scene)->material(0)), &other == &row ? value : other.at.get({})) << other.name;
   }
@@ -48,9 +49,9 @@ TEST(BodyField, TakesEveryMemberOfMaterialAndSettings) {
       others += "restShape='isolated' ";
       expected.rest_shape = RestShape::kIsolated;
     }
-    row.at.set(expected, support::another(row, row.at.get({})));
+    support::change(row, expected);
     scene::Scene scene =
-        read_and_init(two_hexahedra(fmt::format("{}{}='{}'", others, row.name, text_of(row, row.at.get(expected)))));
+        read_and_init(two_hexahedra(fmt::format("{}{}='{}'", others, row.name, text_of(row, row.values(expected)))));
     EXPECT_EQ(body_of(scene)->settings(), expected) << row.name;
   }
 }
@@ -86,6 +87,26 @@ TEST(BodyField, MayBecomeOfAnotherMaterialDuringTheRun) {
   EXPECT_THROW(field.find_data("youngModulus")->set(std::vector<double>{-1}, {}), InputError);
   EXPECT_THROW(field.find_data("removed")->set(std::vector<std::int64_t>{1}, {}), InputError);
   field.find_data("bending")->set(std::string("vertex"), {});
+  EXPECT_THROW(scene.step(), scene::SceneError);
+}
+
+// Its time step is that of the scene, and no attribute of it changes during a run.
+TEST(BodyField, RelaxesAfterAJumpByTheTimeStepOfTheScene) {
+  scene::Scene scene = read_and_init(two_hexahedra("youngModulus='1000' implementation='plain' relaxation='2 0.1'",
+                                                   "<FixedProjectiveConstraint indices='0 1 2 3 4 5 6 7 8 9 10 11'/>"));
+  auto& field = at<scene::ForceField>(scene, "body");
+  PointArray& x = at<scene::MechanicalState>(scene, "nodes").positions();
+  const double slow_energy = [&] {
+    Body slow(field.body()->mesh(), field.body()->materials());
+    x.col(0) *= 1.01;
+    return slow.energy(x);
+  }();
+  scene.step();
+  const double first = field.body()->energy(x) - slow_energy;
+  for (int n = 0; n < 5; ++n) scene.step();
+  EXPECT_NEAR((field.body()->energy(x) - slow_energy) / first, std::exp(-2 * 5 * 0.02 / 0.1), 1e-8);
+
+  field.find_data("relaxation")->set(std::vector<double>{1, 0.1}, {});
   EXPECT_THROW(scene.step(), scene::SceneError);
 }
 

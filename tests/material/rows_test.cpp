@@ -32,14 +32,12 @@ void expect_a_row_for_each_member(std::span<const Row<Options>> rows) {
     EXPECT_EQ(std::ranges::count(kBodyGroups, row.group), 1);
     EXPECT_TRUE(row.help.ends_with('.'));
     EXPECT_EQ(row.words.empty(), row.at.type != MemberType::kWord);
-    EXPECT_TRUE(row.admits(row.at.get({}))) << "the default";
+    for (const double value : row.values({})) EXPECT_TRUE(row.admits(value)) << "the default";
 
     Options options;
-    const double value = support::another(row, row.at.get(options));
-    row.at.set(options, value);
+    support::change(row, options);
     for (const Row<Options>& other : rows)
-      EXPECT_EQ(other.at.get(options), &other == &row ? value : other.at.get({})) << other.member;
-    EXPECT_NE(value, row.at.get({}));
+      EXPECT_EQ(other.values(options) == other.values({}), &other != &row) << other.member;
   }
 }
 
@@ -57,7 +55,7 @@ void expect_validation(std::span<const Row<Options>> rows, const Validate& valid
     } else {
       for (const double bound : {row.range.min, row.range.max})
         if (std::isfinite(bound)) wrong.push_back(bound == row.range.min ? bound - 1 : bound + 1);
-      if (row.at.type == MemberType::kReal) {
+      if (row.at.type != MemberType::kInteger) {
         wrong.push_back(std::numeric_limits<double>::quiet_NaN());
         if (row.range.exclusive_min) wrong.push_back(row.range.min);
         if (row.range.exclusive_max) wrong.push_back(row.range.max);
@@ -65,7 +63,7 @@ void expect_validation(std::span<const Row<Options>> rows, const Validate& valid
     }
     for (const double value : wrong) {
       Options options;
-      row.at.set(options, value);
+      row.set_values(options, std::vector<double>{value, 1});
       EXPECT_TRUE(support::refuses<InputError>([&] { validate(options, Names::kMembers); }, {std::string(row.member)}));
       EXPECT_TRUE(support::refuses<InputError>([&] { validate(options, Names::kScenes); }, {std::string(row.name)}));
     }
@@ -78,7 +76,10 @@ TEST(Rows, ValidationGoesThroughThem) {
 }
 
 TEST(Rows, AMemberIsArchivedAsItLiesInMemory) {
-  Settings settings{.rotation_plasticity = RotationPlasticity::kNone, .averaging_steps = 7, .volume_restitution = 3};
+  Settings settings{.relaxation = {3, 0.1},
+                    .rotation_plasticity = RotationPlasticity::kNone,
+                    .averaging_steps = 7,
+                    .volume_restitution = 3};
   std::vector<std::byte> bytes;
   Archive writing([&](const void* data, std::size_t size) {
     const auto* first = static_cast<const std::byte*>(data);
@@ -87,7 +88,7 @@ TEST(Rows, AMemberIsArchivedAsItLiesInMemory) {
   serialize(writing, settings_rows(), settings);
   std::size_t num_bytes = 0;
   for (const Row<Settings>& row : settings_rows())
-    num_bytes += row.at.type == MemberType::kReal ? sizeof(double) : sizeof(int);
+    num_bytes += row.at.list ? 3 * sizeof(double) : row.at.type == MemberType::kReal ? sizeof(double) : sizeof(int);
   EXPECT_EQ(bytes.size(), num_bytes);
   Settings read;
   Archive reading{std::span<const std::byte>(bytes)};

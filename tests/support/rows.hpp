@@ -17,4 +17,13 @@ double another(const Row<Options>& row, double value) {
   return row.at.type == MemberType::kWord ? 0 : value;
 }
 
+/// Gives a member another value.
+template <class Options>
+void change(const Row<Options>& row, Options& options) {
+  if (row.at.list)
+    options.*row.at.list = {0.5, 2};
+  else
+    row.at.set(options, another(row, row.at.get(options)));
+}
+
 }  // namespace hexaplast::support

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace hexaplast {
 
@@ -38,16 +39,23 @@ enum class Names {
 enum class MemberType {
   kReal,
   kInteger,
-  kWord  ///< an enumeration, counted from 0
+  kWord,  ///< an enumeration, counted from 0
+  kReals  ///< a list of numbers
 };
 
-/// A member of a struct, reached as a number whatever its type.
+/// A member of a struct, reached as a number whatever its type; a kReals as its list.
 template <class Options>
 struct Member {
   MemberType type = MemberType::kReal;
   double (*get)(const Options&) = nullptr;
   void (*set)(Options&, double) = nullptr;  ///< cuts a number down to what the type holds; not for NaN
+  std::vector<double> Options::*list = nullptr;
 };
+
+template <auto member, class Options>
+constexpr Member<Options> member_at(std::vector<double> Options::*list) {
+  return {.type = MemberType::kReals, .list = list};
+}
 
 template <auto member, class Options, class T>
 constexpr Member<Options> member_at(T Options::*) {
@@ -62,7 +70,8 @@ constexpr Member<Options> member_at(T Options::*) {
               options.*member = value;
             else
               options.*member = static_cast<T>(static_cast<int>(std::clamp(value, kMin, kMax)));
-          }};
+          },
+          nullptr};
 }
 
 /// kMember<&Settings::averaging_steps>
@@ -93,8 +102,19 @@ struct Row {
 
   std::string_view called(Names names) const { return names == Names::kScenes ? name : member; }
 
+  /// The number, or those of a list.
+  std::vector<double> values(const Options& options) const {
+    return at.list ? options.*at.list : std::vector<double>{at.get(options)};
+  }
+  void set_values(Options& options, std::span<const double> numbers) const {
+    if (at.list)
+      (options.*at.list).assign(numbers.begin(), numbers.end());
+    else
+      at.set(options, numbers.front());
+  }
+
   /// Whether an infinite value means that there is no such limit: the default then is infinite.
-  bool may_be_infinite() const { return std::isinf(at.get(Options{})); }
+  bool may_be_infinite() const { return !at.list && std::isinf(at.get(Options{})); }
 
   bool admits(double value) const {
     if (at.type == MemberType::kWord) return value >= 0 && value < static_cast<double>(words.size());
@@ -125,11 +145,16 @@ int place_of_word(const Row<Options>& row, std::string_view word) {
 
 /// A number as it lies in memory: 8 bytes of a kReal, 4 of the others.
 void serialize(Archive& archive, MemberType type, double& number);
+void serialize(Archive& archive, std::vector<double>& list);
 
 /// All members, in the order of the rows.
 template <class Options>
 void serialize(Archive& archive, std::span<const Row<Options>> rows, Options& options) {
   for (const Row<Options>& row : rows) {
+    if (row.at.list) {
+      serialize(archive, options.*row.at.list);
+      continue;
+    }
     double number = row.at.get(options);
     serialize(archive, row.at.type, number);
     row.at.set(options, number);

@@ -118,7 +118,8 @@ struct Settings {
   double blend_weight = 0.5;  ///< [-] of the corner in kBlended, in (0, 1)
   Volumetric volumetric = Volumetric::kVolumeRatio;
   ElasticLaw law = ElasticLaw::kCorotated;
-  double mooney_fraction = 0.2;  ///< [-] m2 / mu of kMooneyRivlin, in [0, 1]
+  double mooney_fraction = 0.2;         ///< [-] m2 / mu of kMooneyRivlin, in [0, 1]
+  std::vector<double> relaxation = {};  ///< "g1 t1 g2 t2 ...": moduli g mu [-] that relax with the times t [s], all > 0
   RecoveryMode recovery = RecoveryMode::kCluster;
   double recovery_strength = 3;  ///< [-] of the springs, > 0
   double recovery_from = 0.05;   ///< [-] corner ratio below which springs act
@@ -140,6 +141,9 @@ struct Settings {
   /// The threshold of kIsolated for the Jacobians of the current corners: without one, these fold under loads on few
   /// nodes.
   double corner_threshold() const { return std::min(3 * inversion_threshold, 1.0); }
+
+  /// Of viscoelasticity.
+  int num_branches() const { return static_cast<int>(relaxation.size() / 2); }
 
   /// The tolerance itself: what a step leaves is in the next one's right-hand side.
   double averaging_residual() const {
@@ -171,8 +175,12 @@ double bytes_per_hexahedron(const std::vector<Material>& materials, const Settin
 /// the other implementation has.
 void validate(const std::vector<Material>& materials, Names names = Names::kMembers);
 void validate(const Settings& settings, Names names = Names::kMembers);
-/// Throws InputError where a material has a flow of rotation, which RestShape::kIsolated has not.
+/// Throws InputError where a material has a flow of rotation, which RestShape::kIsolated has not, or flows beside
+/// Settings::relaxation without it.
 void validate(const std::vector<Material>& materials, const Settings& settings, Names names = Names::kMembers);
+
+/// Of Settings::relaxation.
+inline constexpr int kMaxBranches = 8;
 
 /// Largest admissible products with the time step, and those above which results lose accuracy.
 inline constexpr double kLargestFlowPerStep = 1.0;               // more than all of the excess cannot flow

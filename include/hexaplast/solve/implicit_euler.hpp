@@ -20,6 +20,9 @@ class MechanicalSystem {
 
   virtual int num_nodes() const = 0;
 
+  /// The forces that follow are those of a step of dt [s]; infinite: of an equilibrium.
+  virtual void set_time_step(double /*dt*/) {}
+
   /// f = all forces at (x, v, time), gravity included; fixes the positions at which add_product and add_blocks act.
   virtual void compute_force(double time, ConstPoints x, ConstPoints v, Points f) = 0;
 

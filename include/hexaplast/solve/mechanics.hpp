@@ -47,6 +47,9 @@ class Forces {
 
   virtual ~Forces() = default;
 
+  /// What follows is of a step of dt [s]; infinite: of an equilibrium.
+  virtual void set_time_step(double /*dt*/) {}
+
   /// f += forces [N] at (x, v, time). Evaluates only: it may be called at any positions, any number of times. Fixes the
   /// positions that the derivatives below refer to.
   virtual void add_force(double time, In x, In v, Out f) = 0;

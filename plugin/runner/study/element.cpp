@@ -154,20 +154,26 @@ struct Element {
   bool names_modes = false;  // a reference file: its own mode is answered with a block for each of three
 };
 
-/// The value of a member, as a number. Reference files may have words in brief.
+/// The value of a member, as numbers. Reference files may have words in brief.
 template <class Options>
-double member(const Row<Options>& row, const std::string& key, const Json& value) {
-  if (row.at.type == MemberType::kReal) return number(key, value, row.may_be_infinite());
+std::vector<double> member(const Row<Options>& row, const std::string& key, const Json& value) {
+  if (row.at.list) {
+    if (!value.is_array()) reject(key, value, "a list of numbers");
+    std::vector<double> list;
+    for (const Json& one : value) list.push_back(number(key, one));
+    return list;
+  }
+  if (row.at.type == MemberType::kReal) return {number(key, value, row.may_be_infinite())};
   if (row.at.type == MemberType::kInteger) {
     if (!value.is_number_integer()) reject(key, value, "a whole number");
-    return value.get<double>();
+    return {value.get<double>()};
   }
   std::string given = value.is_string() ? value.get<std::string>() : "";
   for (const auto& [brief, name] : kShortWords)
     if (given == brief && place_of_word(row, given) < 0) given = name;
   const int place = place_of_word(row, given);
   if (place < 0) reject(key, value, fmt::format("one of {}", fmt::join(row.words, ", ")));
-  return place;
+  return {static_cast<double>(place)};
 }
 
 /// Whether the parameter is a member of these.
@@ -175,7 +181,7 @@ template <class Options>
 bool read_member(std::span<const Row<Options>> rows, const std::string& name, const Json& value, Options& options) {
   const Row<Options>* row = find_row(rows, name, Names::kScenes);
   if (!row) return false;
-  row->at.set(options, member(*row, "parameters." + name, value));
+  row->set_values(options, member(*row, "parameters." + name, value));
   return true;
 }
 
@@ -385,6 +391,8 @@ void run_element(const ElementOptions& options) {
     throw InputError(text.substr(text.find("] ") + 2));
   }
   const Element element = read_element(json);
+  if (!options.path && element.settings.num_branches() > 0)
+    throw InputError("parameters.relaxation: the answer depends on what was before: needs --path");
   if (options.path)
     write_path(element, read_path(*options.path), std::cout);
   else

@@ -177,6 +177,7 @@ void expect_parameters(std::span<const Row<Options>> rows, const Run& run) {
       return run("{" + kCube + R"(, "parameters": {)" + others + '"' + std::string(row.name) + "\": " + value.dump() +
                  "}}");
     };
+    if (row.at.list) continue;
     const double value = support::another(row, row.at.get({}));
     const bool is_word = row.at.type == MemberType::kWord, is_whole = row.at.type == MemberType::kInteger;
     const Outcome taken = run_with(is_word    ? Json(row.words[static_cast<std::size_t>(value)])
@@ -197,6 +198,24 @@ TEST_F(ElementCommand, TakesEveryMemberOfMaterialAndSettings) {
   const auto run = [&](const std::string& input) { return element("", input); };
   expect_parameters(material_rows(), run);
   expect_parameters(settings_rows(), run);
+}
+
+TEST_F(ElementCommand, RelaxesAlongAPathAlone) {
+  write("hold.csv", "0,1,0,0,0,1,0,0,0,1\n1e-9,1.01,0,0,0,1,0,0,0,1\n0.2,1.01,0,0,0,1,0,0,0,1\n");
+  const std::string cube = "{" + kCube + R"(, "parameters": {"youngModulus": 1000, "poissonRatio": 0, "dt": 0.05,
+      "relaxation": [2, 0.1]}})";
+  const support::Csv t(element("- --path hold.csv", cube).out);
+  ASSERT_EQ(t.num_rows(), 6u);
+  // 2 mu e, and 2 g mu (2/3) e of the branch
+  EXPECT_NEAR(t.number(1, "P11"), 10 + 2 * 20 / 3.0, 1e-5);
+  EXPECT_NEAR(t.number(5, "P11"), 10 + 2 * 20 / 3.0 * std::exp(-2), 1e-5);
+  const Outcome refused = element("", cube);
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_NE(refused.err.find("parameters.relaxation: the answer depends on what was before: needs --path"),
+            std::string::npos)
+      << refused.err;
+  EXPECT_NE(element("", "{" + kCube + R"(, "parameters": {"relaxation": 3}})").err.find("a list of numbers"),
+            std::string::npos);
 }
 
 TEST_F(ElementCommand, AFileThatCannotBeReadEndsWith5) {

@@ -29,6 +29,7 @@ public:
     Data<VecReal> d_poissonRatio{this->fromTable(d_poissonRatio, "poissonRatio")};
     DataWord d_law{this->fromTable(d_law, "law")};
     Data<SReal> d_mooneyFraction{this->fromTable(d_mooneyFraction, "mooneyFraction")};
+    Data<VecReal> d_relaxation{this->fromTable(d_relaxation, "relaxation")};
     Data<VecReal> d_yieldStress{this->fromTable(d_yieldStress, "yieldStress")};
     DataWord d_yieldNorm{this->fromTable(d_yieldNorm, "yieldNorm")};
     DataWord d_yieldStressMeasure{this->fromTable(d_yieldStressMeasure, "yieldStressMeasure")};
@@ -96,6 +97,7 @@ protected:
     void updatePart() override;
     bool othersHaveChanged() override;
     void resetPart() override;
+    void beginStep(SReal time, SReal dt) override;
     void endStep(SReal dt) override;
     void addPartForce(SReal time, ConstPoints x, ConstPoints v, Points f) override;
     void addStiffnessProduct(double factor, ConstPoints dx, Points df) const override;

@@ -5,12 +5,14 @@
 #include <Hexaplast/MaterialRegion.h>
 #include <sofa/component/topology/container/dynamic/HexahedronSetTopologyModifier.h>
 #include <sofa/component/topology/container/grid/SparseGridTopology.h>
+#include <sofa/core/behavior/OdeSolver.h>
 #include <sofa/core/topology/TopologyChange.h>
 #include <sofa/core/visual/VisualParams.h>
 #include <sofa/helper/ColorMap.h>
 
 #include <Hexaplast/PartForceField.inl>
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include "attributes/hexaplast.hpp"
@@ -150,6 +152,15 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::resetPart()
         m_body->remove(gone);
     }
     m_outputs.setDirtyValue();
+}
+
+// Relaxation within a step follows from its length; in an equilibrium it is over.
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::beginStep(SReal, SReal dt)
+{
+    const auto* solver = this->getContext()->template get<sofa::core::behavior::OdeSolver>();
+    const bool isStatic = solver && solver->getClassName() == "StaticSolver";
+    m_body->body().set_time_step(isStatic ? std::numeric_limits<SReal>::infinity() : dt);
 }
 
 template <class TDataTypes>

@@ -1,0 +1,382 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Viscoelastic branches against closed forms, and against what must hold of them.
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <sstream>
+
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/moving_body.hpp"
+#include "hexaplast/solve/cholesky.hpp"
+#include "hexaplast/solve/newton_raphson.hpp"
+#include "support/compare.hpp"
+#include "support/dense.hpp"
+#include "support/materials.hpp"
+#include "support/shapes.hpp"
+
+namespace hexaplast {
+namespace {
+
+using support::agrees;
+using support::force_at;
+using support::kEdge;
+using support::mapped;
+using support::max_abs;
+using support::Random;
+using support::stiffness_at;
+
+constexpr double kEquilibrium = std::numeric_limits<double>::infinity();
+
+Settings relaxing(std::vector<double> relaxation, RestShape rest_shape = RestShape::kJoined) {
+  return {.relaxation = std::move(relaxation),
+          .recovery = RecoveryMode::kNone,
+          .rest_shape = rest_shape,
+          .implementation = Implementation::kPlain};
+}
+
+void step(Body& body, const PointArray& x, double h) {
+  body.set_time_step(h);
+  body.flow(x, h);
+}
+
+/// What acts at the moment.
+PointArray force_now(Body& body, const PointArray& x) {
+  body.set_time_step(0);
+  return force_at(body, x);
+}
+
+Mat3 deviator(const Mat3& S) { return S - S.trace() / 3 * Mat3::Identity(); }
+
+// P = P of slow deformation + sum 2 g mu e^(-t/T) R dev S, whatever the steps.
+TEST(Relaxation, AfterAJumpIsExponentialForAnySteps) {
+  const std::vector<double> relaxation{0.7, 0.3, 2, 0.05};
+  const HexMesh mesh = support::distorted_block({2, 2, 2}, kEdge, 0.15, 701);
+  const Material material{.young_modulus = 4000, .poisson_ratio = 0.4};
+  Body body(mesh, {material}, relaxing(relaxation)), slow(mesh, {material});
+  Mat3 F = Mat3::Identity();
+  F(0, 0) = 1.3;
+  F(0, 1) = 0.6;
+  const Eigen::JacobiSVD<Mat3> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Mat3 R = svd.matrixU() * svd.matrixV().transpose(), S = R.transpose() * F;
+  const double mu = lame(material.young_modulus, material.poisson_ratio).mu;
+  const PointArray x = mapped(mesh.positions(), F), slow_force = force_at(slow, x);
+  const double volume = body.initial_volume();
+
+  step(body, x, 1e-13);
+  double time = 0;
+  for (const double h : {0.01, 0.2, 0.003, 1.5, 0.07}) {
+    double held = 0;
+    for (std::size_t k = 0; k < relaxation.size(); k += 2)
+      held += 2 * relaxation[k] * mu * std::exp(-time / relaxation[k + 1]);
+    const PointArray f = force_now(body, x) - slow_force;
+    const Mat3 P = -f.transpose() * mesh.positions() / volume;
+    EXPECT_TRUE(agrees(P, Mat3(held * R * deviator(S)), 1e-8)) << time;
+    step(body, x, h);
+    time += h;
+  }
+}
+
+TEST(Relaxation, ASuddenChangeMeetsAllModuliAndAnEquilibriumTheSlowOnes) {
+  const HexMesh mesh = support::distorted_block({2, 2, 2}, kEdge, 0.15, 702);
+  const double E = 4000, nu = 0.4, g = 1.5;
+  Body body(mesh, {{.young_modulus = E, .poisson_ratio = nu}}, relaxing({g, 0.3})),
+      slow(mesh, {{.young_modulus = E, .poisson_ratio = nu}});
+  Random random(703);
+  const PointArray x = mesh.positions() + random.field(mesh.num_nodes(), 0.1 * kEdge);
+  step(body, x, 0.1);
+  body.set_time_step(kEquilibrium);
+  EXPECT_TRUE(agrees(force_at(body, x), force_at(slow, x), 1e-12));
+  EXPECT_TRUE(agrees(stiffness_at(body, x), stiffness_at(slow, x), 1e-12));
+  body.flow(x, 0.1);
+  EXPECT_TRUE(agrees(force_now(body, x), force_at(slow, x), 1e-12)) << "nothing is held";
+
+  // small strain without change of volume: (1 + g) times the force
+  body.reset();
+  const Mat3 strain = 1e-7 * deviator(Mat3(Vec3(2, -1, 0.3).asDiagonal()));
+  const PointArray sheared = mapped(mesh.positions(), Mat3::Identity() + strain);
+  EXPECT_TRUE(agrees(force_now(body, sheared), PointArray((1 + g) * force_at(slow, sheared)), 1e-6));
+}
+
+// Uniaxial stress on a cube: strain = stress (1/(9 K) + (1 - g/(1 + g) e^(-t/(T (1 + g))))/(3 mu)).
+TEST(Relaxation, CreepIsOfSecondOrder) {
+  const double E = 1000, nu = 0.3, g = 1, T = 0.5, end = 2, stress = 1e-4;
+  const Lame k = lame(E, nu);
+  const auto strain_at = [&](double time) {
+    const double bulk = k.lambda + 2 * k.mu / 3;
+    return stress * (1 / (9 * bulk) + (1 - g / (1 + g) * std::exp(-time / (T * (1 + g)))) / (3 * k.mu));
+  };
+  const HexMesh mesh = support::block({1, 1, 1}, 1);
+  const PointArray& X = mesh.positions();
+  const auto error = [&](double h) {
+    Body body(mesh, {{.young_modulus = E, .poisson_ratio = nu}}, relaxing({g, T}));
+    PointArray x = X;
+    const auto equilibrate = [&](double dt) {
+      body.set_time_step(dt);
+      for (int iteration = 0; iteration < 3; ++iteration) {
+        Eigen::MatrixXd K = stiffness_at(body, x);
+        PointArray f = force_at(body, x);
+        for (int n = 0; n < 8; ++n) {
+          if (X(n, 0) > 0.5) f(n, 0) += stress / 4;
+          for (int axis = 0; axis < 3; ++axis)  // each axis is held in its plane through the origin
+            if (X(n, axis) == 0) {
+              f(n, axis) = 0;
+              K.row(3 * n + axis).setZero();
+              K(3 * n + axis, 3 * n + axis) = 1;
+            }
+        }
+        x += support::unstacked(K.partialPivLu().solve(support::stacked(f)));
+      }
+      body.flow(x, dt);
+    };
+    equilibrate(1e-13);
+    double worst = std::abs(x.col(0).maxCoeff() - 1 - strain_at(0));
+    EXPECT_LE(worst, 1e-6 * stress / E);
+    for (int n = 1; n <= std::lround(end / h); ++n) {
+      equilibrate(h);
+      worst = std::max(worst, std::abs(x.col(0).maxCoeff() - 1 - strain_at(n * h)));
+    }
+    return worst / strain_at(end);
+  };
+  const double coarse = error(0.2), middle = error(0.1), fine = error(0.05);
+  EXPECT_LE(coarse, 1e-3);
+  EXPECT_NEAR(coarse / middle, 4, 0.15);
+  EXPECT_NEAR(middle / fine, 4, 0.1);
+}
+
+/// A block whose branches hold what a random path has left in them; `flows`: and whose samples have flowed.
+struct Held {
+  explicit Held(bool flows, std::uint64_t seed = 704)
+      : random(seed),
+        mesh(support::distorted_block({2, 2, 2}, kEdge, 0.15, seed + 1)),
+        body(mesh, {flows ? Material{.yield_stress = 100, .flow_rate = 8, .hardening = 0.2} : Material{}},
+             relaxing({0.7, 0.3, 2, 0.02}, flows ? RestShape::kIsolated : RestShape::kJoined)) {
+    for (int n = 0; n < 6; ++n) step(body, placed(), random.uniform(0.01, 0.1));
+    body.set_time_step(0.03);
+  }
+  PointArray placed(double size = 0.15) {
+    return mapped(PointArray(mesh.positions() + random.field(mesh.num_nodes(), size * kEdge)), random.rotation(),
+                  random.vector(1));
+  }
+  Random random;
+  HexMesh mesh;
+  Body body;
+};
+
+class HeldBody : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(That, HeldBody, testing::Bool(),
+                         [](const auto& test) { return test.param ? "flows" : "is_elastic"; });
+
+TEST_P(HeldBody, ForceIsTheSlopeOfTheEnergyInBalanceAndTurnsWithTheBody) {
+  Held held(GetParam());
+  const PointArray x = held.placed(), u = held.random.field(held.mesh.num_nodes(), 1), f = force_at(held.body, x);
+  const double slope =
+      support::central_difference([&](double size) { return held.body.energy(x + size * u); }, 1e-6 * kEdge);
+  EXPECT_NEAR(-f.cwiseProduct(u).sum(), slope, 1e-6 * std::abs(slope));
+
+  const double size = f.cwiseAbs().sum();
+  EXPECT_LE(f.colwise().sum().norm(), 1e-12 * size);
+  const PointArray arms = x.rowwise() - x.colwise().mean();
+  EXPECT_LE(support::moment(arms, f).norm(), 1e-12 * size * kEdge);
+  const Mat3 Q = held.random.rotation();
+  EXPECT_TRUE(agrees(force_at(held.body, mapped(x, Q, held.random.vector(1))), mapped(f, Q), 1e-12));
+}
+
+TEST_P(HeldBody, TangentIsSymmetricAndHasNoNegativeEigenvalue) {
+  Held held(GetParam());
+  const PointArray x = held.placed(), dx = held.random.field(held.mesh.num_nodes(), 1);
+  const Eigen::MatrixXd K = stiffness_at(held.body, x);
+  EXPECT_LE(max_abs(K - K.transpose()), 1e-12 * max_abs(K));
+  const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues();
+  EXPECT_GE(eigenvalues[0], -1e-12 * eigenvalues[eigenvalues.size() - 1]);
+  PointArray product = PointArray::Zero(x.rows(), 3);
+  held.body.add_stiffness_product(-1, dx, product);
+  EXPECT_TRUE(agrees(support::stacked(product), Eigen::VectorXd(K * support::stacked(dx)), 1e-12));
+}
+
+// What is dissipated by relaxation, and what the energy loses when it is accounted for.
+TEST_P(HeldBody, DissipatesInEveryStepOfARandomPath) {
+  Held held(GetParam());
+  for (int n = 0; n < 200; ++n) {
+    const PointArray x = held.placed(held.random.uniform(0, 0.2));
+    const double h = std::pow(10, held.random.uniform(-6, n % 2 == 0 ? 1 : -1.5)),
+                 before = held.body.dissipated_energy();
+    held.body.set_time_step(h);
+    const double energy = held.body.energy(x);
+    held.body.flow(x, h);
+    EXPECT_GE(held.body.dissipated_energy(), before) << n;
+    EXPECT_LE(held.body.energy(x), energy * (1 + 1e-12)) << n;
+  }
+}
+
+TEST(Relaxation, WorkOnAClosedPathIsStoredAndDissipated) {
+  const HexMesh mesh = support::distorted_block({2, 1, 1}, kEdge, 0.15, 706);
+  Random random(707);
+  const PointArray u = random.field(mesh.num_nodes(), 0.3 * kEdge), w = random.field(mesh.num_nodes(), 0.3 * kEdge);
+  const auto defect = [&](int steps) {
+    Body body(mesh, {{}}, relaxing({0.7, 0.3, 2, 0.1}));
+    PointArray x = mesh.positions(), f = force_now(body, x);
+    double work = 0;
+    for (int n = 1; n <= steps; ++n) {
+      const double angle = 2 * std::numbers::pi * n / steps;
+      const PointArray next = mesh.positions() + std::sin(angle) * u + (1 - std::cos(angle)) * w;
+      step(body, next, 1.0 / steps);
+      const PointArray force = force_now(body, next);
+      work -= (f + force).cwiseProduct(next - x).sum() / 2;
+      x = next, f = force;
+    }
+    return (work - body.energy(x) - body.dissipated_energy()) / body.dissipated_energy();
+  };
+  const double coarse = defect(50), middle = defect(100), fine = defect(200);
+  EXPECT_LE(std::abs(coarse), 1e-2);
+  EXPECT_NEAR(coarse / middle, 4, 0.3);
+  EXPECT_NEAR(middle / fine, 4, 0.15);
+}
+
+// Branches carry more than yield stress while stretch grows, and none of it for ever.
+TEST(Relaxation, StressAfterAHoldIsTheYieldStress) {
+  const double tau = 100;
+  const HexMesh mesh = support::block({1, 1, 1}, kEdge);
+  Body body(mesh, {{.young_modulus = 5000, .poisson_ratio = 0.3, .yield_stress = tau, .flow_rate = 4}},
+            relaxing({1, 0.2}, RestShape::kIsolated));
+  const auto stretched = [&](double stretch) {
+    return mapped(mesh.positions(), Vec3(stretch, 1 / std::sqrt(stretch), 1 / std::sqrt(stretch)).asDiagonal());
+  };
+  const double h = 0.01;
+  double greatest = 0, previous = std::numeric_limits<double>::infinity();
+  for (int n = 1; n <= 20; ++n) {
+    step(body, stretched(1 + 0.01 * n), h);
+    greatest = std::max(greatest, body.fields(stretched(1 + 0.01 * n)).stress_norm[0]);
+  }
+  EXPECT_GT(greatest, 2.5 * tau);
+  for (const int steps : {100, 100, 1000}) {
+    for (int n = 0; n < steps; ++n) step(body, stretched(1.2), h);
+    const double stress = body.fields(stretched(1.2)).stress_norm[0];
+    EXPECT_GT(stress, tau * (1 - 1e-12));
+    EXPECT_LT(stress, previous);
+    previous = stress;
+  }
+  EXPECT_NEAR(previous, tau, 1e-4 * tau);
+}
+
+// However stiff the branches are: more flow than that would take the stress below it, or turn it round.
+TEST(Relaxation, PlasticityWithoutARateReturnsToTheYieldStress) {
+  const double tau = 100, h = 0.01;
+  const HexMesh mesh = support::block({1, 1, 1}, kEdge);
+  Body body(mesh, {{.young_modulus = 5000, .poisson_ratio = 0.3, .yield_stress = tau, .flow_rate = 500}},
+            relaxing({4, 100}, RestShape::kIsolated));
+  const PointArray x = mapped(mesh.positions(), Vec3(1.01, 1 / std::sqrt(1.01), 1 / std::sqrt(1.01)).asDiagonal());
+  step(body, x, h);
+  EXPECT_NEAR(body.fields(x).stress_norm[0], tau, 0.01 * tau);
+}
+
+// Pairs of opposite stretches have no rotation, and the moment that balances a stress no bound.
+TEST(Relaxation, ForcesOfInvertedSamplesAreBoundedAndInBalance) {
+  const HexMesh mesh = support::block({1, 1, 1}, kEdge);
+  Body body(mesh, {{}}, relaxing({1, 0.2}));
+  Mat3 F = Mat3::Identity();
+  F(0, 1) = F(2, 1) = 0.3;
+  step(body, mapped(mesh.positions(), F), 1e-3);
+  body.set_time_step(1e-3);
+  const double size = max_abs(force_at(body, mapped(mesh.positions(), F)));
+  for (const double least : {-0.3, -0.5 + 1e-3, -0.5 + 1e-6, -0.5 + 1e-9, -0.5 + 1e-15}) {
+    const PointArray x = mapped(mesh.positions(), Vec3(1.1, 0.5, least).asDiagonal()), f = force_at(body, x);
+    EXPECT_LE(max_abs(f), 100 * size) << least;
+    EXPECT_LE(support::moment(x, f).norm(), 1e-12 * f.cwiseAbs().sum() * kEdge) << least;
+  }
+}
+
+TEST(Relaxation, GoesOnFromWhatWasSavedBitForBitAndBeginsAgain) {
+  const HexMesh mesh = support::distorted_block({3, 1, 1}, kEdge, 0.1, 708);
+  const Material material{.yield_stress = 60, .flow_rate = 4};
+  const auto made = [&](std::vector<double> relaxation) {
+    return MovingBody(Body(mesh, {material}, relaxing(std::move(relaxation), RestShape::kIsolated)),
+                      {.dt = 0.01, .gravity = {0, -9.81, 0}, .fixed = support::nodes_at(mesh, 0, 0, 0.2 * kEdge)});
+  };
+  MovingBody straight = made({0.7, 0.3, 2, 0.02}), second = made({0.7, 0.3, 2, 0.02}), other = made({0.7, 0.3});
+  const std::string initial = straight.state_hash();
+  straight.run(30);
+  std::stringstream file;
+  straight.save(file);
+  second.load(file);
+  EXPECT_EQ(second.state_hash(), straight.state_hash());
+  straight.run(30);
+  second.run(30);
+  EXPECT_EQ(second.state_hash(), straight.state_hash());
+  EXPECT_GT(straight.body.dissipated_energy(), 0);
+
+  file.seekg(0);
+  EXPECT_THROW(other.load(file), InputError);
+  straight.reset();
+  EXPECT_EQ(straight.state_hash(), initial);
+}
+
+// A time integrator says how long its step is, a static analysis that it is for ever.
+TEST(Relaxation, StaticAnalysisFindsTheEquilibriumOfSlowDeformation) {
+  const HexMesh mesh = support::block({4, 1, 1}, kEdge);
+  const auto deflection = [&](Settings settings) {
+    Body body(mesh, {{}}, std::move(settings));
+    LoadedBody system(body, lumped_masses(body, 1000), support::nodes_at(mesh, 0, 0),
+                      [](double, ConstPoints, Points f) { f.col(1).array() -= 1e-4; });
+    CholeskySolver solver;
+    PointArray x = mesh.positions();
+    NewtonRaphson({.iterations = 100, .relative_initial = 1e-12}).solve(system, solver, 0, x);
+    return PointArray(x - mesh.positions());
+  };
+  EXPECT_TRUE(agrees(deflection(relaxing({3, 0.2})), deflection(relaxing({})), 1e-8));
+}
+
+TEST(Relaxation, NamesWhatItNeedsAndWhatIsWrong) {
+  const auto refusal = [](const auto& change) {
+    Settings settings = relaxing({1, 0.2}, RestShape::kIsolated);
+    change(settings);
+    try {
+      validate(settings, Names::kScenes);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(refusal([](Settings&) {}), "");
+  EXPECT_EQ(refusal([](Settings& s) {
+              s.relaxation = {1, 0.2, 3};
+            }),
+            "relaxation: 3 numbers, must be pairs of a modulus and a time, at most 8");
+  EXPECT_EQ(refusal([](Settings& s) { s.relaxation.assign(18, 1); }),
+            "relaxation: 18 numbers, must be pairs of a modulus and a time, at most 8");
+  EXPECT_EQ(refusal([](Settings& s) { s.relaxation = {1, 0}; }), "relaxation = 0: must lie in (0, inf)");
+  EXPECT_EQ(refusal([](Settings& s) { s.relaxation = {1, kEquilibrium}; }), "relaxation = inf: must lie in (0, inf)");
+  EXPECT_EQ(refusal([](Settings& s) { s.implementation = Implementation::kFast; }),
+            "relaxation needs implementation = plain");
+  EXPECT_EQ(refusal([](Settings& s) { s.bending = Bending::kBlended; }), "relaxation needs bending = assumedCorner");
+  EXPECT_EQ(refusal([](Settings& s) { s.volumetric = Volumetric::kSample; }),
+            "relaxation needs volumetric = volumeRatio");
+  EXPECT_EQ(refusal([](Settings& s) { s.rest_shape = RestShape::kJoined, s.law = ElasticLaw::kMooneyRivlin; }),
+            "relaxation needs law = corotated");
+  const HexMesh mesh = support::block({1, 1, 1}, kEdge);
+  const Material flowing{.yield_stress = 1, .flow_rate = 1};
+  EXPECT_TRUE(support::refuses<InputError>(
+      [&] {
+        Body(mesh, {flowing}, relaxing({1, 0.2}));
+      },
+      {"relaxation of a body that yields needs rest_shape = isolated"}));
+
+  Body body(mesh, {{}}, relaxing({1, 0.2}));
+  const PointArray& x = mesh.positions();
+  for (const auto& call : std::vector<std::function<void()>>{[&] { body.linearize(x); }, [&] { body.energy(x); },
+                                                             [&] { body.flow(x, 0.1); }})
+    EXPECT_TRUE(support::refuses<InputError>(call, {"set_time_step must be called first"}));
+  EXPECT_TRUE(support::refuses<InputError>([&] { body.set_time_step(-1); }, {"dt = -1 s: must lie in [0, inf]"}));
+  body.set_time_step(0.1);
+  EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(x, 0.2); }, {"must be the time step", "0.1 s"}));
+  body.linearize(x);
+  body.set_time_step(0.2);
+  PointArray f = PointArray::Zero(x.rows(), 3);
+  EXPECT_TRUE(support::refuses<InputError>([&] { body.add_force(f); }, {"since set_time_step"}));
+}
+
+}  // namespace
+}  // namespace hexaplast
