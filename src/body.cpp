@@ -115,7 +115,15 @@ const Material& Body::material(int hexahedron) const {
 const Settings& Body::settings() const { return state_->model.settings; }
 bool Body::can_flow() const { return state_->model.can_flow(); }
 
-const PointArray& Body::plastic_rest_positions() const { return state_->history.plastic_rest_positions; }
+const PointArray& Body::plastic_rest_positions() const {
+  const History& history = state_->history;
+  return history.has_isolated_flow() ? state_->released.positions(state_->model, history)
+                                     : history.plastic_rest_positions;
+}
+bool Body::plastic_rest_has_converged() const {
+  plastic_rest_positions();
+  return !state_->history.has_isolated_flow() || state_->released.report().converged;
+}
 std::span<const unsigned char> Body::alive() const { return state_->history.alive; }
 std::span<const int> Body::removed() const { return state_->history.removed; }
 std::span<const CornerValues> Body::yield_stress() const { return state_->history.yield_stress; }

@@ -14,6 +14,7 @@
 #include "material/relaxation.hpp"
 #include "plain/plain.hpp"
 #include "plastic/flow.hpp"
+#include "released_shape.hpp"
 
 namespace hexaplast {
 
@@ -55,6 +56,7 @@ struct Body::State {
   std::deque<RecoveryTerm> springs;           // of the systems described since `linearize`, one for each factor
   std::deque<plain::StiffnessTerm> terms;     // the same of a plain body
   std::optional<ElementHierarchy> hierarchy;  // made when a solver first asks for coarse operators
+  ReleasedShape released;                     // of isolated rest shapes, made when it is first asked for
 };
 
 }  // namespace hexaplast

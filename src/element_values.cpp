@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "base/require.hpp"
+#include "body_state.hpp"
 #include "hexaplast/body.hpp"
 #include "mesh/trilinear.hpp"
 
@@ -36,7 +37,8 @@ std::vector<double> element_volumes(const Body& body, ConstPoints x) {
 }
 
 std::vector<double> plastic_volume_ratios(const Body& body) {
-  std::vector<double> ratios = element_volumes(body, body.plastic_rest_positions());
+  // of isolated rest shapes the mesh, whose volumes flow keeps
+  std::vector<double> ratios = element_volumes(body, body.state().history.plastic_rest_positions);
   for (std::size_t e = 0; e < ratios.size(); ++e) ratios[e] /= body.initial_volume(static_cast<int>(e));
   return ratios;
 }

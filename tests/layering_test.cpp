@@ -62,7 +62,7 @@ const std::map<std::string, int> kHeight{
 std::optional<std::string> module_of(const fs::path& path) {
   if (path.empty()) return std::nullopt;
   const std::string first = path.begin()->stem().string();
-  if (first == "body_state") return "body";
+  if (first == "body_state" || first == "released_shape") return "body";
   if (kHeight.count(first)) return first;
   return std::nullopt;
 }

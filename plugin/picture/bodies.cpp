@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "picture/bodies.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 namespace hexaplast::output {
@@ -21,6 +22,8 @@ HexMesh mesh_of_all(std::span<const Bodies::Entry> entries) {
   }
   return {std::move(positions), std::move(hexahedra)};
 }
+
+bool is_joined(const Body& body) { return body.settings().rest_shape == RestShape::kJoined; }
 
 }  // namespace
 
@@ -91,6 +94,18 @@ double Bodies::volume(ConstPoints positions) const {
 
 double Bodies::initial_volume() const {
   return sum_over(entries_, [](const Entry& entry) { return entry.body->initial_volume(); });
+}
+
+bool Bodies::has_joined_rest_shapes() const {
+  return std::ranges::all_of(entries_, [](const Entry& entry) { return is_joined(*entry.body); });
+}
+
+// Flow at isolated quadrature points keeps the volume of each hexahedron.
+double Bodies::plastic_volume() const {
+  return sum_over(entries_, [](const Entry& entry) {
+    const Body& body = *entry.body;
+    return body.volume(is_joined(body) ? body.plastic_rest_positions() : body.mesh().positions());
+  });
 }
 
 std::size_t Bodies::num_removed() const {

@@ -40,6 +40,12 @@ class Bodies {
   double initial_volume() const;
   std::size_t num_removed() const;
 
+  /// Plastic rest positions are at hand: with isolated rest shapes they take linear systems.
+  bool has_joined_rest_shapes() const;
+
+  /// [m^3] of the remaining hexahedra without elastic deformation.
+  double plastic_volume() const;
+
   /// The rows of one body.
   template <class Field>
   static auto rows(const Entry& entry, Field& field) {

@@ -25,6 +25,10 @@ class Measurement {
   /// positions: num_nodes x 3 [m], the current state; the plastic rest shape is the body's present one.
   Measures measure(ConstPoints positions) const;
 
+  /// The same without plastic elongation and twist, which are no numbers then: with isolated rest shapes they take
+  /// linear systems.
+  Measures measure_current(ConstPoints positions) const;
+
  private:
   Bodies bodies_;
   EndSections ends_;

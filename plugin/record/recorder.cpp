@@ -45,7 +45,7 @@ std::string balance_columns(const EnergyBalance& energy) {
 /// The first line of history.csv.
 std::string header_of(const RunPlan& plan) {
   std::string names(kHeader);
-  names.append(plan.has_ends ? kPlasticEndsHeader : "").append(kStepHeader);
+  names.append(plan.has_plastic_ends ? kPlasticEndsHeader : "").append(kStepHeader);
   names.append(plan.has_ends ? kWorldEndsHeader : "").append(plan.has_energy_balance ? kBalanceHeader : "");
   if (plan.has_energy_balance && plan.has_contact) names += kContactHeader;
   for (const std::string& probe : plan.probes) names += fmt::format(",{}", probe_column(probe));
@@ -270,20 +270,18 @@ void Recorder::Files::append_removed(const StepRecord& record) {
 }
 
 std::string Recorder::Files::row_of(const StepRecord& record, ConstPoints positions) const {
-  const Measures measures = measurement.measure(positions);
-  const auto between_ends = [&](double elongation, double twist_deg) {
-    return plan.has_ends ? fmt::format(",{},{}", elongation, twist_deg) : "";
-  };
+  const Measures measures =
+      plan.has_plastic_ends ? measurement.measure(positions) : measurement.measure_current(positions);
   std::string row =
       fmt::format("{},{},{},{},{},{},{}", record.step, record.time, record.kinetic_energy,
                   record.energy ? record.energy->elastic : bodies.energy(positions), bodies.dissipated_energy(),
                   measures.current_volume_ratio, measures.plastic_rest_volume_ratio);
-  row += between_ends(measures.plastic_elongation, measures.plastic_twist_deg);
+  if (plan.has_plastic_ends) row += fmt::format(",{},{}", measures.plastic_elongation, measures.plastic_twist_deg);
   row += fmt::format(",{},{},{},{},{},{},{},{}",
                      mean_displacement(plan.loaded_nodes, bodies.mesh().positions(), positions), record.flow.yielded,
                      record.flow.inverted, bodies.num_removed(), record.solver_iterations, record.residual,
                      record.step_ms, record.flow.rolled_back);
-  row += between_ends(measures.current_elongation, measures.current_twist_deg);
+  if (plan.has_ends) row += fmt::format(",{},{}", measures.current_elongation, measures.current_twist_deg);
   if (plan.has_energy_balance) row += balance_columns(*record.energy);
   if (plan.has_energy_balance && plan.has_contact)
     row += fmt::format(",{},{},{}", record.instrument_work, record.contact_energy, record.friction_loss);

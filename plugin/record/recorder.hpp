@@ -24,6 +24,7 @@ struct RunPlan {
   double dt = 0;                    ///< [s]
   bool has_energy_balance = false;  ///< every StepRecord has one
   bool has_ends = true;             ///< elongation and twist between the end sections mean something
+  bool has_plastic_ends = true;     ///< those of the shape without load are columns of history.csv
   bool has_contact = false;         ///< beside it every StepRecord has what instruments that touch do
   int output_every = 25;            ///< steps between two .vtu files; the first and the last state are always written
   bool has_viewer = true;           ///< viewer.json is written, for the report

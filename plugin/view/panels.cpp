@@ -121,7 +121,7 @@ void draw_view(WindowState& window) {
     ImGui::EndCombo();
   }
   int ghost = static_cast<int>(window.look.ghost);
-  if (choose("ghost", ghost, kGhosts)) window.look.ghost = static_cast<Ghost>(ghost);
+  if (choose("ghost", ghost, kGhosts)) window.show_ghost(static_cast<Ghost>(ghost));
   explain("Shape behind the body: the initial shape, or the shape without load (G)");
   int cut = window.cut_axis + 1;
   if (choose("cut", cut, kCuts)) window.cut_axis = cut - 1;

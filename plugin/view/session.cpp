@@ -257,6 +257,10 @@ void Session::show(Quantity quantity) {
   post([this, quantity] { quantity_ = quantity; });
 }
 
+void Session::show_plastic_rest(bool shows) {
+  post([this, shows] { shows_plastic_rest_ = shows; });
+}
+
 void Session::grab(const Touch& touch, const HandSettings& settings) {
   post([this, touch, settings] {
     if (failure_.empty()) attempt([&] { hand_.grab(touch, settings); });
@@ -455,6 +459,11 @@ output::BoundaryConditions Session::conditions() const {
   return conditions;
 }
 
+/// That of isolated rest shapes takes as long as some steps.
+bool Session::wants_plastic_rest() const {
+  return shows_plastic_rest_ || !back_.is_running || shown_.has_joined_rest_shapes();
+}
+
 void Session::publish() {
   const PointArray& x = gather(&scene::MechanicalState::positions, positions_);
   const ElementFields fields = shown_.fields(x);
@@ -465,7 +474,8 @@ void Session::publish() {
   for (const std::string& message : hand_.take_messages()) messages_.push_back(message);
   back_.messages = std::exchange(messages_, {});
   back_.positions = x;
-  back_.plastic_rest = shown_.plastic_rest_positions();
+  const bool wants_rest = wants_plastic_rest();
+  back_.plastic_rest = wants_rest ? shown_.plastic_rest_positions() : mesh().positions();
   const std::span<const unsigned char> alive = shown_.alive();
   back_.alive.assign(alive.begin(), alive.end());
   publish_values(fields);
@@ -478,7 +488,7 @@ void Session::publish() {
   back_.conditions = conditions();
   back_.num_undo = static_cast<int>(saved_.size());
   back_.sample = {.time = subject_.scene.time(),
-                  .measures = measurement_.measure(x),
+                  .measures = wants_rest ? measurement_.measure(x) : measurement_.measure_current(x),
                   .greatest_plastic_strain = std::ranges::max(fields.plastic_strain),
                   .kinetic_energy = latest_.kinetic_energy,
                   .elastic_energy = shown_.energy(x),

@@ -65,6 +65,10 @@ class Session final : public Source {
   void set_pace(Pace pace, double speed = 1) override;
   void show(Quantity quantity) override;
 
+  /// Whether the plastic rest shape is looked at. With isolated rest shapes it is not found otherwise while the scene
+  /// moves: its positions are the initial ones then, and its measures no numbers.
+  void show_plastic_rest(bool shows);
+
   /// Takes hold of the surface of the body nearest to the place; what was held before is let go.
   void grab(const Touch& touch, const HandSettings& settings);
   void drag(const Vec3& place);  ///< moves the hand: where the place that was taken hold of is to go [m]
@@ -124,6 +128,7 @@ class Session final : public Source {
   std::vector<scene::Data::Given> given_parameters() const;
   const PointArray& gather(PointArray& (scene::MechanicalState::*field)(), PointArray& all) const;
   void publish();
+  bool wants_plastic_rest() const;
   void publish_values(const ElementFields& fields);
   output::BoundaryConditions conditions() const;
 
@@ -148,6 +153,7 @@ class Session final : public Source {
   std::vector<std::string> messages_;
   std::vector<float> step_ms_;
   Quantity quantity_ = Quantity::kPlasticStrain;
+  bool shows_plastic_rest_ = false;
   bool has_changed_ = true;  // since the latest snapshot
   std::deque<Saved> saved_;  // the latest at the end
   std::vector<Change> changes_;

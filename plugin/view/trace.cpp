@@ -95,10 +95,11 @@ void Traces::add(const Snapshot& snapshot) {
   }
   const double time = sample.time;
   current_elongation.add(time, 100 * sample.measures.current_elongation);
-  plastic_elongation.add(time, 100 * sample.measures.plastic_elongation);
   plastic_strain.add(time, sample.greatest_plastic_strain);
   current_volume.add(time, 100 * (sample.measures.current_volume_ratio - 1));
   plastic_rest_volume.add(time, 100 * (sample.measures.plastic_rest_volume_ratio - 1));
+  if (std::isfinite(sample.measures.plastic_elongation))  // it was found
+    plastic_elongation.add(time, 100 * sample.measures.plastic_elongation);
   kinetic.add(time, sample.kinetic_energy);
   elastic.add(time, sample.elastic_energy);
   dissipated.add(time, sample.dissipated_energy);

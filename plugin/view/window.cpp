@@ -118,8 +118,7 @@ class Window {
         look.shows_edges = !look.shows_edges;
         return;
       case GLFW_KEY_G:
-        look.ghost = look.ghost == Ghost::kNone ? Ghost::kInitial : Ghost::kNone;
-        return;
+        return state_.show_ghost(look.ghost == Ghost::kNone ? Ghost::kInitial : Ghost::kNone);
       case GLFW_KEY_Q:
         glfwSetWindowShouldClose(screen_.window(), GLFW_TRUE);
         return;

@@ -37,6 +37,11 @@ WindowState::WindowState(WindowCall& call)
 
 void WindowState::set_pace() { source.set_pace(pace, speed); }
 
+void WindowState::show_ghost(Ghost ghost) {
+  look.ghost = ghost;
+  if (session) session->show_plastic_rest(ghost == Ghost::kPlasticRest);
+}
+
 void WindowState::take(double clock) {
   frames.count(1, clock);
   long num_steps = 0;

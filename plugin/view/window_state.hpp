@@ -23,6 +23,7 @@ struct WindowState {
   void undo();
   void fit();  ///< looks at the whole body
   void set_pace();
+  void show_ghost(Ghost ghost);
   output::Drawing page() const;  ///< what is shown, as `render` draws it
 
   Source& source;

@@ -84,6 +84,12 @@ void History::set_element(int e, const ElementHistory& element) {
   has_flowed[e] = is_flowed(plastic_inverse[e]);
 }
 
+bool History::has_isolated_flow() const {
+  for (std::size_t e = 0; e < has_flowed.size(); ++e)
+    if (has_flowed[e] && alive[e]) return true;
+  return false;
+}
+
 // By sums, which take a fraction of the time and are no numbers where one of their terms is none.
 bool History::is_finite(int e) const {
   const auto sum = [](const CornerValues& corners) {

@@ -52,6 +52,9 @@ struct History {
     return plastic_inverse.empty() ? nullptr : &plastic_inverse[e];
   }
 
+  /// Whether some element that is there has flowed, of isolated rest shapes.
+  bool has_isolated_flow() const;
+
   /// Whether every number of one element is finite, of the arrays that are there; its thresholds may be infinite, but
   /// must be numbers.
   bool is_finite(int e) const;

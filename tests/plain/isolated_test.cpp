@@ -464,11 +464,11 @@ TEST_P(IsolatedBody, GoesOnFromWhatWasSavedBitForBitAndBeginsAgain) {
   EXPECT_THROW(second.load(shorter), InputError);
 }
 
-TEST_P(IsolatedBody, KeepsPositionsAndVolumesOfTheMesh) {
+TEST_P(IsolatedBody, KeepsVolumesOfTheMesh) {
   Body body = made(10);
   EXPECT_GT(flow(body, 0, 20).yielded, 0);
-  EXPECT_EQ(body.plastic_rest_positions(), body.mesh().positions());
   for (const double ratio : body.fields(body.mesh().positions()).volume_ratio) EXPECT_NEAR(ratio, 1, 1e-14);
+  for (const double ratio : plastic_volume_ratios(body)) EXPECT_NEAR(ratio, 1, 1e-14);
   EXPECT_GT(body.dissipated_energy(), 0);
 }
 

@@ -62,6 +62,23 @@ TEST(HistoryTable, HasOneRowPerStepWithTheBodysNumbersToTheLastBit) {
   EXPECT_GT(history.number(6, "yielded"), 0);
 }
 
+// Of isolated rest shapes they would take linear systems in every step.
+TEST(HistoryTable, LeavesOutTheShapeWithoutLoadWhereItIsNotWanted) {
+  const Scratch scratch;
+  Body body = support::yielding_block();
+  RunPlan run = plan(2, 100);
+  run.has_plastic_ends = false;
+  Recorder recorder(scratch / "run", body, run);
+  const PointArray x = support::record_stretch(recorder, body, 2);
+  const support::Csv history(content(scratch / "run/history.csv"));
+  std::vector<std::string> expected = support::Csv(kHeader).columns();
+  std::erase_if(expected, [](const std::string& name) {
+    return name.starts_with("plastic_elong") || name.starts_with("plastic_twist");
+  });
+  EXPECT_EQ(history.columns(), expected);
+  EXPECT_EQ(history.number(2, "current_elongation"), output::summarise(body, x).current_elongation);
+}
+
 /// Bars of hexahedra that do not touch, each stretched to its own share in every step: they break one after another.
 TEST(RemovedTable, SaysInWhichStepEachHexahedronWent) {
   const Scratch scratch;

@@ -12,6 +12,7 @@
 #include "hexaplast/material/rows.hpp"
 #include "support/compare.hpp"
 #include "support/played.hpp"
+#include "view/trace.hpp"
 
 namespace hexaplast::view {
 namespace {
@@ -42,6 +43,38 @@ TEST(Session, MovesTheSceneAsACommandDoesWhileItIsLookedAt) {
     EXPECT_GT(end.sample.measures.current_elongation, 0);
   }
   EXPECT_EQ(played.hash(), alone.hash_after(40));
+}
+
+// With isolated rest shapes that takes as long as some steps: nobody waits for it while the scene moves.
+TEST(Session, FindsTheReleasedShapeWhereItIsLookedAtOrTheScenePauses) {
+  std::string isolated(kBar);
+  isolated.insert(isolated.find("youngModulus"), "restShape='isolated' ");
+  Played played(isolated);
+  Session session(played.subject(), hand);
+  session.set_pace(Pace::kFree);
+  session.grab(touch(kTop), session.suggested_hand());
+  session.drag(kTop + Vec3(0, 0, 0.15));
+  session.run();
+  const PointArray& initial = session.mesh().positions();
+  Snapshot at = wait_for(
+      session, [](const Snapshot& now) { return now.is_running && now.sample.greatest_plastic_strain > 0.02; });
+  EXPECT_EQ(at.plastic_rest, initial);
+  Traces traces(10, 10);
+  traces.add(at);
+  EXPECT_FALSE(traces.current_elongation.empty());
+  EXPECT_TRUE(traces.plastic_elongation.empty());
+
+  session.show_plastic_rest(true);
+  at = wait_for(session, [&](const Snapshot& now) { return now.is_running && now.plastic_rest != initial; });
+  EXPECT_GT(at.sample.measures.plastic_elongation, 0);
+  traces.add(at);
+  EXPECT_FALSE(traces.plastic_elongation.empty());
+
+  session.show_plastic_rest(false);
+  wait_for(session, [&](const Snapshot& now) { return now.is_running && now.plastic_rest == initial; });
+  session.pause();
+  at = wait_for(session, [](const Snapshot& now) { return !now.is_running; });
+  EXPECT_GT(at.sample.measures.plastic_elongation, 0);
 }
 
 TEST(Session, WhatIsDraggedFarStaysStretched) {

@@ -59,6 +59,13 @@ void check_energy(const EnergyBalance& energy, double put_in, const char* solver
   check(-energy.numerical_loss, "the integrator has added", "take a smaller time step");
 }
 
+void check_rest_shapes(const output::Bodies& bodies, std::vector<std::string>& doubts) {
+  for (const output::Bodies::Entry& entry : bodies.all())
+    if (!entry.body->plastic_rest_has_converged())
+      doubts.push_back(
+          fmt::format("{}: the iterations that find its plastic rest positions did not converge", entry.name));
+}
+
 }  // namespace
 
 void require_supplied(const Simulation& simulation) {
@@ -79,6 +86,7 @@ void require_supplied(const Simulation& simulation) {
 std::vector<std::string> check_results(const Simulation& simulation) {
   std::vector<std::string> doubts;
   if (simulation.bodies()) check_inversions(simulation, doubts);
+  if (simulation.bodies()) check_rest_shapes(*simulation.bodies(), doubts);
   check_solves(simulation, doubts);
   if (simulation.latest().energy)
     check_energy(*simulation.latest().energy, energy_put_in(simulation),
