@@ -211,6 +211,8 @@ Body elastic(const Model& model) {
   Settings settings = model.settings;
   settings.recovery = RecoveryMode::kNone;
   settings.precision = Precision::kDouble;
+  settings.relaxation.clear();  // which is over
+  if (settings.bending == Bending::kAssumedCorner) settings.implementation = Implementation::kFast;
   return {model.mesh, std::move(materials), settings};
 }
 

@@ -175,17 +175,18 @@ def test_what_the_library_refuses_is_a_value_error_with_its_message():
 
 @pytest.mark.parametrize("options", [hexaplast.Material, hexaplast.Settings])
 def test_members_are_keywords_of_the_constructor(options):
-    keywords = re.findall(r"(\w+): (float|int|Literal\[.*?\]) = ", options.__init__.__doc__)
+    keywords = re.findall(r"(\w+): (float|int|list\[float\]|Literal\[.*?\]) = ", options.__init__.__doc__)
     members = {name: of.__doc__ for name, of in vars(options).items() if isinstance(of, property)}
     assert [name for name, _ in keywords] == list(members)
     for name, kind in keywords:
         first = getattr(options(), name)
         words = re.findall(r'"(\w+)"', kind)
-        other = words[-1] if words else int(first) + 1 if math.isfinite(first) else 7
+        is_list = kind == "list[float]"
+        other = words[-1] if words else [0.5, 2] if is_list else int(first) + 1 if math.isfinite(first) else 7
         changed = options(**{name: other})
         assert getattr(changed, name) == other
         assert f"{name}={other!r}" in repr(changed)
-        assert isinstance(getattr(changed, name), str if words else int if kind == "int" else float)
+        assert isinstance(getattr(changed, name), str if words else list if is_list else int if kind == "int" else float)
         assert not {"yieldStress", "rotationYield", "plasticFlowRate"} & set(re.findall(r"\w+", vars(options)[name].__doc__))
         with pytest.raises(TypeError):
             setattr(changed, name, [first])

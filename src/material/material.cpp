@@ -179,7 +179,7 @@ double bytes_per_hexahedron(const std::vector<Material>& materials, const Settin
   const double tensors = (has_stretches ? kCorners : 0) + (turns_at_corners ? kCorners - 1 : 0);
   const double of_branches = settings.num_branches() > 0 ? 1 + settings.num_branches() : 0;  // of six numbers
   if (settings.implementation == Implementation::kPlain)
-    return 15000 + 2 * of_branches * kCorners * 6 * sizeof(double) + (is_isolated ? 2600 : 0) +
+    return 17000 + 2 * of_branches * kCorners * 6 * sizeof(double) + (is_isolated ? 2600 : 0) +
            (flows ? 2 : 1) * tensors * sizeof(Mat3) + (flows ? 1000 : 0);
   const double coefficients = (settings.bending == Bending::kAssumedCorner ? 51 : 0) +
                               (settings.volumetric != Volumetric::kSample ? 42 : 0) +

@@ -57,7 +57,7 @@ TEST_F(CheckpointFile, HasTheDocumentedLayout) {
   const std::string bytes = content("checkpoint_000000001.hxc");
   ASSERT_EQ(bytes.size(), 32u + (8 + 8 + 8 + 8 + 12 + 8) + (8 + 8 + 8 + 4 + 8));
   EXPECT_EQ(bytes.substr(0, 8), std::string("HXPCKPT\0", 8));
-  EXPECT_EQ(bytes.substr(8, 8), std::string("\12\0\0\0\2\0\0\0", 8));
+  EXPECT_EQ(bytes.substr(8, 8), std::string("\13\0\0\0\2\0\0\0", 8));
   EXPECT_EQ(bytes.substr(16, 8), "\xef\xcd\xab\x90\x78\x56\x34\x12");
   EXPECT_EQ(bytes.substr(32, 16), std::string("scene\0\0\0\x1c\0\0\0\0\0\0\0", 16));
 }
@@ -104,7 +104,7 @@ TEST_F(CheckpointFile, SaysWhatIsWrong) {
   EXPECT_NE(refusal("step,time,kinetic_energy").find("other is no checkpoint"), std::string::npos);
   EXPECT_NE(refusal("").find("other is no checkpoint"), std::string::npos);
   bytes[8] = 1;
-  EXPECT_NE(refusal(bytes).find("other has format version 1, must be 10"), std::string::npos);
+  EXPECT_NE(refusal(bytes).find("other has format version 1, must be 11"), std::string::npos);
   EXPECT_THROW(Checkpoint(file("nowhere")), OutputError);
 }
 
