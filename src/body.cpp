@@ -240,10 +240,11 @@ double Body::recovery_work(ConstPoints x) const {
   if (state_->model.settings.recovery == RecoveryMode::kNone) return 0;
   state_->require_linearized("recovery_work");
   if (state_->is_plain())
-    return plain::Elasticity(state_->model, state_->history, x).recovery().energy() -
-           state_->plain->recovery().energy_at(state_->history.plastic_rest_positions, x);
+    return plain::Elasticity(state_->model, state_->history, x).recovery().spring_energy() -
+           state_->plain->recovery().spring_energy_at(state_->history.plastic_rest_positions, x);
   energy(x);  // finds the springs
-  return state_->product.recovery.energy() - state_->at.recovery.energy_at(state_->history.plastic_rest_positions, x);
+  return state_->product.recovery.spring_energy() -
+         state_->at.recovery.spring_energy_at(state_->history.plastic_rest_positions, x);
 }
 
 double Body::energy(ConstPoints x) const {

@@ -9,6 +9,8 @@ the tip, `load` times that of first yield in beam theory, and released: mean def
 block: 3 x 3 x 4 cubes of 1 m, E and yield stress as given, the faces z = 0 and z = 4 held along x and y and moved apart:
 force over yield stress and original area at each stretch.
 C3D8I.
+patch: 20 x 20 mm of the upper face of a block of 60 x 60 x 30 mm, moved up with all they hold, the lower face held: force
+[N] at each height [m]. edge [m]: distance of corner nodes.
 """
 import json
 
@@ -18,6 +20,9 @@ LENGTH, WIDTH, HEIGHT, YOUNG, YIELD = 0.2, 0.01, 0.02, 2.1e6, 2350
 BEAMS = [((20, 1, 8), 0.95, 0), ((20, 1, 8), 1.1, 0), ((20, 1, 8), 1.2, 0), ((20, 1, 8), 1.413, 0),
          ((40, 1, 8), 1.413, 0), ((8, 1, 6), 1.4004, 0), ((40, 2, 10), 1.413, 0.3)]
 STRETCHES = [1.1, 1.2, 1.3]
+BLOCK = (0.06, 0.06, 0.03)
+HEIGHTS = [0.002, 0.004, 0.006, 0.008, 0.01, 0.012]
+PATCHES = [("C3D20R", 0.01), ("C3D8I", 0.01), ("C3D8I", 0.005)]
 EXACT = ["*CONTROLS, PARAMETERS=FIELD", "1e-6, 1e-6, , , 1e-6"]  # ccx's own: half a percent of the forces
 
 
@@ -56,9 +61,26 @@ def block(young, poisson_ratio, yield_stress, increment=0.01):
             "stretch": STRETCHES, "force": [round(force / (9 * yield_stress), 5) for force in forces]}
 
 
+def patch(element, edge):
+    cells = [round(side / edge) for side in BLOCK]
+    lines, number = body(element, Mesh("block", cells, size=BLOCK))
+    near = 2 * round(0.01 / edge)
+    lines += ["*NSET, NSET=LOW"] + [f"{n}," for place, n in number.items() if place[2] == 0]
+    lines += ["*NSET, NSET=HIGH"] + [f"{n}," for place, n in number.items() if place[2] == 2 * cells[2]
+                                     and abs(place[0] - cells[0]) <= near and abs(place[1] - cells[1]) <= near]
+    lines += material(2000, 0.45, 160)
+    for height in HEIGHTS:
+        lines += ["*STEP, NLGEOM, INC=10000", "*STATIC", "0.02, 1, 1e-6, 0.02"] + EXACT
+        lines += ["*BOUNDARY", "LOW, 1, 3", "HIGH, 1, 2", f"HIGH, 3, 3, {height:.9g}"]
+        lines += ["*NODE PRINT, NSET=HIGH, TOTALS=ONLY, FREQUENCY=10000", "RF", "*END STEP"]
+    forces = [float(row[2]) for row in solve(lines) if len(row) == 3]
+    return {"element": element, "edge": edge, "height": HEIGHTS, "force": [round(force, 5) for force in forces]}
+
+
 def main():
+    patches = ",\n".join(" " + json.dumps(patch(*mesh)) for mesh in PATCHES)
     beams = ",\n".join(" " + json.dumps(cantilever(*beam)) for beam in BEAMS)
-    print(f'{{\n"cantilever": [\n{beams}\n],\n"block": {json.dumps(block(5000, 0.45, 50))}\n}}')
+    print(f'{{\n"cantilever": [\n{beams}\n],\n"block": {json.dumps(block(5000, 0.45, 50))},\n"patch": [\n{patches}\n]\n}}')
 
 
 if __name__ == "__main__":

@@ -323,6 +323,19 @@ void report_isolated() {
     print_row(fmt::format("{} plastic steps in each of {} moves per %", flows, moves),
               forces(support::stretch_block(moves, flows)));
 
+  fmt::print("patch: height 2 mm | 4 | 6 | 8 | 10 | 12, force [N]; least corner ratio\n");
+  for (const Json& mesh : reference["patch"]) {
+    std::vector<std::string> row;
+    for (const Json& force : mesh["force"]) row.push_back(fmt::format("{:.3f}", force.get<double>()));
+    print_row(fmt::format("{}, {} mm", mesh["element"].get<std::string>(), 1e3 * mesh["edge"].get<double>()), row);
+  }
+  for (const double edge : {0.01, 0.005}) {
+    std::vector<std::string> row;
+    for (const support::PulledPatch& found : support::pull_patch(edge, 0.012))
+      row.push_back(fmt::format("{:.3f}; {:.2f}", found.force, found.least_corner));
+    print_row(fmt::format("isolated, {} mm", 1e3 * edge), row);
+  }
+
   fmt::print("bars: case | C3D8I | joined | isolated\n");
   const auto central = EndLoad::kCentralStretch, face = EndLoad::kFaceStretch, twist = EndLoad::kFaceTwist;
   report_isolated_bar("tau 50, F .05, central", 50, 5, central, 0.05, {}, "bar_variants", "case",

@@ -105,44 +105,6 @@ HWY_INLINE float* screen_of(const ElementPass<T, Coef>& pass, int block, int lan
   return pass.screen + static_cast<std::size_t>(block) * YieldScreen::kQuantities * kBlock + lane;
 }
 
-/// Whether every corner keeps most of its volume: where the gradient of a corner F_i is nearer than 1 - d1^1/3 to a
-/// rotation, det F_i > d1. Of parallelepipeds that have not flowed, with Q the hourglass modes,                eq. E31
-///
-///   |F_i - R_m|^2 <= 2 |S_m - I|^2 + 2 |F_i - F_m|^2 <= 2 |S_m - I|^2 + 18 |Q|^2 |J_o^-1 / 2|^2
-template <Assumed kAssumed, class V>
-HWY_NOINLINE bool corners_are_thick(const ElementLanes<false, kAssumed, V>& element, double safe_strain) {
-  const Sym<V>& S = element.mean.S;
-  const V one(1.0);
-  const V strain = squared_norm(Sym<V>{S.xx - one, S.yy - one, S.zz - one, S.yz, S.zx, S.xy});
-  V modes(0.0), dual(0.0);
-  for (const auto& mode : element.columns.Q) modes += dot(mode, mode);
-  for (const auto& row : dual_of(element.rest).m) dual += dot(row, row);
-  const V bound = strain + V(9.0) * modes * dual;
-  return bits<double>(bound < V(0.5 * safe_strain * safe_strain)) == (1u << V::kCount) - 1;
-}
-/// Whether corners may fold, and what isolated rest shapes are screened for.
-template <bool kGeneral, Assumed kAssumed, class V, class T, class Coef>
-HWY_INLINE void screen_corners(const ElementPass<T, Coef>& pass, const ElementLanes<kGeneral, kAssumed, V>& element,
-                               const CornerLanes<V>& x, const CornerLanes<V>& u, int block, float* screen) {
-  const auto are_thick = [&]([[maybe_unused]] double safe_strain) {
-    if constexpr (kGeneral || kAssumed == Assumed::kNothing)
-      return false;
-    else
-      return !element.plastic && corners_are_thick(element, safe_strain);
-  };
-  const bool may_fold = pass.settings.recovery != RecoveryMode::kNone && !are_thick(pass.safe_strain);
-  if (pass.settings.rest_shape == RestShape::kJoined) {
-    if (may_fold) pass.may_fold[block] = 1;
-    return;
-  }
-  V ratio(1.0);
-  if (may_fold || (pass.screens_isolated && !are_thick(pass.safe_strain_to_flow)))
-    ratio = lowest_corner_ratio(element, x, u);
-  store_as(ratio, screen + YieldScreen::kCornerRatio * kBlock);
-  if (may_fold && (kGeneral || bits<double>(hn::Not(ratio > V(pass.settings.recovery_from))) != 0))
-    pass.may_fold[block] = 1;
-}
-
 /// The stress that yields of isolated rest shapes.                                                            eq. P8
 template <bool kGeneral, class V>
 HWY_NOINLINE void screen_isolated(const ElementLanes<kGeneral, Assumed::kCorner, V>& element,
@@ -207,7 +169,8 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
   if (pass.screens_rotation) screen_turns(safe_polar(centre_gradient(x, u)).R, element.polar, screen);
   store_as(min_det, screen + YieldScreen::kMinDet * kBlock);
   store_as(element.rest.min_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
-  screen_corners(pass, element, x, u, block, screen);
+  if (std::isfinite(pass.thin_from))
+    pass.thin[block] |= find_thin<kGeneral>(x, u, element.rest.volume, pass.thin_from) << lane;
   if constexpr (kAssumed == Assumed::kCorner)
     if (pass.settings.rest_shape == RestShape::kIsolated) {
       if (pass.screens_isolated) screen_isolated(element, of, p, pass.settings, screen);
@@ -223,7 +186,7 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
 template <class T, class Coef>
 void linearize_chunk(const ElementPass<T, Coef>& pass, int chunk) {
   for (int block = pass.partition.first_block[chunk]; block < pass.partition.first_block[chunk + 1]; ++block) {
-    pass.may_fold[block] = 0;
+    pass.thin[block] = 0;
     for (int lane = 0; lane < kBlock; lane += Lanes<double>::kCount)
       for_shape(
           pass.op.is_general[block] != 0,
@@ -316,36 +279,12 @@ void matrices_of(const Model& model, const History& history, const Linearization
         });
 }
 
-void ratios_of(const Model& model, const double* plastic_rest, const double* current, int block, double* ratios) {
-  using V = Lanes<double>;
-  for (int lane = 0; lane < kBlock; lane += V::kCount) {
-    CornerLanes<V> x, u;
-    EdgeLanes<V> before, now;
-    gather(*model.partition, block, lane, plastic_rest, x);
-    gather(*model.partition, block, lane, current, u);
-    edges(x, before);
-    edges(u, now);
-    V of_rest[kCorners], largest(0.0), lowest(std::numeric_limits<double>::infinity());
-    const auto det = [](const EdgeLanes<V>& e, int i) {
-      const Mat<V> J = edges_at(e, i), cof = cofactor(J);
-      return J(0, 0) * cof(0, 0) + J(0, 1) * cof(0, 1) + J(0, 2) * cof(0, 2);
-    };
-    for (int i = 0; i < kCorners; ++i) {
-      of_rest[i] = det(before, i);
-      largest = max(largest, of_rest[i]);
-    }
-    // of a corner that is nearly flat at rest: its change, over what is not small
-    for (int i = 0; i < kCorners; ++i)
-      lowest = min(lowest, V(1.0) + (det(now, i) - of_rest[i]) / max(of_rest[i], V(0.1) * largest));
-    store(lowest, ratios + lane);
-  }
-}
-
 /// Elastic energy.                                                                              eq. 18, E5, E14
 double energy_of(const Model& model, const CornerTensors* plastic_inverse, const double* plastic_rest,
-                 const double* current, std::uint16_t present, int block) {
+                 const double* current, std::uint16_t present, int block, std::uint16_t* thin) {
   using V = Lanes<double>;
   V sum(0.0);
+  *thin = 0;
   for (int lane = 0; lane < kBlock; lane += V::kCount) {
     const std::uint32_t here = static_cast<std::uint32_t>(present) >> lane;
     CornerLanes<V> x, u;
@@ -355,6 +294,8 @@ double energy_of(const Model& model, const CornerTensors* plastic_inverse, const
     const MaterialLanes<V> of(model.settings, load(lame), load(lame + kBlock));
     PlasticLanes<V> of_lanes;
     const PlasticLanes<V>* const plastic = load_plastic(*model.partition, plastic_inverse, block, lane, of_lanes);
+    if (const double from = Recovery::from(model.settings); std::isfinite(from))
+      *thin |= find_thin<true>(x, u, V(0.0), from) << lane;
     for_shape(true, sampling_of(model.settings).assumed, [&]<bool kGeneral, Assumed kAssumed>() {
       ElementLanes<kGeneral, kAssumed, V> element;
       place_element(x, u, sampling_of(model.settings), plastic, element);
@@ -477,7 +418,6 @@ HWY_EXPORT(linearize_coarse);
 HWY_EXPORT(linearize_as_simple);
 HWY_EXPORT(exact_product);
 HWY_EXPORT(energy_of);
-HWY_EXPORT(ratios_of);
 HWY_EXPORT(matrices_of);
 
 template <>
@@ -498,11 +438,8 @@ void add_exact_product(const Model& model, const History& history, const Lineari
   HWY_DYNAMIC_DISPATCH(exact_product)(model, history, at, chunk, factor, p, Ap);
 }
 double block_energy(const Model& model, const CornerTensors* plastic_inverse, const double* plastic_rest,
-                    const double* current, std::uint16_t present, int block) {
-  return HWY_DYNAMIC_DISPATCH(energy_of)(model, plastic_inverse, plastic_rest, current, present, block);
-}
-void corner_ratios(const Model& model, const double* plastic_rest, const double* current, int block, double* ratios) {
-  HWY_DYNAMIC_DISPATCH(ratios_of)(model, plastic_rest, current, block, ratios);
+                    const double* current, std::uint16_t present, int block, std::uint16_t* thin) {
+  return HWY_DYNAMIC_DISPATCH(energy_of)(model, plastic_inverse, plastic_rest, current, present, block, thin);
 }
 void element_matrices(const Model& model, const History& history, const Linearization& at, int block, double factor,
                       ElementMatrix* matrices) {

@@ -17,16 +17,16 @@ struct ElementPass {
   const CornerTensors* plastic_inverse;  ///< per element: G of isolated rest shapes, or null
   const unsigned char* has_flowed;       ///< per block: some G is not 1
   const Settings& settings;
-  bool screens_rotation;                    ///< fills YieldScreen::kCosine
-  bool screens_isolated;                    ///< fills kNorm and kCornerRatio of isolated rest shapes
-  double safe_strain, safe_strain_to_flow;  ///< nearer to a rotation, corners are not folded, or thick enough to flow
-  double length;                            ///< [m] unit of the coefficients
+  bool screens_rotation;  ///< fills YieldScreen::kCosine
+  bool screens_isolated;  ///< fills kNorm of isolated rest shapes
+  double thin_from;       ///< [-] corner ratio below which an element is thin
+  double length;          ///< [m] unit of the coefficients
   ElementOperator<T, Coef>& op;
-  double* force;            ///< [N] slots, added to
-  double* volume;           ///< [m^3] [block][element]
-  float* screen;            ///< YieldScreen, per block
-  unsigned char* may_fold;  ///< per block, written: some corner may have lost most of its volume
-  float* mean_plastic;      ///< Linearization::mean_plastic, written
+  double* force;        ///< [N] slots, added to
+  double* volume;       ///< [m^3] [block][element]
+  float* screen;        ///< YieldScreen, per block
+  std::uint16_t* thin;  ///< per block, written: Linearization::thin
+  float* mean_plastic;  ///< Linearization::mean_plastic, written
 
   const CornerTensors* flowed_at(int block) const {  // null where nothing has
     return plastic_inverse && has_flowed[block] ? plastic_inverse : nullptr;
@@ -43,14 +43,11 @@ void linearize_elements(const ElementPass<T, Coef>& pass, int chunk);
 void add_exact_product(const Model& model, const History& history, const Linearization& at, int chunk, double factor,
                        const double* p, double* Ap);
 
-/// Smallest 1 + (det Jhat_i - det J_i) / max(det J_i, max_j det J_j / 10) of the elements of a block, [element of the
-/// block].                                                                                                 eq. E22
-void corner_ratios(const Model& model, const double* plastic_rest, const double* current, int block, double* ratios);
-
 /// Elastic energy [J] of the elements of a block that are present, at plastic rest and current positions [m] in slots.
-/// plastic_inverse: per element, or null where nothing in the block has flowed by isolated rest shapes.
+/// plastic_inverse: per element, or null where nothing in the block has flowed by isolated rest shapes. thin: written,
+/// as Linearization::thin.
 double block_energy(const Model& model, const CornerTensors* plastic_inverse, const double* plastic_rest,
-                    const double* current, std::uint16_t present, int block);
+                    const double* current, std::uint16_t present, int block, std::uint16_t* thin);
 
 using ElementMatrix = Eigen::Matrix<double, 3 * kCorners, 3 * kCorners>;
 

@@ -56,29 +56,6 @@ const CornerTensors* flowed_at(const Partition& partition, const History& histor
   return nullptr;
 }
 
-/// How far the gradient of a corner may be from a rotation while its volume is above a fraction of the initial one.
-double safe_strain(double ratio) { return 1 - std::cbrt(std::max(ratio, 0.0)); }
-
-/// The springs at positions whose slots are given; may_fold: per block, or nothing where that is not known.
-void find_recovery(const Model& model, const History& history, const AlignedVector<double>& plastic_rest,
-                   const AlignedVector<double>& current, std::span<const unsigned char> may_fold, ConstPoints x,
-                   Recovery& recovery) {
-  if (model.settings.recovery == RecoveryMode::kNone) return;
-  const auto looks_at = [&](int block) { return may_fold.empty() || may_fold[block] != 0; };
-  if (!may_fold.empty() && std::ranges::count(may_fold, 0) == std::ssize(may_fold)) return recovery.clear();
-  const Partition& partition = *model.partition;
-  AlignedVector<double>& ratios = recovery.corner_ratios;
-  ratios.resize(static_cast<std::size_t>(partition.num_blocks) * kBlock);
-  parallel_for(partition.num_blocks, [&](int block) {
-    double* const of_block = ratios.data() + static_cast<std::size_t>(block) * kBlock;
-    if (looks_at(block))
-      corner_ratios(model, plastic_rest.data(), current.data(), block, of_block);
-    else
-      std::fill_n(of_block, kBlock, 1.0);
-  });
-  recovery.find(model, history.alive, history.plastic_rest_positions, x);
-}
-
 template <class T, class Coef>
 void add_product(const ElementOperator<T, Coef>& op, double factor, ConstPoints dx, AlignedVector<T>& argument,
                  AlignedVector<T>& product, Points df) {
@@ -147,20 +124,19 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
                                         .settings = model.settings,
                                         .screens_rotation = model.can_rotate,
                                         .screens_isolated = screens,
-                                        .safe_strain = safe_strain(model.settings.recovery_from),
-                                        .safe_strain_to_flow = safe_strain(model.settings.corner_threshold()),
+                                        .thin_from = Recovery::from(model.settings),
                                         .length = model.length,
                                         .op = op,
                                         .force = at.force.data(),
                                         .volume = at.volume.data(),
                                         .screen = at.screen.data(),
-                                        .may_fold = at.may_fold.data(),
+                                        .thin = at.thin.data(),
                                         .mean_plastic = at.mean_plastic.data()};
         parallel_for(partition.num_chunks, [&](int chunk) { linearize_elements(pass, chunk); });
       },
       at.op);
   parallel_for(partition.num_chunks, [&](int chunk) { reduce_ghosts(partition, chunk, at.force.data()); });
-  find_recovery(model, history, at.plastic_rest, at.current, at.may_fold, at.x, at.recovery);
+  at.recovery.find(model, history, at.thin, at.x);
   at.is_current = true;
   at.is_screened = screens || model.settings.rest_shape == RestShape::kJoined;
 }
@@ -214,11 +190,12 @@ double energy(const Model& model, const History& history, ConstPoints x, SlotScr
   to_slots(partition, history.plastic_rest_positions, plastic_rest);
   to_slots(partition, x, current);
   work.energy.resize(partition.num_blocks);
+  work.thin.resize(partition.num_blocks);
   parallel_for(partition.num_blocks, [&](int block) {
     work.energy[block] = block_energy(model, flowed_at(partition, history, block), plastic_rest.data(), current.data(),
-                                      present(partition, history, block), block);
+                                      present(partition, history, block), block, &work.thin[block]);
   });
-  find_recovery(model, history, plastic_rest, current, {}, x, work.recovery);
+  work.recovery.find(model, history, work.thin, x);
   work.sum = std::accumulate(work.energy.begin(), work.energy.end(), 0.0) + work.recovery.energy();
   work.x = x;
   work.version = history.version;

@@ -44,11 +44,12 @@ class DoublePrecisionOperator final : public ChunkedProduct<double> {
 /// Scratch of add_stiffness_product and energy: the vectors of products in single precision, and sums.
 struct ProductWorkspace {
   AlignedVector<float> argument, product;
-  std::vector<double> energy;  ///< [J] per block
-  Recovery recovery;           ///< at the positions of the energy
-  double sum = 0;              ///< [J] the energy
-  PointArray x;                ///< [m] its positions
-  long version = -1;           ///< History::version that it belongs to
+  std::vector<double> energy;       ///< [J] per block
+  std::vector<std::uint16_t> thin;  ///< per block, as Linearization::thin
+  Recovery recovery;                ///< at the positions of the energy
+  double sum = 0;                   ///< [J] the energy
+  PointArray x;                     ///< [m] its positions
+  long version = -1;                ///< History::version that it belongs to
 };
 
 /// df += factor * (df/dx) dx with the rotations of `at`.                                                      eq. 16

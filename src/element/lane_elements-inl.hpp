@@ -36,18 +36,26 @@ HWY_INLINE void set_plastic_inverse(const Numbers& numbers, PlasticLanes<Lanes<d
   assign(mean_plastic_inverse(plastic.inverse), plastic.mean);
 }
 
-/// Smallest det Jhat_i / det J_i of the corners.
-template <bool kGeneral, Assumed kAssumed, class V>
-HWY_NOINLINE V lowest_corner_ratio(const ElementLanes<kGeneral, kAssumed, V>& element, const CornerLanes<V>& x,
-                                   const CornerLanes<V>& u) {
-  EdgeLanes<V> before, now;
+/// A bit per element some corner of which has a ratio d below `from`.                                       eq. E22
+template <bool kGeneral, class V>
+HWY_NOINLINE std::uint32_t find_thin(const CornerLanes<V>& x, const CornerLanes<V>& u, V volume, double from) {
+  EdgeLanes<V> now;
   edges(u, now);
-  if constexpr (kGeneral) edges(x, before);
   V lowest(ScalarOf<V>(1e30));
-  for (int i = 0; i < kCorners; ++i)
-    lowest = min(lowest,
-                 determinant(edges_at(now, i)) / (kGeneral ? determinant(edges_at(before, i)) : element.rest.volume));
-  return lowest;
+  if constexpr (kGeneral) {
+    EdgeLanes<V> before;
+    edges(x, before);
+    V of_rest[kCorners], largest(ScalarOf<V>(0));
+    for (int i = 0; i < kCorners; ++i) {
+      of_rest[i] = determinant(edges_at(before, i));
+      largest = max(largest, of_rest[i]);
+    }
+    for (int i = 0; i < kCorners; ++i)
+      lowest = min(lowest, V(1.0) + (determinant(edges_at(now, i)) - of_rest[i]) / max(of_rest[i], V(0.1) * largest));
+  } else {
+    for (int i = 0; i < kCorners; ++i) lowest = min(lowest, determinant(edges_at(now, i)) / volume);
+  }
+  return bits<ScalarOf<V>>(hn::Not(lowest > V(from)));
 }
 
 /// [Pa] The stress that yields at the samples of isolated rest shapes, and the directions in which an element cannot

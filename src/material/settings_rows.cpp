@@ -67,7 +67,8 @@ constexpr Row<Settings> kSettingsRows[] = {
      .group = kNumerics,
      .words = kRecoveries,
      .help = "What unfolds folded hexahedra. cluster: springs on each connected cluster of them, without force or "
-             "moment in sum; none: nothing.",
+             "moment in sum, and for restShape=\"isolated\" an energy of corners that have lost most of their volume; "
+             "none: nothing.",
      .at = kMember<&Settings::recovery>},
     {.member = "recovery_strength",
      .name = "recoveryStrength",
@@ -172,7 +173,7 @@ constexpr Row<Settings> kSettingsRows[] = {
      .group = kVolume,
      .range = {.min = 0, .max = 1, .exclusive_max = true},
      .help = "Hexahedra whose volume at a corner is below this fraction of the initial one, or that are inverted, do "
-             "not flow. restShape=\"isolated\": below three times this fraction at a corner of the current positions.",
+             "not flow.",
      .at = kMember<&Settings::inversion_threshold>},
 };
 static_assert(std::size(kSettingsRows) == num_members<Settings>(), "a member has no row");

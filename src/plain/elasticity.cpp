@@ -1,40 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <algorithm>
-#include <limits>
-
-#include "mesh/trilinear.hpp"
 #include "plain/plain.hpp"
 
 namespace hexaplast::plain {
 
-namespace {
-
-/// d_e: how far the corners of a hexahedron are from being folded.                                            eq. E22
-double corner_ratio(const ElementPoints& plastic_rest, const ElementPoints& current) {
-  CornerValues det;
-  for (int i = 0; i < kCorners; ++i) det[i] = corner_jacobian(plastic_rest, i).determinant();
-  const double largest = *std::max_element(det.begin(), det.end());
-  double ratio = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kCorners; ++i)
-    ratio = std::min(ratio, 1 + (corner_jacobian(current, i).determinant() - det[i]) / std::max(det[i], largest / 10));
-  return ratio;
-}
-
-}  // namespace
-
 Elasticity::Elasticity(const Model& model, const History& history, ConstPoints x, std::span<const BranchStep> branches)
     : hexahedra_(model.mesh.hexahedra()), elements_(hexahedra_.size()) {
-  const bool recovers = model.settings.recovery == RecoveryMode::kCluster;
-  if (recovers) recovery_.corner_ratios.resize(static_cast<std::size_t>(model.partition->num_blocks) * kBlock);
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
     if (!history.alive[e]) continue;
     const Hexahedron& corners = hexahedra_[e];
     const ElementPoints plastic_rest = gather(history.plastic_rest_positions, corners), current = gather(x, corners);
     elements_[e].emplace(plastic_rest, current, model.lame[e], model.settings, history.plastic_inverse_of(e),
                          Branches(history, e, branches));
-    if (recovers) recovery_.corner_ratios[model.partition->place_of_element[e]] = corner_ratio(plastic_rest, current);
   }
-  if (recovers) recovery_.find(model, history.alive, history.plastic_rest_positions, x);
+  if (model.settings.recovery == RecoveryMode::kNone) return;
+  const std::vector<std::uint16_t> any(model.partition->num_blocks, 0xffff);
+  recovery_.find(model, history, any, x);
 }
 
 double Elasticity::energy() const {

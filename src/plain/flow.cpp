@@ -212,7 +212,7 @@ FlowReport flow_isolated(const Model& model, ConstPoints x, double dt, History& 
     const ElementPoints initial = gather(model.mesh.positions(), corners), current = gather(x, corners);
     const Element element(initial, current, model.lame[e], model.settings, history.plastic_inverse_of(e),
                           Branches(history, e, branches));
-    const IsolatedStep step = isolated_step(model, e, element.samples(), current, history, dt);
+    const IsolatedStep step = isolated_step(model, e, element.samples(), history, dt);
     report.inverted += step.inverted;
     report.skipped += step.skipped;
     report.yielded += step.yielded;

@@ -50,11 +50,9 @@ bool does_not_flow(const Model& model, const Linearization& at, int e, const His
       return false;
   }
   const double guard = (1 + kSinglePrecision) * model.settings.inversion_threshold;
-  if (model.settings.rest_shape == RestShape::kIsolated)
-    return screen[YieldScreen::kMinDet * kBlock] > guard &&
-           screen[YieldScreen::kCornerRatio * kBlock] > (1 + kSinglePrecision) * model.settings.corner_threshold();
   return screen[YieldScreen::kMinDet * kBlock] > guard &&
-         screen[YieldScreen::kMinJacobian * kBlock] > guard * model.largest_jacobian[e];
+         (model.settings.rest_shape == RestShape::kIsolated ||
+          screen[YieldScreen::kMinJacobian * kBlock] > guard * model.largest_jacobian[e]);
 }
 
 /// All of one element of a history into another, bit for bit, but for the rotation map and the rest shape.
@@ -243,10 +241,10 @@ AveragingReport average_safely(const Model& model, LinearSolver& solver, const H
 /// One step of one element with isolated rest shapes: history -> work.trial, work.flows.
 void flow_isolated_alone(const Model& model, const Linearization& at, double dt, const History& history, int e,
                          FlowWorkspace& work) {
-  const ElementPoints current = gather(at.x, model.mesh.hexahedra()[e]);
-  const ElementSamples samples = element_samples(gather(history.plastic_rest_positions, model.mesh.hexahedra()[e]),
-                                                 current, model.lame[e], model.settings, &history.plastic_inverse[e]);
-  const IsolatedStep step = isolated_step(model, e, samples, current, history, dt);
+  const Hexahedron& corners = model.mesh.hexahedra()[e];
+  const ElementSamples samples = element_samples(gather(history.plastic_rest_positions, corners), gather(at.x, corners),
+                                                 model.lame[e], model.settings, &history.plastic_inverse[e]);
+  const IsolatedStep step = isolated_step(model, e, samples, history, dt);
   copy_isolated(history, e, work.trial);
   set_isolated(e, step, work.trial);
   work.flows[e] = {
@@ -315,16 +313,13 @@ FlowWorkspace::FlowWorkspace(const Model& model, const History& history)
 
 FlowReport count_inverted(const Model& model, const Linearization& at) {
   FlowReport report;
-  const bool is_isolated = model.settings.rest_shape == RestShape::kIsolated;
   for (int block = 0; block < model.partition->num_blocks; ++block) {
-    const float* screen = at.screen.data() + static_cast<std::size_t>(block) * YieldScreen::kQuantities * kBlock;
-    const float *min_det = screen + YieldScreen::kMinDet * kBlock,
-                *corner_ratio = screen + YieldScreen::kCornerRatio * kBlock;
+    const float* min_det = at.screen.data() + static_cast<std::size_t>(block) * YieldScreen::kQuantities * kBlock +
+                           YieldScreen::kMinDet * kBlock;
     for (int place = 0; place < kBlock; ++place) {
       if (!(at.present[block] >> place & 1)) continue;
       report.inverted += min_det[place] < 0;
-      report.skipped += min_det[place] < model.settings.inversion_threshold ||
-                        (is_isolated && corner_ratio[place] < model.settings.corner_threshold());
+      report.skipped += min_det[place] < model.settings.inversion_threshold;
     }
   }
   return report;

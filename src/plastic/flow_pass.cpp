@@ -290,7 +290,6 @@ struct IsolatedLanes {
   PlasticLanes<V> plastic;
   Mat<V> normals[kCorners];                     ///< rows n_in
   Sym<V> corotated[kCorners], whole[kCorners];  ///< [Pa] without and with all pressure
-  V lowest_corner;                              ///< det Jhat / det J
   std::uint32_t fails;                          ///< a bit each: samples that are not unique
 };
 
@@ -331,9 +330,7 @@ HWY_NOINLINE std::uint32_t flow_isolated_samples(const Model& model, const Linea
   for (int i = 0; i < kCorners; ++i) relieved[i] = isolated.whole[i];
   relieve(isolated.normals, relieved);
 
-  // near the guards the exact numbers decide
-  std::uint32_t fails =
-      isolated.fails | bits<T>(hn::Not(isolated.lowest_corner > V(static_cast<T>(1.01 * settings.corner_threshold()))));
+  std::uint32_t fails = isolated.fails;
   const V rate = per_step<T>(model, elements, dt, &Material::flow_rate),
           guard(static_cast<T>(settings.inversion_threshold)), none(T(0));
   V flowing(none), fraction[kCorners], norm[kCorners], strain[kCorners];
@@ -412,7 +409,6 @@ HWY_NOINLINE std::uint32_t flow_isolated_lanes(const Model& model, const Lineari
     const PressureLanes<V> pressure = pressures(of, element, u, volume_gradient);
     yielding_stress(element, of, pressure, model.settings.yield_stress_measure, isolated.normals, isolated.corotated,
                     isolated.whole);
-    isolated.lowest_corner = lowest_corner_ratio(element, x, u);
     return flow_isolated_samples<T>(model, at, dt, history, block, lane, wanted, of, here.number, element, isolated,
                                     plastic_inverse, trial, flows);
   };

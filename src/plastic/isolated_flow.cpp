@@ -88,15 +88,14 @@ IsolatedStep isolated_flow(const ElementSamples& samples, const IsolatedStress& 
   return step;
 }
 
-IsolatedStep isolated_step(const Model& model, int element, const ElementSamples& samples, const ElementPoints& current,
-                           const History& history, double dt) {
+IsolatedStep isolated_step(const Model& model, int element, const ElementSamples& samples, const History& history,
+                           double dt) {
   const Settings& settings = model.settings;
   IsolatedStep step;
   double min_det = std::numeric_limits<double>::infinity();
   for (const Mat3& F : samples.F) min_det = std::min(min_det, F.determinant());
   step.inverted = min_det < 0;
-  step.skipped = min_det < settings.inversion_threshold ||
-                 min_jacobian_ratio(model.corner_jacobian(element), current) < settings.corner_threshold();
+  step.skipped = min_det < settings.inversion_threshold;
   if (step.skipped || !can_stretch(model.material(element))) return step;
   const ElementPoints initial = gather(history.plastic_rest_positions, model.mesh.hexahedra()[element]);
   const CornerTensors& G = history.plastic_inverse[element];

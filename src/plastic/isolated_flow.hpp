@@ -22,7 +22,7 @@ IsolatedStress isolated_stress(const ElementPoints& initial, const CornerTensors
 struct IsolatedStep {
   bool yielded = false;
   bool inverted = false;           ///< at some sample, det F^e < 0
-  bool skipped = false;            ///< without flow: a sample is inverted or nearly so, or a current corner folded
+  bool skipped = false;            ///< without flow: a sample is inverted or nearly so
   CornerValues norm = {};          ///< [Pa] of the stress that yields                                         eq. P8
   CornerValues fraction = {};      ///< gamma                                                                  eq. P9
   CornerValues strain = {};        ///< [-] accumulated in the step: sqrt(2/3) |dev M|_F
@@ -37,9 +37,9 @@ IsolatedStep isolated_flow(const ElementSamples& samples, const IsolatedStress& 
                            const CornerTensors& plastic_inverse, double mu, const Material& material, YieldNorm norm,
                            const CornerValues& yield_stress, double dt);
 
-/// The same of an element of a body, without flow where it is nearly inverted. current: corners [m].
-IsolatedStep isolated_step(const Model& model, int element, const ElementSamples& samples, const ElementPoints& current,
-                           const History& history, double dt);
+/// The same of an element of a body, without flow where it is nearly inverted.
+IsolatedStep isolated_step(const Model& model, int element, const ElementSamples& samples, const History& history,
+                           double dt);
 
 /// Takes the step of an element over into a history that has what was before it.
 void set_isolated(int element, const IsolatedStep& step, History& history);

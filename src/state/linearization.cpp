@@ -72,7 +72,7 @@ Linearization::Linearization(const Model& model)
       current(slot_vector<double>(*model.partition)),
       force(slot_vector<double>(*model.partition)),
       screen(per_element(model) * YieldScreen::kQuantities),
-      may_fold(model.partition->num_blocks),
+      thin(model.partition->num_blocks),
       op(operator_of(model)) {}
 
 }  // namespace hexaplast

@@ -12,13 +12,11 @@ namespace hexaplast {
 /// What the plastic step asks of every sample before it looks closer, in single precision: per block
 /// [quantity][element of the block].
 struct YieldScreen {
-  static constexpr int kNorm = 0;                        ///< [Pa] at least the stress norm, per sample
-  static constexpr int kCosine = kCorners;               ///< of the angle between the rotations of sample and centre
-  static constexpr int kMinDet = 2 * kCorners;           ///< smallest det F~
-  static constexpr int kMinJacobian = kMinDet + 1;       ///< [m^3] smallest det J of the plastic rest shape's corners
-  static constexpr int kCornerRatio = kMinJacobian + 1;  ///< smallest det Jhat / det J of the corners, of isolated
-                                                         ///< rest shapes; 1 where nothing near the threshold to flow
-  static constexpr int kQuantities = kCornerRatio + 1;
+  static constexpr int kNorm = 0;                   ///< [Pa] at least the stress norm, per sample
+  static constexpr int kCosine = kCorners;          ///< of the angle between the rotations of sample and centre
+  static constexpr int kMinDet = 2 * kCorners;      ///< smallest det F~
+  static constexpr int kMinJacobian = kMinDet + 1;  ///< [m^3] smallest det J of the plastic rest shape's corners
+  static constexpr int kQuantities = kMinJacobian + 1;
 };
 
 /// Numbers of a Gm: its lower triangle.                                                                        eq. P2
@@ -49,15 +47,15 @@ struct Linearization {
   }
 
   // of the current positions
-  bool is_current = false;              ///< what follows belongs to x and the plastic rest shape
-  bool is_screened = false;             ///< `screen` is filled
-  long revision = 0;                    ///< no two that differ in what follows have the same
-  PointArray x;                         ///< [m] current positions
-  AlignedVector<double> current;        ///< [m] slots
-  AlignedVector<double> force;          ///< [N] slots
-  AlignedVector<float> screen;          ///< YieldScreen, per block
-  std::vector<unsigned char> may_fold;  ///< per block: some corner may have lost most of its volume
-  Recovery recovery;                    ///< its forces stand beside those of the elements
+  bool is_current = false;          ///< what follows belongs to x and the plastic rest shape
+  bool is_screened = false;         ///< `screen` is filled
+  long revision = 0;                ///< no two that differ in what follows have the same
+  PointArray x;                     ///< [m] current positions
+  AlignedVector<double> current;    ///< [m] slots
+  AlignedVector<double> force;      ///< [N] slots
+  AlignedVector<float> screen;      ///< YieldScreen, per block
+  std::vector<std::uint16_t> thin;  ///< per block: a bit per element some corner of which is below recovery_from
+  Recovery recovery;                ///< its forces stand beside those of the elements
   std::variant<ElementOperator<double, double>, ElementOperator<float, Half>, ElementOperator<float, float>> op;
 };
 

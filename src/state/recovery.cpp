@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "kinematics/polar.hpp"
 
@@ -11,10 +12,12 @@ namespace hexaplast {
 
 namespace {
 
+// [-] d_1 of isolated rest shapes that have flowed: the springs pull to the initial shape, which is no longer theirs.
+constexpr double kFromFlowed = -0.5;
+
 /// s_e of an element by itself.                                                                          eq. E22, E27
-double pull_of(double corner_ratio, const Settings& settings) {
-  const double from = settings.recovery_from, full = settings.recovery_full;
-  if (from == full) return corner_ratio < full ? 1 : 0;
+double pull_of(double corner_ratio, double from, double full) {
+  if (from <= full) return corner_ratio < from ? 1 : 0;
   return std::clamp((from - corner_ratio) / (from - full), 0.0, 1.0);
 }
 
@@ -34,37 +37,49 @@ Mat3 pseudo_inverse(const Mat3& A) {
 
 }  // namespace
 
-void Recovery::clear() {
+double Recovery::from(const Settings& settings) {
+  if (settings.recovery == RecoveryMode::kNone) return -std::numeric_limits<double>::infinity();
+  return settings.rest_shape == RestShape::kIsolated ? std::max(CornerEnergy::kFrom, settings.recovery_from)
+                                                     : settings.recovery_from;
+}
+
+void Recovery::find(const Model& model, const History& history, std::span<const std::uint16_t> thin,
+                    ConstPoints current) {
+  const Settings& settings = model.settings;
+  const ConstPoints plastic_rest = history.plastic_rest_positions;
+  corners_.clear();
   springs_.clear();
   clusters_.clear();
   energy_ = 0;
-}
-
-void Recovery::find(const Model& model, std::span<const unsigned char> alive, ConstPoints plastic_rest,
-                    ConstPoints current) {
-  clear();
   const std::vector<Hexahedron>& hexahedra = model.mesh.hexahedra();
-  const auto own_pull = [&](int e) {
-    return alive[e] ? pull_of(corner_ratios[model.partition->place_of_element[e]], model.settings) : 0.0;
-  };
   const int num_elements = model.mesh.num_elements(), num_nodes = model.mesh.num_nodes();
-  int first = 0;
-  while (first < num_elements && !(own_pull(first) > 0)) ++first;
-  if (first == num_elements) return;
-
-  pull_.assign(num_nodes, 0);
-  for (int e = first; e < num_elements; ++e)
-    if (const double s = own_pull(e); s > 0)
+  bool has_folded = false;
+  for (int block = 0; block < model.partition->num_blocks; ++block)
+    for (int place = 0; thin[block] >> place != 0; ++place) {
+      const int e = model.partition->element(block, place);
+      if (!(thin[block] >> place & 1) || e < 0 || !history.alive[e]) continue;
+      const ElementPoints x = gather(plastic_rest, hexahedra[e]), at = gather(current, hexahedra[e]);
+      if (settings.rest_shape == RestShape::kIsolated)
+        corners_.add(hexahedra[e], model.lame[e].mu, model.volume[e], x, at);
+      const CornerValues ratio = corner_ratios(x, at);
+      const double least = *std::min_element(ratio.begin(), ratio.end());
+      const bool flowed = !history.has_flowed.empty() && history.has_flowed[e];
+      const double s = pull_of(least, flowed ? kFromFlowed : settings.recovery_from, settings.recovery_full);
+      if (!(s > 0)) continue;
+      if (!has_folded) pull_.assign(num_nodes, 0);
+      has_folded = true;
       for (const int n : hexahedra[e]) pull_[n] = std::max(pull_[n], s);
+    }
+  if (!has_folded) return;
 
   weight_.assign(num_nodes, 0);
   sets_.assign(num_nodes);
   for (int e = 0; e < num_elements; ++e) {
-    if (!alive[e]) continue;
+    if (!history.alive[e]) continue;
     double s = 0;
     for (const int n : hexahedra[e]) s = std::max(s, pull_[n]);
     if (!(s > 0)) continue;
-    const double k = s * model.settings.recovery_strength * model.lame[e].mu * std::cbrt(model.volume[e]) / 2;
+    const double k = s * settings.recovery_strength * model.lame[e].mu * std::cbrt(model.volume[e]) / 2;
     for (const int n : hexahedra[e]) {
       weight_[n] += k;
       sets_.join(hexahedra[e][0], n);
@@ -124,7 +139,7 @@ Recovery::Placement Recovery::placement(const Cluster& cluster, ConstPoints plas
   return found;
 }
 
-double Recovery::energy_at(ConstPoints plastic_rest, ConstPoints current) const {
+double Recovery::spring_energy_at(ConstPoints plastic_rest, ConstPoints current) const {
   double energy = 0;
   for (const Cluster& cluster : clusters_) {
     const Placement at = placement(cluster, plastic_rest, current);
@@ -138,10 +153,12 @@ double Recovery::energy_at(ConstPoints plastic_rest, ConstPoints current) const 
 }
 
 void Recovery::add_force(Points f) const {
+  corners_.add_force(f);
   for (const Spring& spring : springs_) f.row(spring.node) -= spring.weight * spring.residual.transpose();
 }
 
 void Recovery::add_product(double factor, ConstPoints p, Points Fp) const {
+  corners_.add_product(factor, p, Fp);
   for (const Cluster& cluster : clusters_) {
     const std::span<const Spring> springs = springs_of(cluster);
     Vec3 shift = Vec3::Zero(), moment = Vec3::Zero();
@@ -158,10 +175,12 @@ void Recovery::add_product(double factor, ConstPoints p, Points Fp) const {
 }
 
 void Recovery::add_diagonal(double factor, Points diagonal) const {
+  corners_.add_diagonal(factor, diagonal);
   for (const Spring& spring : springs_) diagonal.row(spring.node).array() += factor * spring.weight;
 }
 
 void Recovery::add_blocks(double factor, BlockMatrix& K) const {
+  corners_.add_blocks(factor, K);
   for (const Spring& spring : springs_) K.add(spring.node, spring.node, factor * spring.weight * Mat3::Identity());
   if (clusters_.empty()) return;
   PointArray u(K.num_nodes(), 3);

@@ -7,11 +7,13 @@
 #include "base/disjoint_sets.hpp"
 #include "hexaplast/base/block_matrix.hpp"
 #include "hexaplast/layout/linear_system.hpp"
+#include "state/corner_energy.hpp"
 #include "state/history.hpp"
 
 namespace hexaplast {
 
-/// Cluster springs, which unfold folded elements.                                             theory.md section 3.3
+/// What unfolds folded elements: cluster springs, and the corner energy of isolated rest shapes.
+///                                                                                               theory.md section 3.3
 ///
 ///   d_e = min_i det Jhat_i / det J_i of an element, current against plastic rest                         (eq. E22)
 ///   s_e = (d1 - d_e) / (d1 - d0) within [0, 1], and of the elements beside the largest that touches      (eq. E27)
@@ -19,23 +21,24 @@ namespace hexaplast {
 ///
 /// with r the deviation from the best rigid placement of the plastic rest shape, one placement for each connected
 /// cluster of elements with s > 0. Forces and moments of a cluster sum to zero. Nothing happens while all d_e >= d1. s
-/// is held in the gradient, so that the sum of E_C and the elastic energy is not kept while s changes.
+/// is held in the gradient, so that the sum of E_C and the elastic energy is not kept while s changes. Of isolated rest
+/// shapes that have flowed, d1 is -.5 at most.
 class Recovery {
  public:
-  AlignedVector<double> corner_ratios;  ///< [-] d_e: what `find` is to be given, [block][element]
+  /// nodes x 3 [m]. thin: per block, bits of the elements that may have a corner below `from(settings)`.
+  void find(const Model& model, const History& history, std::span<const std::uint16_t> thin, ConstPoints current);
 
-  /// nodes x 3 [m].
-  void find(const Model& model, std::span<const unsigned char> alive, ConstPoints plastic_rest, ConstPoints current);
+  /// [-] Corner ratio at and above which nothing acts; minus infinity where nothing ever does.
+  static double from(const Settings& settings);
 
-  void clear();
-
-  bool acts() const { return !clusters_.empty(); }
-  double energy() const { return energy_; }  ///< [J]
+  bool acts() const { return !clusters_.empty() || corners_.acts(); }
+  double energy() const { return energy_ + corners_.energy(); }  ///< [J]
+  double spring_energy() const { return energy_; }               ///< [J] without that of corners
 
   /// [J] of these springs, as strong as they are, at other positions.
-  double energy_at(ConstPoints plastic_rest, ConstPoints current) const;
+  double spring_energy_at(ConstPoints plastic_rest, ConstPoints current) const;
 
-  /// f += forces of the springs [N].
+  /// f += forces [N].
   void add_force(Points f) const;
 
   /// Fp += factor W (p less its rigid part): minus the slope of the forces, placements turning with the nodes. eq. E26
@@ -72,6 +75,7 @@ class Recovery {
   void add_rigid_blocks(double factor, const Cluster& cluster, BlockMatrix& K) const;
   Placement placement(const Cluster& cluster, ConstPoints plastic_rest, ConstPoints current) const;
 
+  CornerEnergy corners_;
   std::vector<Spring> springs_;  // by clusters
   std::vector<Cluster> clusters_;
   double energy_ = 0;
@@ -80,7 +84,7 @@ class Recovery {
   DisjointSets sets_;
 };
 
-/// The springs of a body as a term of a linear system.
+/// All of it as a term of a linear system.
 struct RecoveryTerm final : NodalOperator {
   const Recovery* springs = nullptr;
   double factor = 0;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "support/beyond_yield.hpp"
+#include "support/golden.hpp"
 
 namespace hexaplast {
 namespace {
@@ -33,6 +34,18 @@ TEST(IsolatedBeams, ATubeBeyondYieldKeepsTheHoopStressOfTheory) {
   EXPECT_NEAR(tube.outer_displacement, 1, 0.01);
   EXPECT_LT(tube.hoop.front(), -0.5);
   EXPECT_LE(tube.rms, 0.005);
+}
+
+// A patch pulled out of a block by its own edge folds the hexahedra about it, but for the corner energy.
+TEST(IsolatedBeams, APatchThatIsPulledOutFoldsNoHexahedron) {
+  const std::vector<support::PulledPatch> rows = support::pull_patch(0.01, 0.024),
+                                          folded = support::pull_patch(0.01, 0.024, RecoveryMode::kNone);
+  const support::Json reference = support::calculix("beyond_yield")["patch"][1];  // C3D8I of the same size
+  const double at_4_mm = reference["force"][1];
+  EXPECT_NEAR(rows[1].force, at_4_mm, 0.06 * at_4_mm);
+  for (const support::PulledPatch& row : rows) EXPECT_GT(row.least_corner, 0.1);
+  EXPECT_LT(folded.back().least_corner, -0.4);
+  EXPECT_LT(rows.back().force, rows[3].force) << "[N] at 24 and 8 mm";
 }
 
 }  // namespace

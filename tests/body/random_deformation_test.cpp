@@ -36,6 +36,7 @@ Settings form(Bending bending, Volumetric volumetric, ElasticLaw law, RecoveryMo
   return settings;
 }
 const Settings kDefault = form(Bending::kAssumedCorner, Volumetric::kVolumeRatio, ElasticLaw::kCorotated),
+               kIsolated = {.rest_shape = RestShape::kIsolated, .rotation_plasticity = RotationPlasticity::kNone},
                kNeoHookean = form(Bending::kAssumedCorner, Volumetric::kVolumeRatio, ElasticLaw::kNeoHookean);
 
 /// A small bar that nothing holds.
@@ -133,7 +134,7 @@ TEST_P(Scramble, OfAnElasticBodyStaysFiniteAndComesBackAsOftenAsPublished) {
 // With springs all of them do, whatever the element and the law.
 TEST_P(Scramble, ComesBackWithRecovery) {
   for (const auto& [name, settings] :
-       {std::pair("default", kDefault),
+       {std::pair("default", kDefault), std::pair("isolated", kIsolated),
         std::pair("published", form(Bending::kBlended, Volumetric::kSample, ElasticLaw::kCorotated)),
         std::pair("neo-Hooke", kNeoHookean)}) {
     const int num_recovered = num_that_recover(GetParam(), settings);

@@ -436,7 +436,7 @@ TEST(Recovery, ActsAsSoonAsACornerIsThin) {
       const PointArray x = mesh.positions() + fraction * way;
       force_at(body, x);
       EXPECT_EQ(at.recovery.acts(), min_corner_ratio(mesh, x) < settings.recovery_from) << round << " " << fraction;
-      passed_over += at.may_fold[0] == 0;
+      passed_over += at.thin[0] == 0;
     }
   }
   EXPECT_GT(passed_over, 150);  // of 2800
@@ -501,6 +501,76 @@ TEST(Recovery, IsInEverySystemThatABodyDescribesWithItsOwnFactor) {
   body.describe(-4, second);
   EXPECT_EQ(product(first), alone);
   EXPECT_TRUE(agrees(product(second), 4 * alone, 1e-14));
+}
+
+// A cube of 1 m whose corner 0 is pushed to (t, t, t): there d = det(1 - t 1 1^T) = 1 - 3 t, and 1 - t at its
+// neighbours.
+TEST(CornerEnergy, OfACubeIsThatByHand) {
+  const Material material;
+  const double mu = material.young_modulus / (2 * (1 + material.poisson_ratio)), t = 0.5, missing = 0.3 - (1 - 3 * t);
+  const HexMesh cube = support::block({1, 1, 1}, 1);
+  PointArray x = cube.positions();
+  x.row(0).setConstant(t);
+  for (const double precision : {0, 1}) {
+    Settings settings{.rest_shape = RestShape::kIsolated,
+                      .precision = precision > 0 ? Precision::kMixed : Precision::kDouble};
+    settings.recovery_from = 0;  // without springs: d > -1
+    settings.recovery_strength = 1e-12;
+    Settings without = settings;
+    without.recovery = RecoveryMode::kNone;
+    Body with_energy(cube, {material}, settings), alone(cube, {material}, without);
+    EXPECT_NEAR(with_energy.energy(x) - alone.energy(x), 5 * mu / 16 * missing * missing, 1e-9 * mu);
+    const PointArray force = force_at(with_energy, x) - force_at(alone, x);
+    EXPECT_NEAR(force.row(0).sum(), -5 * mu / 8 * missing * 3, 1e-9 * mu);  // - dE/dt
+    EXPECT_LE(force.colwise().sum().norm(), 1e-9 * mu);
+    EXPECT_LE(support::moment(x, force).norm(), 1e-9 * mu);
+  }
+}
+
+// On a folded mesh: the force against the slope of the energy, the product against slopes of the ratios of corners, and
+// blocks, diagonal and the term of linear systems against the product.
+TEST(CornerEnergy, ForceAndProductAreSlopes) {
+  const HexMesh mesh = support::distorted_block({2, 2, 2}, kEdge, 0.1, 321);
+  Random random(322);
+  const PointArray X = mesh.positions(), x = X + random.field(mesh.num_nodes(), 0.6 * kEdge),
+                   p = random.field(mesh.num_nodes(), 1);
+  constexpr double kMu = 700, kVolume = 1e-3, kStep = 1e-7;
+  const auto corners_at = [&](const PointArray& at) {
+    CornerEnergy corners;
+    for (const Hexahedron& nodes : mesh.hexahedra())
+      corners.add(nodes, kMu, kVolume, gather(X, nodes), gather(at, nodes));
+    return corners;
+  };
+  const CornerEnergy corners = corners_at(x);
+  ASSERT_TRUE(corners.acts());
+  PointArray f = PointArray::Zero(x.rows(), 3), product = f, expected = f, diagonal = f;
+  corners.add_force(f);
+  const double slope = (corners_at(x + kStep * p).energy() - corners_at(x - kStep * p).energy()) / (2 * kStep);
+  EXPECT_NEAR(f.cwiseProduct(p).sum(), -slope, 1e-6 * std::abs(slope));
+
+  corners.add_product(2, p, product);
+  for (const Hexahedron& nodes : mesh.hexahedra()) {
+    const auto ratios = [&](const PointArray& at) { return corner_ratios(gather(X, nodes), gather(at, nodes)); };
+    const CornerValues now = ratios(x), ahead = ratios(x + kStep * p), behind = ratios(x - kStep * p);
+    for (int n = 0; n < x.rows(); ++n)
+      for (int axis = 0; axis < 3; ++axis) {
+        PointArray unit = PointArray::Zero(x.rows(), 3);
+        unit(n, axis) = kStep;
+        const CornerValues above = ratios(x + unit), below = ratios(x - unit);
+        for (int i = 0; i < kCorners; ++i)
+          if (now[i] < CornerEnergy::kFrom)
+            expected(n, axis) += 2 * CornerEnergy::kStrength * kMu * kVolume / 8 * (above[i] - below[i]) *
+                                 (ahead[i] - behind[i]) / (4 * kStep * kStep);
+      }
+  }
+  EXPECT_TRUE(agrees(product, expected, 1e-6));
+
+  BlockMatrix K(mesh.num_nodes());
+  corners.add_blocks(2, K);
+  const Eigen::MatrixXd dense = support::dense(K);
+  EXPECT_TRUE(agrees(support::unstacked(dense * support::stacked(p)), product, 1e-12));
+  corners.add_diagonal(2, diagonal);
+  EXPECT_TRUE(agrees(support::unstacked(dense.diagonal()), diagonal, 1e-12));
 }
 
 // Beside cubes of 1 m, gradients in a layer of 1e-5 m are 1e5: more than half precision has.

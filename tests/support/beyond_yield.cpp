@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "support/beyond_yield.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -16,10 +17,7 @@ namespace hexaplast::support {
 namespace {
 
 Settings settings_of(RestShape rest_shape, YieldStressMeasure measure = YieldStressMeasure::kBiot) {
-  return {.recovery = RecoveryMode::kNone,
-          .yield_stress_measure = measure,
-          .rest_shape = rest_shape,
-          .volume_restitution = 0.1};  // steps of 1 s
+  return {.yield_stress_measure = measure, .rest_shape = rest_shape, .volume_restitution = 0.1};  // steps of 1 s
 }
 
 /// A body in equilibrium, and plastic steps from one to the next.
@@ -307,6 +305,38 @@ std::array<double, 3> stretch_block(int moves_per_percent, int flows_per_move) {
     for (const int n : top) force[percent / 10 - 1] -= f(n, 2) / (kTau * kArea);
   }
   return force;
+}
+
+std::vector<PulledPatch> pull_patch(double edge, double height, RecoveryMode recovery) {
+  constexpr double kMove = 0.25e-3, kRow = 2e-3;
+  constexpr int kFlows = 4, kMoves = 8;  // to the next row
+  const auto cells = [&](double length) { return static_cast<int>(std::lround(length / edge)); };
+  const HexMesh mesh = regular_grid({cells(0.06), cells(0.06), cells(0.03)}, Vec3::Zero(), Vec3(0.06, 0.06, 0.03));
+  Settings settings = settings_of(RestShape::kIsolated, YieldStressMeasure::kCauchy);
+  settings.recovery = recovery;
+  Body body(mesh, {Material{.young_modulus = 2000, .poisson_ratio = 0.45, .yield_stress = 160, .flow_rate = 1}},
+            settings);
+  const PointArray& X = mesh.positions();
+  std::vector<int> held = nodes_at(mesh, 2, 0), patch;
+  for (const int n : nodes_at(mesh, 2, 0.03))
+    if ((X.row(n).head<2>().array() - 0.03).abs().maxCoeff() < 0.0101) patch.push_back(n);
+  held.insert(held.end(), patch.begin(), patch.end());
+  LoadedBody system(body, std::vector<double>(mesh.num_nodes(), 0.0), held, {});
+  Equilibrium at(body, system, 1e-6);
+  std::vector<PulledPatch> rows;
+  for (double reached = 0; reached < height - kRow / 2; reached += kRow) {
+    for (int k = 1; k <= kMoves; ++k) {
+      for (const int n : patch) at.x(n, 2) = X(n, 2) + reached + k * kMove;
+      at.flow(kFlows);
+    }
+    PulledPatch& row = rows.emplace_back();
+    const PointArray f = force_at(body, at.x);
+    for (const int n : patch) row.force -= f(n, 2);
+    for (const Hexahedron& corners : mesh.hexahedra())
+      for (const double ratio : corner_ratios(gather(X, corners), gather(at.x, corners)))
+        row.least_corner = std::min(row.least_corner, ratio);
+  }
+  return rows;
 }
 
 }  // namespace hexaplast::support

@@ -56,4 +56,12 @@ ExpandedTube expand_tube(int cells_across);
 /// stretches 1.1, 1.2 and 1.3.
 std::array<double, 3> stretch_block(int moves_per_percent, int flows_per_move);
 
+/// 20 x 20 mm of the upper face of a block of 60 x 60 x 30 mm that are moved up, every 2 mm up to a height [m]. The
+/// lower face is held; E = 2 kPa, nu_P = .45, yield stress 160 Pa (true stress).
+struct PulledPatch {
+  double force = 0;         ///< [N]
+  double least_corner = 1;  ///< [-] Jacobian of a corner over that at rest
+};
+std::vector<PulledPatch> pull_patch(double edge, double height, RecoveryMode recovery = RecoveryMode::kCluster);
+
 }  // namespace hexaplast::support

@@ -138,10 +138,6 @@ struct Settings {
   double volume_restitution = 1;     ///< c [1/s], >= 0; c dt < 2/3
   double inversion_threshold = 0.1;  ///< elements whose smallest det F or det J ratio lies below do not flow; in [0, 1)
 
-  /// The threshold of kIsolated for the Jacobians of the current corners: without one, these fold under loads on few
-  /// nodes.
-  double corner_threshold() const { return std::min(3 * inversion_threshold, 1.0); }
-
   /// Of viscoelasticity.
   int num_branches() const { return static_cast<int>(relaxation.size() / 2); }
 
