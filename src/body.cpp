@@ -93,7 +93,7 @@ Body::State::State(HexMesh mesh, std::vector<Material> materials, Settings setti
       history(model),
       at(model),
       averaging_solver(hexaplast::averaging_solver(model)) {
-  if (model.can_flow() && !is_plain()) flow.emplace(model, history);
+  make_flow();
 }
 
 Body::Body(HexMesh mesh, std::vector<Material> materials, Settings settings)
@@ -165,6 +165,8 @@ void Body::set_time_step(double dt) {
   state_->time_step = dt;
   if (settings().num_branches() == 0) return;
   state_->branches = branch_steps(settings(), dt);
+  state_->at.is_current = false;
+  state_->product.version = -1;
   state_->not_linearized_since = "set_time_step";
 }
 
@@ -176,7 +178,8 @@ void Body::linearize(ConstPoints x) {
   if (state_->is_plain())
     state_->plain.emplace(state_->model, state_->history, x, state_->branches);
   else
-    hexaplast::linearize(state_->model, state_->history, x, state_->at, !state_->skip_screening);
+    hexaplast::linearize(state_->model, state_->history, x, state_->at,
+                         !state_->skip_screening && state_->branches.empty(), state_->branches);
   state_->not_linearized_since = nullptr;
 }
 
@@ -251,7 +254,7 @@ double Body::energy(ConstPoints x) const {
   state_->require_field("energy", "x", x);
   state_->require_relaxing_step("energy");
   if (state_->is_plain()) return plain::Elasticity(state_->model, state_->history, x, state_->branches).energy();
-  return hexaplast::energy(state_->model, state_->history, x, state_->slots(), state_->product);
+  return hexaplast::energy(state_->model, state_->history, x, state_->slots(), state_->product, state_->branches);
 }
 
 FlowReport Body::flow(ConstPoints x, double dt) {
@@ -269,13 +272,16 @@ FlowReport Body::flow(ConstPoints x, double dt) {
   state_->not_linearized_since = "flow";
   if (state_->is_plain())
     return plain::flow(state_->model, x, dt, state_->averaging_solver, state_->history, state_->branches);
-  if (state_->skip_screening && state_->at.plastic_rest_version == state_->history.version)
-    set_positions(state_->model, x, state_->at);
-  else
+  if (state_->branches.empty() &&
+      !(state_->skip_screening && state_->at.plastic_rest_version == state_->history.version)) {
     hexaplast::linearize(state_->model, state_->history, x, state_->at);
+  } else {
+    update_material(state_->model, state_->history, state_->at);
+    set_positions(state_->model, x, state_->at);
+  }
   if (!state_->flow) return count_inverted(state_->model, state_->at);
-  const FlowReport report =
-      hexaplast::flow(state_->model, state_->at, dt, state_->averaging_solver, state_->history, *state_->flow);
+  const FlowReport report = hexaplast::flow(state_->model, state_->at, dt, state_->averaging_solver, state_->history,
+                                            *state_->flow, state_->branches);
   state_->skip_screening = 2 * report.yielded > state_->model.mesh.num_elements();
   return report;
 }
@@ -320,8 +326,7 @@ void Body::State::take(Model changed, History changed_history, const char* call)
   at = Linearization(model);
   plain.reset();
   not_linearized_since = call;
-  flow.reset();
-  if (model.can_flow() && !is_plain()) flow.emplace(model, history);
+  make_flow();
   skip_screening = false;
   checked_dt = kNone;
   hierarchy.reset();
@@ -392,10 +397,10 @@ ElementFields Body::fields(ConstPoints x) const {
                         current = gather(x, corners);
     const Lame& k = state_->model.lame[e];
     const CornerTensors* G = state_->history.plastic_inverse_of(e);
-    ElementSamples samples =
-        state_->is_plain()
-            ? plain::Element(plastic_rest, current, k, settings, G, {state_->history, e, branches}).samples()
-            : element_samples(plastic_rest, current, k, settings, G);
+    const Branches of_element = state_->history.branches(branches).of(e);
+    ElementSamples samples = state_->is_plain()
+                                 ? plain::Element(plastic_rest, current, k, settings, G, of_element).samples()
+                                 : element_samples(plastic_rest, current, k, settings, G, of_element);
     if (G) samples.stress = isolated_stress(plastic_rest, *G, samples, settings.yield_stress_measure).relieved;
     out.volume_ratio[e] = samples.volume / state_->model.volume[e];
     for (int i = 0; i < kCorners; ++i) {

@@ -35,6 +35,12 @@ struct Body::State {
   void require_hexahedron(int hexahedron) const;
   void require_relaxing_step(const char* call) const;  // that there is one, where something relaxes
 
+  /// Of bodies that flow or relax, but for plain ones.
+  void make_flow() {
+    flow.reset();
+    if ((model.can_flow() || model.settings.num_branches() > 0) && !is_plain()) flow.emplace(model, history);
+  }
+
   bool is_plain() const { return model.settings.implementation == Implementation::kPlain; }
   SlotScratch& slots() { return flow && flow->averaging ? flow->averaging->slots() : own_slots; }
 
@@ -43,7 +49,7 @@ struct Body::State {
   Linearization at;
   const char* not_linearized_since = "the body was made";  // null while `at` is what the caller linearized
   std::optional<plain::Elasticity> plain;                  // of a plain body, in place of `at`
-  std::optional<FlowWorkspace> flow;                       // of bodies that can flow, but for plain ones
+  std::optional<FlowWorkspace> flow;                       // of bodies whose history changes, but for plain ones
   PreconditionedConjugateGradients averaging_solver;
   bool skip_screening = false;  // in the latest plastic step: screening first would be in vain
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

@@ -58,14 +58,16 @@ HWY_INLINE void apply_assumed(const Coef* coef, const StiffnessKind& kind, const
   const Coef* const of_law = of_mean + (has_mean ? kGradientCoefficients : 0) * kStride;
   // four times the mean edges and the hourglass modes
   const V sixteenth(T(1.0 / 16));
-  const V mu = sixteenth * factor * load(weight), lambda = sixteenth * factor * load(weight + kStride);
-  const V free = free_modulus(kind.volumetric, mu, lambda);
+  V mu = sixteenth * factor * load(weight);
+  const V lambda = sixteenth * factor * load(weight + kStride);
+  V free = free_modulus(kind.volumetric, mu, lambda);
   const V all(static_cast<T>(16 * kCorners));  // samples weigh an eighth each
   ModeLanes<V> at;
   modes(u, at);
   V along_volume(T(0)), along_mean(T(0));
   if (has_volume) along_volume = all * (kHasLaw ? lambda - free : lambda) * along_gradient<kStride>(of_volume, at);
   if (has_mean) along_mean = all * -free * along_gradient<kStride>(of_mean, at);
+  if constexpr (!kHasLaw) add_branch_modulus(kind.branch_modulus, mu, free);
 
   const V corner_weight(static_cast<T>(kind.sampling.corner_weight));
   const Mat<V> j = load_mat<kStride, V>(coef + Places::kDirections * kStride);

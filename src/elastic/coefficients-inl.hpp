@@ -63,6 +63,15 @@ HWY_INLINE V bounded(V a) {
   return min(max(a, V(-kLargest)), V(kLargest));
 }
 
+/// Moduli that act on samples with branches, mu + mu_b and lambda_f - 2/3 mu_b: dP gains 2 mu_b dev sym Z.     eq. P14
+template <class V>
+HWY_INLINE void add_branch_modulus(double over_mu, V& mu, V& free) {
+  using T = ScalarOf<V>;
+  const V more = V(static_cast<T>(over_mu)) * mu;
+  mu += more;
+  free -= V(T(2.0 / 3)) * more;
+}
+
 /// dP R^T of a sample with one of the other laws, which store G = R cof(S) R^T and beta.                      eq. E20
 template <int kStride, class V, class Coef>
 HWY_INLINE Mat<V> law_increment(const Coef* of_law, const Mat<V>& Z, V mu, V free) {

@@ -52,6 +52,7 @@ void CycleOperator::visit_others(const Visit& visit) const {
 
 void CycleOperator::update(const Model& model, const Linearization& at) {
   set_linearization(at);
+  simple_.kind.branch_modulus = at.kind().branch_modulus;
   const Partition& partition = *model.partition;
   // parallelepipeds without assumed strain have a fast product of their own
   const bool always_gains =

@@ -154,6 +154,7 @@ HWY_INLINE void apply_samples(const Coef* coef, const StiffnessKind& kind, const
     if (has_volume || has_mean)
       apply_gradients<kStride>(has_volume ? of_volume : nullptr, all * (kHasLaw ? lambda - free : lambda),
                                has_mean ? of_mean : nullptr, all * -free, u, together);
+    if constexpr (!kHasLaw) add_branch_modulus(kind.branch_modulus, mu, free);
   }
 
   ColumnsTranspose<kGeneral, kAssumed, V> acting;

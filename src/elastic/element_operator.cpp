@@ -81,8 +81,9 @@ void add_diagonal(const ElementOperator<T, Coef>& op, const unsigned char* block
       set_zero(mean);
       for (int i = 0; i < kCorners; ++i) {
         const T* at = op.per_sample ? weight + 2 * i * kBlock : weight;
-        const V mu = f * load(at);
-        const V free = op.per_sample ? f * load(at + kBlock) : free_modulus(kind.volumetric, mu, lambda);
+        V mu = f * load(at);
+        V free = op.per_sample ? f * load(at + kBlock) : free_modulus(kind.volumetric, mu, lambda);
+        if (!op.per_sample) add_branch_modulus(kind.branch_modulus, mu, free);
         const Mat<V> C = load_mat<kBlock, V>(coef + per_sample * i);
         Mat<V> R, G;
         V beta(T(0));

@@ -84,6 +84,20 @@ HWY_NOINLINE void finish_force(const ElementLanes<kGeneral, kAssumed, V>& elemen
   add_volume_force(of, p, of_volume, volume / rest.volume, f);  // 0 where nothing is
 }
 
+/// What branches add to what acts on the samples.                                                        eq. P14, P15
+template <bool kGeneral, class V>
+HWY_NOINLINE void add_branch_force(const ElementLanes<kGeneral, Assumed::kCorner, V>& element,
+                                   const BranchLanes<V>& branches,
+                                   ColumnsTranspose<kGeneral, Assumed::kCorner, V>& acting) {
+  for (int i = 0; i < kCorners; ++i) {
+    const PolarLanes<V>& at = element.polar[i];
+    const Mat<V> P = at.R * balanced_stress(branches.stress(i, at.S), at);
+    acting.add_to_columns(i, product_transposed(inverse_at(element, i), P));
+    if constexpr (kGeneral)
+      acting.add_shared(i, element.plastic ? product_transposed(P, element.plastic->inverse[i]) : P);
+  }
+}
+
 /// Stores volume [m^3] and weights of elements, and says what they are made of.
 template <class V, class T, class Coef>
 HWY_INLINE MaterialLanes<V> begin_elements(const ElementPass<T, Coef>& pass, int block, int lane, V volume) {
@@ -105,6 +119,28 @@ HWY_INLINE float* screen_of(const ElementPass<T, Coef>& pass, int block, int lan
   return pass.screen + static_cast<std::size_t>(block) * YieldScreen::kQuantities * kBlock + lane;
 }
 
+/// Whether no corner can be thin: where the gradient of a corner F_i is nearer than 1 - ratio^1/3 to a rotation, det
+/// F_i is above the ratio. Of parallelepipeds that have not flowed, with Q the hourglass modes,                   eq.
+/// E31
+///
+///   |F_i - R_m|^2 <= 2 |S_m - I|^2 + 2 |F_i - F_m|^2 <= 2 |S_m - I|^2 + 18 |Q|^2 |J_o^-1 / 2|^2
+template <bool kGeneral, Assumed kAssumed, class V>
+HWY_NOINLINE bool corners_are_thick(const ElementLanes<kGeneral, kAssumed, V>& element, double safe_strain) {
+  if constexpr (kGeneral || kAssumed == Assumed::kNothing) {
+    return false;
+  } else {
+    if (element.plastic) return false;
+    const Sym<V>& S = element.mean.S;
+    const V one(1.0);
+    const V strain = squared_norm(Sym<V>{S.xx - one, S.yy - one, S.zz - one, S.yz, S.zx, S.xy});
+    V modes(0.0), dual(0.0);
+    for (const auto& mode : element.columns.Q) modes += dot(mode, mode);
+    for (const auto& row : dual_of(element.rest).m) dual += dot(row, row);
+    const V bound = strain + V(9.0) * modes * dual;
+    return bits<double>(bound < V(0.5 * safe_strain * safe_strain)) == (1u << V::kCount) - 1;
+  }
+}
+
 /// The stress that yields of isolated rest shapes.                                                            eq. P8
 template <bool kGeneral, class V>
 HWY_NOINLINE void screen_isolated(const ElementLanes<kGeneral, Assumed::kCorner, V>& element,
@@ -112,7 +148,7 @@ HWY_NOINLINE void screen_isolated(const ElementLanes<kGeneral, Assumed::kCorner,
                                   float* screen) {
   Mat<V> normals[kCorners];
   Sym<V> corotated[kCorners], sigma[kCorners];
-  yielding_stress(element, of, p, settings.yield_stress_measure, normals, corotated, sigma);
+  yielding_stress(element, of, p, settings.yield_stress_measure, nullptr, normals, corotated, sigma);
   relieve(normals, sigma);
   for (int i = 0; i < kCorners; ++i)
     store_as(stress_norm_bound(sigma[i], settings.yield_norm), screen + (YieldScreen::kNorm + i) * kBlock);
@@ -169,13 +205,18 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
   if (pass.screens_rotation) screen_turns(safe_polar(centre_gradient(x, u)).R, element.polar, screen);
   store_as(min_det, screen + YieldScreen::kMinDet * kBlock);
   store_as(element.rest.min_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
-  if (std::isfinite(pass.thin_from))
+  if (std::isfinite(pass.thin_from) && !corners_are_thick(element, pass.safe_strain))
     pass.thin[block] |= find_thin<kGeneral>(x, u, element.rest.volume, pass.thin_from) << lane;
   if constexpr (kAssumed == Assumed::kCorner)
     if (pass.settings.rest_shape == RestShape::kIsolated) {
       if (pass.screens_isolated) screen_isolated(element, of, p, pass.settings, screen);
       if (element.plastic) store_mean_plastic(plastic.mean, pass.mean_plastic_of(block) + lane);
     }
+  if constexpr (kAssumed == Assumed::kCorner) {
+    BranchLanes<V> lanes;
+    if (const BranchLanes<V>* branches = load_branches(pass.partition, pass.branches, block, lane, of.mu, lanes))
+      add_branch_force(element, *branches, acting);
+  }
   writer.finish(of_volume);
 
   CornerLanes<V> f;
@@ -206,9 +247,7 @@ struct ExactCoefficients {
 
   HWY_NOINLINE ExactCoefficients(const Model& model, const History& history, const Linearization& at, int block,
                                  int lane, double factor)
-      : kind{.sampling = sampling_of(model.settings),
-             .volumetric = model.settings.volumetric,
-             .law = model.settings.law} {
+      : kind(at.kind()) {
     const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
     CornerLanes<V> x, u;
     ModeLanes<V> of_volume;
@@ -279,9 +318,10 @@ void matrices_of(const Model& model, const History& history, const Linearization
         });
 }
 
-/// Elastic energy.                                                                              eq. 18, E5, E14
-double energy_of(const Model& model, const CornerTensors* plastic_inverse, const double* plastic_rest,
-                 const double* current, std::uint16_t present, int block, std::uint16_t* thin) {
+/// Elastic energy.                                                                              eq. 18, E5, E14, P17
+double energy_of(const Model& model, const CornerTensors* plastic_inverse, const Branches& branches,
+                 const double* plastic_rest, const double* current, std::uint16_t present, int block,
+                 std::uint16_t* thin) {
   using V = Lanes<double>;
   V sum(0.0);
   *thin = 0;
@@ -300,7 +340,12 @@ double energy_of(const Model& model, const CornerTensors* plastic_inverse, const
       ElementLanes<kGeneral, kAssumed, V> element;
       place_element(x, u, sampling_of(model.settings), plastic, element);
       decompose(element);
-      const V density = mean_energy_density(of, element, pressures(of, element, u, gradient));
+      V density = mean_energy_density(of, element, pressures(of, element, u, gradient));
+      if constexpr (kAssumed == Assumed::kCorner) {
+        BranchLanes<V> lanes;
+        if (const BranchLanes<V>* held = load_branches(*model.partition, branches, block, lane, of.mu, lanes))
+          for (int i = 0; i < kCorners; ++i) density += V(1.0 / kCorners) * held->energy(i, element.polar[i].S);
+      }
       sum += select_bits(here, element.rest.volume * density, V(0.0));
     });
   }
@@ -370,7 +415,9 @@ void linearize_as_simple(const Model& model, const Linearization& at, const unsi
       store_as(per_sample * mu, op.weight.data() + first);
       store_as(per_sample * lambda, op.weight.data() + first + kBlock);
       const Mat<V> j = scaled(V(model.length), element.j);
-      ModeStiffness<V> stiffness(j, op.kind.sampling.corner_weight, mu, free_modulus(op.kind.volumetric, mu, lambda));
+      V of_shape = mu, of_dilatation = free_modulus(op.kind.volumetric, mu, lambda);
+      add_branch_modulus(op.kind.branch_modulus, of_shape, of_dilatation);
+      ModeStiffness<V> stiffness(j, op.kind.sampling.corner_weight, of_shape, of_dilatation);
       store_one_rotation<kBlock>(element.rest, j, stiffness, op.kind.has_volume() ? &of_volume : nullptr,
                                  V(model.length), const_cast<hwy::float16_t*>(stored(op, block)) + lane);
     }
@@ -437,9 +484,10 @@ void add_exact_product(const Model& model, const History& history, const Lineari
                        const double* p, double* Ap) {
   HWY_DYNAMIC_DISPATCH(exact_product)(model, history, at, chunk, factor, p, Ap);
 }
-double block_energy(const Model& model, const CornerTensors* plastic_inverse, const double* plastic_rest,
-                    const double* current, std::uint16_t present, int block, std::uint16_t* thin) {
-  return HWY_DYNAMIC_DISPATCH(energy_of)(model, plastic_inverse, plastic_rest, current, present, block, thin);
+double block_energy(const Model& model, const CornerTensors* plastic_inverse, const Branches& branches,
+                    const double* plastic_rest, const double* current, std::uint16_t present, int block,
+                    std::uint16_t* thin) {
+  return HWY_DYNAMIC_DISPATCH(energy_of)(model, plastic_inverse, branches, plastic_rest, current, present, block, thin);
 }
 void element_matrices(const Model& model, const History& history, const Linearization& at, int block, double factor,
                       ElementMatrix* matrices) {

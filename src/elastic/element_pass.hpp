@@ -16,10 +16,12 @@ struct ElementPass {
   const unsigned char* is_general;       ///< per block
   const CornerTensors* plastic_inverse;  ///< per element: G of isolated rest shapes, or null
   const unsigned char* has_flowed;       ///< per block: some G is not 1
+  const Branches& branches;
   const Settings& settings;
   bool screens_rotation;  ///< fills YieldScreen::kCosine
   bool screens_isolated;  ///< fills kNorm of isolated rest shapes
   double thin_from;       ///< [-] corner ratio below which an element is thin
+  double safe_strain;     ///< nearer to a rotation, no corner is
   double length;          ///< [m] unit of the coefficients
   ElementOperator<T, Coef>& op;
   double* force;        ///< [N] slots, added to
@@ -46,8 +48,9 @@ void add_exact_product(const Model& model, const History& history, const Lineari
 /// Elastic energy [J] of the elements of a block that are present, at plastic rest and current positions [m] in slots.
 /// plastic_inverse: per element, or null where nothing in the block has flowed by isolated rest shapes. thin: written,
 /// as Linearization::thin.
-double block_energy(const Model& model, const CornerTensors* plastic_inverse, const double* plastic_rest,
-                    const double* current, std::uint16_t present, int block, std::uint16_t* thin);
+double block_energy(const Model& model, const CornerTensors* plastic_inverse, const Branches& branches,
+                    const double* plastic_rest, const double* current, std::uint16_t present, int block,
+                    std::uint16_t* thin);
 
 using ElementMatrix = Eigen::Matrix<double, 3 * kCorners, 3 * kCorners>;
 

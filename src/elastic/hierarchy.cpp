@@ -19,18 +19,24 @@ void gather_weights(const std::vector<std::array<int, kCorners>>& children, cons
   const std::vector<int>&fine_place = finer.partition().place_of_element, &place = op.partition().place_of_element;
   const int samples = finer.per_sample ? kCorners : 1;
   const float each = finer.per_sample ? 1.0f : static_cast<float>(kCorners);
+  const auto branch_modulus = finer.per_sample ? 0.0f : static_cast<float>(finer.kind.branch_modulus);
   parallel_for(static_cast<int>(children.size()), [&](int cell) {
-    for (int i = 0; i < kCorners; ++i)
-      for (int which = 0; which < 2; ++which) {
-        const int child = children[cell][i];
-        float sum = 0;
+    for (int i = 0; i < kCorners; ++i) {
+      const int child = children[cell][i];
+      float sum[2] = {0, 0};
+      for (int which = 0; which < 2; ++which)
         for (int s = 0; child >= 0 && s < samples; ++s) {
           const std::size_t at = (static_cast<std::size_t>(fine_place[child] / kBlock) * samples + s) * 2 + which;
-          sum += each * static_cast<float>(finer.weight[at * kBlock + fine_place[child] % kBlock]);
+          sum[which] += each * static_cast<float>(finer.weight[at * kBlock + fine_place[child] % kBlock]);
         }
+      const float of_branches = branch_modulus * sum[0];  //                                                  eq. P14
+      sum[0] += of_branches;
+      sum[1] -= of_branches * (2.0f / 3);
+      for (int which = 0; which < 2; ++which) {
         const std::size_t at = (static_cast<std::size_t>(place[cell] / kBlock) * kCorners + i) * 2 + which;
-        op.weight[at * kBlock + place[cell] % kBlock] = sum;
+        op.weight[at * kBlock + place[cell] % kBlock] = sum[which];
       }
+    }
   });
 }
 

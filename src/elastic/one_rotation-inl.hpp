@@ -133,8 +133,11 @@ HWY_INLINE void apply_one_rotation(const Coef* coef, const StiffnessKind& kind, 
   using Places = OneRotationPlaces;
   const Coef* const of_volume = coef + Places::kCount * kStride;
   // four times the mean edges and the hourglass modes, and eight samples that weigh an eighth each: 8 / 4 / 4
-  const V mu = V(T(0.5)) * factor * load(weight), lambda = V(T(0.5)) * factor * load(weight + kStride);
-  const V of_modes = mu + free_modulus(kind.volumetric, mu, lambda);
+  V mu = V(T(0.5)) * factor * load(weight);
+  const V lambda = V(T(0.5)) * factor * load(weight + kStride);
+  V free = free_modulus(kind.volumetric, mu, lambda), of_mean = kind.has_volume() ? V(T(0)) : lambda, same = mu;
+  add_branch_modulus(kind.branch_modulus, mu, free);
+  add_branch_modulus(kind.branch_modulus, same, of_mean);
   ModeLanes<V> at;
   modes(u, at);
   V along_volume(T(0));
@@ -144,12 +147,12 @@ HWY_INLINE void apply_one_rotation(const Coef* coef, const StiffnessKind& kind, 
   Mat<V> mean;
   for (int n = 0; n < 3; ++n)
     for (int i = 0; i < 3; ++i) mean(n, i) = at.at[n][i];
-  const Mat<V> P = stress_increment(transposed_product(mean, j), mu, kind.has_volume() ? V(T(0)) : lambda);
+  const Mat<V> P = stress_increment(transposed_product(mean, j), mu, of_mean);
   const Mat<V> acting = product_transposed(j, P);
   for (int n = 0; n < 3; ++n)
     for (int i = 0; i < 3; ++i) at.at[n][i] = acting(n, i);
-  apply_factor<9, kStride>(coef + Places::kOfTwo * kStride, of_modes, at.at + 3);
-  apply_factor<3, kStride>(coef + Places::kOfThree * kStride, of_modes, at.at + 6);
+  apply_factor<9, kStride>(coef + Places::kOfTwo * kStride, mu + free, at.at + 3);
+  apply_factor<3, kStride>(coef + Places::kOfThree * kStride, mu + free, at.at + 6);
 
   if (kind.has_volume()) add_gradient<kStride>(along_volume, of_volume, at);
   modes_transpose(at, u);

@@ -104,15 +104,19 @@ void set_positions(const Model& model, ConstPoints x, Linearization& at) {
 }
 
 //   f_a = - sum_i V/8 P_i g~_ia,   P = R sigma(S)                                                             eq. 15
-void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at, bool screens) {
+void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at, bool screens,
+               std::span<const BranchStep> steps) {
   update_material(model, history, at);
   set_positions(model, x, at);
   if (at.is_current && (at.is_screened || !screens)) return;
   at.revision = next_revision();
   const Partition& partition = *model.partition;
+  const Branches branches = history.branches(steps);
   std::fill(at.force.begin(), at.force.end(), 0.0);
+  const double thin_from = Recovery::from(model.settings);
   std::visit(
       [&]<class T, class Coef>(ElementOperator<T, Coef>& op) {
+        op.kind.branch_modulus = branches.modulus();
         const ElementPass<T, Coef> pass{.partition = partition,
                                         .plastic_rest = at.plastic_rest.data(),
                                         .current = at.current.data(),
@@ -121,10 +125,12 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
                                         .is_general = at.is_general.data(),
                                         .plastic_inverse = history.plastic_inverse_of(0),
                                         .has_flowed = at.has_flowed.data(),
+                                        .branches = branches,
                                         .settings = model.settings,
                                         .screens_rotation = model.can_rotate,
                                         .screens_isolated = screens,
-                                        .thin_from = Recovery::from(model.settings),
+                                        .thin_from = thin_from,
+                                        .safe_strain = 1 - std::cbrt(std::max(thin_from, 0.0)),
                                         .length = model.length,
                                         .op = op,
                                         .force = at.force.data(),
@@ -182,7 +188,8 @@ void add_stiffness_blocks(const Model& model, const History& history, const Line
   at.recovery.add_blocks(-factor, K);
 }
 
-double energy(const Model& model, const History& history, ConstPoints x, SlotScratch& slots, ProductWorkspace& work) {
+double energy(const Model& model, const History& history, ConstPoints x, SlotScratch& slots, ProductWorkspace& work,
+              std::span<const BranchStep> steps) {
   if (work.version == history.version && work.x == x) return work.sum;
   const Partition& partition = *model.partition;
   slots.resize(partition);
@@ -191,9 +198,10 @@ double energy(const Model& model, const History& history, ConstPoints x, SlotScr
   to_slots(partition, x, current);
   work.energy.resize(partition.num_blocks);
   work.thin.resize(partition.num_blocks);
+  const Branches branches = history.branches(steps);
   parallel_for(partition.num_blocks, [&](int block) {
-    work.energy[block] = block_energy(model, flowed_at(partition, history, block), plastic_rest.data(), current.data(),
-                                      present(partition, history, block), block, &work.thin[block]);
+    work.energy[block] = block_energy(model, flowed_at(partition, history, block), branches, plastic_rest.data(),
+                                      current.data(), present(partition, history, block), block, &work.thin[block]);
   });
   work.recovery.find(model, history, work.thin, x);
   work.sum = std::accumulate(work.energy.begin(), work.energy.end(), 0.0) + work.recovery.energy();

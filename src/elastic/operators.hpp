@@ -16,8 +16,10 @@ void update_material(const Model& model, const History& history, Linearization& 
 void set_positions(const Model& model, ConstPoints x, Linearization& at);
 
 /// Rotations, forces and the stiffness operator at current positions x (num_nodes x 3) [m]; nothing where `at` holds
-/// them already. screens: fills YieldScreen too, which joined rest shapes always do.               theory.md eq. 15, 16
-void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at, bool screens = true);
+/// them already. screens: fills YieldScreen too, which joined rest shapes always do; of what branches hold it knows
+/// nothing.                                                                                   theory.md eq. 15, 16, P14
+void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at, bool screens = true,
+               std::span<const BranchStep> branches = {});
 
 /// f += elastic forces [N].
 void add_force(const Model& model, const Linearization& at, Points f);
@@ -49,7 +51,7 @@ struct ProductWorkspace {
   Recovery recovery;                ///< at the positions of the energy
   double sum = 0;                   ///< [J] the energy
   PointArray x;                     ///< [m] its positions
-  long version = -1;                ///< History::version that it belongs to
+  long version = -1;                ///< History::version that it belongs to; -1 where branches take another step
 };
 
 /// df += factor * (df/dx) dx with the rotations of `at`.                                                      eq. 16
@@ -61,8 +63,9 @@ void add_stiffness_blocks(const Model& model, const History& history, const Line
                           BlockMatrix& K);
 
 /// Elastic energy [J] at x, that of the springs of `recovery` included; asked for the same again, `work` has it.
-///                                                                                                      eq. 18, E25
-double energy(const Model& model, const History& history, ConstPoints x, SlotScratch& slots, ProductWorkspace& work);
+///                                                                                                 eq. 18, E25, P17
+double energy(const Model& model, const History& history, ConstPoints x, SlotScratch& slots, ProductWorkspace& work,
+              std::span<const BranchStep> branches = {});
 double energy(const Model& model, const History& history, ConstPoints x);
 
 }  // namespace hexaplast

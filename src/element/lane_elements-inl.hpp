@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Elements in lanes: which they are, their isolated rest shapes, and what of these flows.
+// Elements in lanes: which they are, their isolated rest shapes, what of these flows, and their viscoelastic branches.
 #if defined(HEXAPLAST_ELEMENT_LANE_ELEMENTS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HEXAPLAST_ELEMENT_LANE_ELEMENTS_INL
 #undef HEXAPLAST_ELEMENT_LANE_ELEMENTS_INL
@@ -11,7 +11,9 @@
 #include "base/transpose-inl.hpp"
 #include "element/element-inl.hpp"
 #include "element/isolated-inl.hpp"
+#include "element/relaxation-inl.hpp"
 #include "layout/partition.hpp"
+#include "material/relaxation.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
@@ -60,16 +62,19 @@ HWY_NOINLINE std::uint32_t find_thin(const CornerLanes<V>& x, const CornerLanes<
 
 /// [Pa] The stress that yields at the samples of isolated rest shapes, and the directions in which an element cannot
 /// show all of it: relieve(normals, sigma) takes that away. corotated: without the pressure of the volume ratio.
+/// of_branches: q, or null.
 ///                                                                                                 eq. P6, P7, P7t
 template <bool kGeneral, class N>
 HWY_INLINE void yielding_stress(const ElementLanes<kGeneral, Assumed::kCorner, N>& element, const MaterialLanes<N>& of,
-                                const PressureLanes<N>& p, YieldStressMeasure measure, Mat<N> (&normals)[kCorners],
+                                const PressureLanes<N>& p, YieldStressMeasure measure,
+                                const std::type_identity_t<Sym<N>>* of_branches, Mat<N> (&normals)[kCorners],
                                 Sym<N> (&corotated)[kCorners], Sym<N> (&sigma)[kCorners]) {
   using T = ScalarOf<N>;
   const N pressure = p.in_stress - p.shared;
   for (int i = 0; i < kCorners; ++i) {
     const Sym<N>& S = element.polar[i].S;
     corotated[i] = stress(of.law, of.mooney_fraction, S, of.mu, p.at(dilatation(of.law, S)));
+    if (of_branches) corotated[i] = sum(corotated[i], N(T(1)), of_branches[i]);
     sigma[i] = corotated[i];
     if (measure == YieldStressMeasure::kCauchy) {
       sigma[i] = cauchy_stress(S, corotated[i], pressure, N(T(1)) + p.excess);
@@ -85,6 +90,106 @@ HWY_INLINE void yielding_stress(const ElementLanes<kGeneral, Assumed::kCorner, N
     else
       normals[i] = normals[0];
   }
+}
+
+/// A symmetric tensor per sample, one element per lane.
+template <class Address>
+HWY_INLINE void load_tensors(const int* elements, const Address& address, Sym<Lanes<double>> (&to)[kCorners]) {
+  Lanes<double> n[6 * kCorners];
+  load_elements<6 * kCorners>(addresses<const double>(elements, address), n);
+  for (int i = 0; i < kCorners; ++i)
+    to[i] = {n[6 * i], n[6 * i + 1], n[6 * i + 2], n[6 * i + 3], n[6 * i + 4], n[6 * i + 5]};
+}
+template <class Address>
+HWY_INLINE void store_tensors(const Sym<Lanes<double>> (&from)[kCorners], const int* elements, std::uint32_t wanted,
+                              const Address& address) {
+  Lanes<double> n[6 * kCorners];
+  for (int i = 0; i < kCorners; ++i) {
+    const Sym<Lanes<double>>& S = from[i];
+    n[6 * i] = S.xx, n[6 * i + 1] = S.yy, n[6 * i + 2] = S.zz;
+    n[6 * i + 3] = S.yz, n[6 * i + 4] = S.zx, n[6 * i + 5] = S.xy;
+  }
+  store_elements<6 * kCorners>(n, wanted, addresses<double>(elements, address));
+}
+
+/// What the branches of a register of elements bring into a step. V: lanes of double.                  eq. P13, P17
+template <class V>
+struct BranchLanes {
+  /// q at the end of a step that leads to S.
+  HWY_INLINE Sym<V> stress(int sample, const Sym<V>& S) const {
+    return sum(held[sample], modulus + modulus, sum(deviator(S), V(-1.0), before[sample]));
+  }
+  /// Energy density of the same.
+  HWY_INLINE V energy(int sample, const Sym<V>& S) const {
+    const Sym<V> D = sum(deviator(S), V(-1.0), before[sample]);
+    return stored[sample] + product(held[sample], D) + modulus * product(D, D);
+  }
+
+  Sym<V> before[kCorners];  ///< dev S_old
+  Sym<V> held[kCorners];    ///< [Pa] sum of e q_k
+  V stored[kCorners];       ///< [J/m^3] sum of |q_k|^2 / (4 g mu)
+  V modulus;                ///< [Pa] mu_b
+};
+
+/// Null: nothing relaxes.
+template <class V>
+HWY_NOINLINE const BranchLanes<V>* load_branches(const Partition& partition, const Branches& branches, int block,
+                                                 int lane, V mu, BranchLanes<V>& to) {
+  if (!branches.any()) return nullptr;
+  const LaneElements<V> elements(partition, block, lane);
+  load_tensors(
+      elements.number, [&](int e) { return branches.stretch[e][0].data(); }, to.before);
+  to.modulus = V(branches.modulus()) * mu;
+  const V none(0.0);
+  for (int i = 0; i < kCorners; ++i) {
+    to.held[i] = {none, none, none, none, none, none};
+    to.stored[i] = none;
+  }
+  const std::size_t count = branches.steps.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    Sym<V> b[kCorners];
+    load_tensors(
+        elements.number, [&](int e) { return branches.strain[e * count + k][0].data(); }, b);
+    const BranchStep& step = branches.steps[k];
+    const V of_stored = V(step.modulus) * mu, of_held = V(2 * step.modulus * step.decay) * mu;
+    for (int i = 0; i < kCorners; ++i) {
+      to.held[i] = sum(to.held[i], of_held, b[i]);
+      to.stored[i] += of_stored * product(b[i], b[i]);
+    }
+  }
+  return &to;
+}
+
+/// bounded_balance of the lanes of which the bits are set.
+template <class V>
+HWY_NOINLINE void balance_by_axes(std::uint32_t lanes, const Sym<V>& q, const Sym<V>& S, Mat<V>& balanced) {
+  alignas(64) double of_q[9][V::kCount], of_S[9][V::kCount], found[9][V::kCount];
+  const Mat<V> all_q = matrix(q), all_S = matrix(S);
+  for (int k = 0; k < 9; ++k) {
+    store(all_q.m[k / 3][k % 3], of_q[k]);
+    store(all_S.m[k / 3][k % 3], of_S[k]);
+    store(balanced.m[k / 3][k % 3], found[k]);
+  }
+  for (int lane = 0; lane < V::kCount; ++lane) {
+    if (!(lanes >> lane & 1)) continue;
+    Mat3 one_q, one_S;
+    for (int k = 0; k < 9; ++k) {
+      one_q(k / 3, k % 3) = of_q[k][lane];
+      one_S(k / 3, k % 3) = of_S[k][lane];
+    }
+    const Mat3 one = bounded_balance(one_q, one_S);
+    for (int k = 0; k < 9; ++k) found[k][lane] = one(k / 3, k % 3);
+  }
+  for (int k = 0; k < 9; ++k) balanced.m[k / 3][k % 3] = load(found[k]);
+}
+
+/// q + A at a sample. V: lanes of double.                                                                eq. P14, P15
+template <class V>
+HWY_INLINE Mat<V> balanced_stress(const Sym<V>& q, const PolarLanes<V>& polar) {
+  const std::uint32_t bounded = polar.doubtful | bits<double>(hn::Not(determinant(polar.S) > V(0.0)));
+  Mat<V> balanced = in_balance(q, polar.S);
+  if (HWY_UNLIKELY(bounded != 0)) balance_by_axes(bounded, q, polar.S, balanced);
+  return balanced;
 }
 
 }  // namespace hexaplast::HWY_NAMESPACE

@@ -41,6 +41,21 @@ HWY_INLINE Sym<N> branch_strain(N decay, const Sym<N>& b, N response, const Sym<
   return sum(Sym<N>{decay * b.xx, decay * b.yy, decay * b.zz, decay * b.yz, decay * b.zx, decay * b.xy}, response, D);
 }
 
+/// q + A, with which q's moments are in balance, where no stretches are opposite.                             eq. P15
+///
+///   A = [w]x,  (tr S - S) w = v,  [v]x = S q - q S
+template <class N>
+HWY_INLINE Mat<N> in_balance(const Sym<N>& q, const Sym<N>& S) {
+  const Mat<N> Sq = matrix(S) * matrix(q);
+  const N v[3] = {Sq(2, 1) - Sq(1, 2), Sq(0, 2) - Sq(2, 0), Sq(1, 0) - Sq(0, 1)};
+  const N trace = S.xx + S.yy + S.zz;
+  const Mat<N> K = matrix(Sym<N>{trace - S.xx, trace - S.yy, trace - S.zz, -S.yz, -S.zx, -S.xy}), cof = cofactor(K);
+  const N inverse = N(1.0) / dot(K.m[0], cof.m[0]);
+  N w[3];
+  for (int k = 0; k < 3; ++k) w[k] = inverse * dot(cof.m[k], v);
+  return {{{q.xx, q.xy - w[2], q.zx + w[1]}, {q.xy + w[2], q.yy, q.yz - w[0]}, {q.zx - w[1], q.yz + w[0], q.zz}}};
+}
+
 HWY_INLINE Sym<double> symmetric(const std::array<double, 6>& n) { return {n[0], n[1], n[2], n[3], n[4], n[5]}; }
 HWY_INLINE std::array<double, 6> numbers(const Sym<double>& S) { return {S.xx, S.yy, S.zz, S.yz, S.zx, S.xy}; }
 

@@ -3,6 +3,7 @@
 
 #include "element/element-inl.hpp"
 #include "element/isolated-inl.hpp"
+#include "element/relaxation-inl.hpp"
 
 namespace hexaplast {
 
@@ -49,15 +50,30 @@ ElementSamples samples(const ElementPoints& plastic_rest, const ElementPoints& c
 
 }  // namespace
 
-ElementSamples element_samples(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame,
-                               const Settings& settings, const CornerTensors* plastic_inverse) {
-  switch (sampling_of(settings).assumed) {
-    case Assumed::kCorner:
-      return samples<Assumed::kCorner>(plastic_rest, current, lame, settings, plastic_inverse);
-    case Assumed::kNothing:
-      break;
+void add_branch_stress(const Branches& branches, double mu, ElementSamples& samples) {
+  samples.branch_moduli = branches.moduli();
+  for (int i = 0; i < kCorners && branches.any(); ++i) {
+    const auto D = scalar::sum(scalar::deviator(scalar::symmetric_entries(samples.polar[i].S)), -1.0,
+                               scalar::symmetric((*branches.stretch)[i]));
+    scalar::Sym<double> q = {};
+    for (std::size_t k = 0; k < branches.steps.size(); ++k) {
+      const BranchStep& step = branches.steps[k];
+      const auto b = scalar::symmetric(branches.strain[k][i]);
+      q = scalar::sum(q, 2 * step.modulus * mu, scalar::branch_strain(step.decay, b, step.response, D));
+    }
+    samples.branch_stress[i] = to_eigen(matrix(q));
+    samples.stress[i] += samples.branch_stress[i];
   }
-  return samples<Assumed::kNothing>(plastic_rest, current, lame, settings, plastic_inverse);
+}
+
+ElementSamples element_samples(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame,
+                               const Settings& settings, const CornerTensors* plastic_inverse,
+                               const Branches& branches) {
+  ElementSamples found = sampling_of(settings).assumed == Assumed::kCorner
+                             ? samples<Assumed::kCorner>(plastic_rest, current, lame, settings, plastic_inverse)
+                             : samples<Assumed::kNothing>(plastic_rest, current, lame, settings, plastic_inverse);
+  add_branch_stress(branches, lame.mu, found);
+  return found;
 }
 
 }  // namespace hexaplast

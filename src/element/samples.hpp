@@ -6,6 +6,7 @@
 #include "base/corner_tensors.hpp"
 #include "hexaplast/material/material.hpp"
 #include "kinematics/polar.hpp"
+#include "material/relaxation.hpp"
 
 namespace hexaplast {
 
@@ -27,8 +28,12 @@ struct ElementSamples {
   double branch_moduli = 0;                    ///< [-] sum of their g
 };
 
-/// Corners [m]. plastic_inverse: the G_i of isolated rest shapes, null of joined ones.
+/// Adds to the samples of an element what its branches hold at the end of the step.                      eq. P7, P13
+void add_branch_stress(const Branches& branches, double mu, ElementSamples& samples);
+
+/// Corners [m]. plastic_inverse: the G_i of isolated rest shapes, null of joined ones; branches: of the element.
 ElementSamples element_samples(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame,
-                               const Settings& settings, const CornerTensors* plastic_inverse = nullptr);
+                               const Settings& settings, const CornerTensors* plastic_inverse = nullptr,
+                               const Branches& branches = {});
 
 }  // namespace hexaplast

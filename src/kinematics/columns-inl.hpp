@@ -256,6 +256,17 @@ struct ColumnsTranspose {
       }
     }
   }
+  /// The same again of a sample that is in already.
+  HWY_INLINE void add_to_columns(int sample, const Mat<N>& acting) {
+    for (int d = 0; d < 3; ++d) {
+      N* to;
+      if constexpr (Rest::kByModes)
+        to = by_modes[sample].m[d];
+      else
+        to = e.at[d][kEdgeAt[sample][d]];
+      for (int i = 0; i < 3; ++i) to[i] += acting(d, i);
+    }
+  }
   /// P on the whole gradient of a sample, where the inverses are those of corners.
   template <class Sample>
   HWY_INLINE void add_shared(Sample sample, const Mat<N>& P) {

@@ -51,7 +51,6 @@ void require_branches(const Settings& settings, Names names) {
   require("law", ElasticLaw::kCorotated);
   require("bending", Bending::kAssumedCorner);
   require("volumetric", Volumetric::kVolumeRatio);
-  require("implementation", Implementation::kPlain);
 }
 
 /// The rates among the members: their largest products with the time step, which warn only where they have no limit.
@@ -178,15 +177,17 @@ double bytes_per_hexahedron(const std::vector<Material>& materials, const Settin
   // what not every history has stands in the trial history of a step once more
   const double tensors = (has_stretches ? kCorners : 0) + (turns_at_corners ? kCorners - 1 : 0);
   const double of_branches = settings.num_branches() > 0 ? 1 + settings.num_branches() : 0;  // of six numbers
+  const double bytes_of_branches = 2 * of_branches * kCorners * 6 * sizeof(double);
   if (settings.implementation == Implementation::kPlain)
-    return 17000 + 2 * of_branches * kCorners * 6 * sizeof(double) + (is_isolated ? 2600 : 0) +
-           (flows ? 2 : 1) * tensors * sizeof(Mat3) + (flows ? 1000 : 0);
+    return 17000 + bytes_of_branches + (is_isolated ? 2600 : 0) + (flows ? 2 : 1) * tensors * sizeof(Mat3) +
+           (flows ? 1000 : 0);
   const double coefficients = (settings.bending == Bending::kAssumedCorner ? 51 : 0) +
                               (settings.volumetric != Volumetric::kSample ? 42 : 0) +
                               (settings.law != ElasticLaw::kCorotated ? 56 : 0);
   const double of_cycles = 60 + (settings.volumetric == Volumetric::kVolumeRatio ? 21 : 0);
   const double of_latest = 51;  // masses and fixed axes of the latest eigenvalues, positions of the latest energy
-  const double more = (flows ? 2 : 1) * tensors * sizeof(Mat3) +
+  const double of_relaxation = of_branches > 0 && !flows ? 440 + tensors * sizeof(Mat3) : 0;  // the trial of a step
+  const double more = (flows ? 2 : 1) * tensors * sizeof(Mat3) + bytes_of_branches + of_relaxation +
                       coefficients * (settings.precision == Precision::kMixed ? 2 : sizeof(double)) + 2 * of_cycles +
                       2 * sizeof(float) + of_latest +
                       (settings.recovery != RecoveryMode::kNone ? 3 * sizeof(double) : 0);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <span>
 #include <vector>
 
+#include "base/corner_tensors.hpp"
 #include "hexaplast/material/material.hpp"
 
 namespace hexaplast {
@@ -20,5 +22,21 @@ struct BranchStep {
 
 /// Of each branch. h [s] >= 0; infinite: equilibrium, in which branches hold nothing.
 std::vector<BranchStep> branch_steps(const Settings& settings, double h);
+
+/// The branches of the elements of a body, or of one, and how they take the present step.
+struct Branches {
+  std::span<const BranchStep> steps;         ///< none: nothing relaxes
+  const CornerSymmetric* strain = nullptr;   ///< b_k per element and branch
+  const CornerSymmetric* stretch = nullptr;  ///< dev S at the step before, per element
+
+  bool any() const { return !steps.empty(); }
+  Branches of(int e) const { return any() ? Branches{steps, strain + e * steps.size(), stretch + e} : Branches{}; }
+  double moduli() const;   ///< [-] sum of the g
+  double modulus() const;  ///< [-] mu_b over mu: sum of g z
+};
+
+/// q + A, with which q's moments are in balance. Where stretches are opposite, as they may be in inverted samples, A
+/// has no bound: both are scaled down there.                                                            eq. P14, P15
+Mat3 bounded_balance(const Mat3& q, const Mat3& S);
 
 }  // namespace hexaplast

@@ -60,7 +60,7 @@ constexpr Row<Settings> kSettingsRows[] = {
      .range = {.min = 0, .exclusive_min = true},
      .help = "Viscoelasticity, \"g1 t1 g2 t2 ...\": resistance to shear that relaxes, at most 8 moduli, each as a "
              "fraction g of the shear modulus, with its time t in seconds. youngModulus and poissonRatio are those of "
-             "slow deformation. Needs implementation=\"plain\" and, where the body yields, restShape=\"isolated\".",
+             "slow deformation. A body that yields needs restShape=\"isolated\" with it.",
      .at = kMember<&Settings::relaxation>},
     {.member = "recovery",
      .name = "recovery",

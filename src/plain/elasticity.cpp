@@ -10,7 +10,7 @@ Elasticity::Elasticity(const Model& model, const History& history, ConstPoints x
     const Hexahedron& corners = hexahedra_[e];
     const ElementPoints plastic_rest = gather(history.plastic_rest_positions, corners), current = gather(x, corners);
     elements_[e].emplace(plastic_rest, current, model.lame[e], model.settings, history.plastic_inverse_of(e),
-                         Branches(history, e, branches));
+                         history.branches(branches).of(e));
   }
   if (model.settings.recovery == RecoveryMode::kNone) return;
   const std::vector<std::uint16_t> any(model.partition->num_blocks, 0xffff);

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -40,22 +39,6 @@ Mat3 mean_of(const CornerTensors& plastic_inverse) {
 Mat3 inverse_of_turning(const Mat3& S) {
   const Mat3 K = S.trace() * Mat3::Identity() - S, cof = cofactor(K);
   return cof / std::max({K.determinant(), 1e-9 * cof.trace(), 1e-30});
-}
-
-/// q + A, with which q's moments are in balance. Where stretches are opposite, as they may be in inverted samples, A
-/// has no bound: both are scaled down there.                                                              eq. P14, P15
-Mat3 in_balance(const Mat3& q, const Mat3& S) {
-  constexpr double kSmallest = 0.1;  // of (s_a + s_b)/|s_a - s_b|; above 1 where nothing is inverted
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(S);
-  const Mat3& axes = eigen.eigenvectors();
-  const Vec3& s = eigen.eigenvalues();
-  Mat3 H = axes.transpose() * q * axes;
-  for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b) {
-      const double divisor = std::max(s[a] + s[b], kSmallest * std::abs(s[a] - s[b]));
-      if (a != b && divisor > 0) H(a, b) *= 2 * s[a] / divisor;  // 1 + (s_a - s_b)/(s_a + s_b)
-    }
-  return axes * H * axes.transpose();
 }
 
 }  // namespace
@@ -178,31 +161,24 @@ Element::Element(const ElementPoints& plastic_rest, const ElementPoints& current
   }
   samples_.pressure = of_volume_ * volume_excess_;
   samples_.volume_ratio = volume_excess_ + 1;
-  if (!branches.steps.empty()) add(branches);
+  add(branches);
 }
 
 void Element::add(const Branches& branches) {
-  for (const BranchStep& step : branches.steps) {
-    samples_.branch_moduli += step.modulus;
-    branch_modulus_ += lame_.mu * step.modulus * step.response;
-  }
-  for (int i = 0; i < kCorners; ++i) {
+  add_branch_stress(branches, lame_.mu, samples_);
+  branch_modulus_ = lame_.mu * branches.modulus();
+  for (int i = 0; i < kCorners && branches.any(); ++i) {
     const Mat3& S = samples_.polar[i].S;
+    branch_stress_[i] = bounded_balance(samples_.branch_stress[i], S);
     const auto D =
         scalar::sum(scalar::deviator(scalar::symmetric_entries(S)), -1.0, scalar::symmetric((*branches.stretch)[i]));
-    scalar::Sym<double> q = {};
     for (std::size_t k = 0; k < branches.steps.size(); ++k) {
       const BranchStep& step = branches.steps[k];
       const auto b = scalar::symmetric(branches.strain[k][i]);
-      const double modulus = step.modulus * lame_.mu;
-      q = scalar::sum(q, 2 * modulus, scalar::branch_strain(step.decay, b, step.response, D));
-      branch_energy_ += modulus / kCorners *
+      branch_energy_ += step.modulus * lame_.mu / kCorners *
                         (scalar::product(b, b) + 2 * step.decay * scalar::product(b, D) +
                          step.response * scalar::product(D, D));  //                                          eq. P17
     }
-    samples_.branch_stress[i] = to_eigen(matrix(q));
-    samples_.stress[i] += samples_.branch_stress[i];  //                                                       eq. P7
-    branch_stress_[i] = in_balance(samples_.branch_stress[i], S);
   }
 }
 

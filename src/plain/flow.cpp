@@ -6,8 +6,6 @@
 #include <limits>
 
 #include "base/finite.hpp"
-#include "base/tensors-inl.hpp"
-#include "element/relaxation-inl.hpp"
 #include "hexaplast/base/error.hpp"
 #include "kinematics/polar.hpp"
 #include "plain/plain.hpp"
@@ -16,8 +14,6 @@
 #include "plastic/rest_shape.hpp"
 
 namespace hexaplast::plain {
-
-namespace scalar = HWY_NAMESPACE;  // the formulas, here of doubles
 
 namespace {
 
@@ -166,60 +162,27 @@ class Step {
   std::vector<Outcome> outcomes_;       // per element
 };
 
-/// Takes the branches of an element over the step. Returns what they dissipate [J].                    eq. P13, P19
-double relax(int e, const ElementSamples& samples, double mu, std::span<const BranchStep> steps, History& history) {
-  double density = 0;  // [J/m^3]
-  for (int i = 0; i < kCorners; ++i) {
-    auto& stretch = history.branch_stretch[e][i];
-    const auto before = scalar::symmetric(stretch);
-    const auto now = scalar::deviator(scalar::symmetric_entries(samples.polar[i].S));
-    const auto D = scalar::sum(now, -1.0, before);
-    for (std::size_t k = 0; k < steps.size(); ++k) {
-      const BranchStep& step = steps[k];
-      auto& strain = history.branch_strains_of(e)[k][i];
-      const auto b = scalar::symmetric(strain);
-      density += step.modulus * mu *
-                 (step.loss_held * scalar::product(b, b) + step.loss_mixed * scalar::product(b, D) +
-                  step.loss_moved * scalar::product(D, D));
-      strain = scalar::numbers(scalar::branch_strain(step.decay, b, step.response, D));
-    }
-    stretch = scalar::numbers(now);
-  }
-  return samples.volume / kCorners * density;
-}
-
-/// Stretch that has flowed leaves the branches too.                                                        eq. P16
-void relieve_branches(int e, const ElementSamples& flowed, History& history) {
-  for (int i = 0; i < kCorners; ++i) {
-    auto& stretch = history.branch_stretch[e][i];
-    const auto now = scalar::deviator(scalar::symmetric_entries(flowed.polar[i].S));
-    const auto change = scalar::sum(now, -1.0, scalar::symmetric(stretch));
-    for (CornerSymmetric& strain : history.branch_strains_of(e))
-      strain[i] = scalar::numbers(scalar::sum(scalar::symmetric(strain[i]), 1.0, change));
-    stretch = scalar::numbers(now);
-  }
-}
-
 }  // namespace
 
 FlowReport flow_isolated(const Model& model, ConstPoints x, double dt, History& history,
-                         std::span<const BranchStep> branches) {
+                         std::span<const BranchStep> steps) {
   FlowReport report;
+  const Branches branches = history.branches(steps);
   History next = history;
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
     if (!history.alive[e]) continue;
     const Hexahedron& corners = model.mesh.hexahedra()[e];
     const ElementPoints initial = gather(model.mesh.positions(), corners), current = gather(x, corners);
     const Element element(initial, current, model.lame[e], model.settings, history.plastic_inverse_of(e),
-                          Branches(history, e, branches));
+                          branches.of(e));
     const IsolatedStep step = isolated_step(model, e, element.samples(), history, dt);
     report.inverted += step.inverted;
     report.skipped += step.skipped;
     report.yielded += step.yielded;
     set_isolated(e, step, next);
     next.dissipated_energy += step.dissipated;
-    if (!branches.empty()) next.dissipated_energy += relax(e, element.samples(), model.lame[e].mu, branches, next);
-    if (!branches.empty() && step.yielded)
+    if (branches.any()) next.dissipated_energy += relax(e, element.samples(), model.lame[e].mu, steps, next);
+    if (branches.any() && step.yielded)
       relieve_branches(
           e, Element(initial, current, model.lame[e], model.settings, next.plastic_inverse_of(e)).samples(), next);
     if (!(next.is_finite(e) && std::isfinite(step.dissipated)))
@@ -229,7 +192,7 @@ FlowReport flow_isolated(const Model& model, ConstPoints x, double dt, History& 
     next.removed.push_back(e);
     ++report.removed;
   }
-  if (report.yielded == 0 && branches.empty()) return report;
+  if (report.yielded == 0 && !branches.any()) return report;
   next.version = history.version + 1;
   history = std::move(next);
   return report;

@@ -9,7 +9,6 @@
 #include "element/samples.hpp"
 #include "hexaplast/layout/linear_system.hpp"
 #include "hexaplast/plastic/flow_report.hpp"
-#include "material/relaxation.hpp"
 #include "state/history.hpp"
 #include "state/recovery.hpp"
 
@@ -52,24 +51,10 @@ class AssumedStrain {
   Mat3 of_hourglass_[3][3];      // A_n = sum_l of_hourglass_[n][l] q_l                                       eq. E10
 };
 
-/// The viscoelastic branches of an element, and how they take the present step.
-struct Branches {
-  Branches() = default;
-  Branches(const History& history, int e, std::span<const BranchStep> steps_) : steps(steps_) {
-    if (steps.empty()) return;
-    strain = history.branch_strains_of(e);
-    stretch = &history.branch_stretch[e];
-  }
-
-  std::span<const BranchStep> steps;
-  std::span<const CornerSymmetric> strain;   // b_k
-  const CornerSymmetric* stretch = nullptr;  // dev S_old
-};
-
 /// One hexahedron at one set of current positions.
 class Element {
  public:
-  /// Corners [m]. plastic_inverse: the G_i of isolated rest shapes, null of joined ones.
+  /// Corners [m]. plastic_inverse: the G_i of isolated rest shapes, null of joined ones; branches: of the element.
   Element(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame, const Settings& settings,
           const CornerTensors* plastic_inverse = nullptr, const Branches& branches = {});
 

@@ -64,11 +64,11 @@ void copy_others(const History& from, int e, History& to) {
 }
 
 /// Finds the elements that stay as they are, or have but their volume restored. False when no other is left.
-bool find_idle(const Model& model, const Linearization& at, const History& history, FlowWorkspace& work) {
+bool find_idle(const Model& model, const Linearization& at, const History& history, bool relaxes, FlowWorkspace& work) {
   parallel_for(model.mesh.num_elements(), [&](int e) {
     ElementFlow& f = work.flows[e] = {};
     f.idle = !history.alive[e];
-    if (f.idle || !at.is_current || !at.is_screened || !does_not_flow(model, at, e, history)) return;
+    if (f.idle || relaxes || !at.is_current || !at.is_screened || !does_not_flow(model, at, e, history)) return;
     f.idle = model.settings.rest_shape == RestShape::kIsolated;
     if (f.idle) return;
     f.volume_error = std::abs(at.volume[model.partition->place_of_element[e]] / model.volume[e] - 1);
@@ -80,30 +80,39 @@ bool find_idle(const Model& model, const Linearization& at, const History& histo
   return std::any_of(work.flows.begin(), work.flows.end(), [](const ElementFlow& f) { return !f.idle; });
 }
 
-/// All that flows of one element with isolated rest shapes, bit for bit.
+/// All that flows and relaxes of one element without averaging, bit for bit.
 void copy_isolated(const History& from, int e, History& to) {
-  to.plastic_inverse[e] = from.plastic_inverse[e];
-  to.has_flowed[e] = from.has_flowed[e];
+  if (!from.plastic_inverse.empty()) {
+    to.plastic_inverse[e] = from.plastic_inverse[e];
+    to.has_flowed[e] = from.has_flowed[e];
+  }
   to.yield_stress[e] = from.yield_stress[e];
   to.plastic_strain[e] = from.plastic_strain[e];
+  if (from.branch_stretch.empty()) return;
+  to.branch_stretch[e] = from.branch_stretch[e];
+  std::ranges::copy(from.branch_strains_of(e), to.branch_strains_of(e).begin());
 }
 
-/// Exchanges what flows of isolated rest shapes.
-void swap_isolated(History& a, History& b) {
-  std::swap(a.plastic_inverse, b.plastic_inverse);
-  std::swap(a.has_flowed, b.has_flowed);
-  std::swap(a.yield_stress, b.yield_stress);
-  std::swap(a.plastic_strain, b.plastic_strain);
+/// Exchanges what relaxes without averaging, and what flows where something can.
+void swap_isolated(bool flows, History& a, History& b) {
+  if (flows) {
+    std::swap(a.plastic_inverse, b.plastic_inverse);
+    std::swap(a.has_flowed, b.has_flowed);
+    std::swap(a.yield_stress, b.yield_stress);
+    std::swap(a.plastic_strain, b.plastic_strain);
+  }
   std::swap(a.dissipated_energy, b.dissipated_energy);
   std::swap(a.alive, b.alive);
   std::swap(a.removed, b.removed);
+  std::swap(a.branch_strain, b.branch_strain);
+  std::swap(a.branch_stretch, b.branch_stretch);
 }
 
 /// Flow of every live element: history -> work.trial, work.flows. False when none has anything to do; the trial is then
 /// not made.
 bool flow_elements(const Model& model, const Linearization& at, double dt, const History& history,
                    FlowWorkspace& work) {
-  if (!find_idle(model, at, history, work)) return false;
+  if (!find_idle(model, at, history, false, work)) return false;
   const Mat3 axes = Mat3::Identity();
   const auto flow_alone = [&](int e) {
     const Hexahedron& corners = model.mesh.hexahedra()[e];
@@ -155,7 +164,7 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
     if (restores) restore_block(model, at, dt, history, block, work.trial, work.flows.data());
     work.differs[block] = restores ? now | FlowWorkspace::kRestShapes : now;
     if (now != FlowWorkspace::kAll) return;
-    const std::uint32_t left = flow_block(model, at, dt, history, block, work.trial, work.flows.data());
+    const std::uint32_t left = flow_block(model, at, dt, history, {}, block, work.trial, work.flows.data());
     restores = false;
     for (int place = 0; place < kBlock; ++place) {
       if (!(left >> place & 1)) continue;
@@ -239,22 +248,29 @@ AveragingReport average_safely(const Model& model, LinearSolver& solver, const H
 }
 
 /// One step of one element with isolated rest shapes: history -> work.trial, work.flows.
-void flow_isolated_alone(const Model& model, const Linearization& at, double dt, const History& history, int e,
-                         FlowWorkspace& work) {
+void flow_isolated_alone(const Model& model, const Linearization& at, double dt, const History& history,
+                         const Branches& branches, int e, FlowWorkspace& work) {
   const Hexahedron& corners = model.mesh.hexahedra()[e];
-  const ElementSamples samples = element_samples(gather(history.plastic_rest_positions, corners), gather(at.x, corners),
-                                                 model.lame[e], model.settings, &history.plastic_inverse[e]);
+  const Lame& k = model.lame[e];
+  const ElementPoints rest = gather(history.plastic_rest_positions, corners), current = gather(at.x, corners);
+  const ElementSamples samples =
+      element_samples(rest, current, k, model.settings, history.plastic_inverse_of(e), branches.of(e));
   const IsolatedStep step = isolated_step(model, e, samples, history, dt);
   copy_isolated(history, e, work.trial);
   set_isolated(e, step, work.trial);
   work.flows[e] = {
       .yielded = step.yielded, .inverted = step.inverted, .skipped = step.skipped, .dissipated = step.dissipated};
+  if (!branches.any()) return;
+  work.flows[e].dissipated += relax(e, samples, k.mu, branches.steps, work.trial);
+  if (step.yielded)
+    relieve_branches(e, element_samples(rest, current, k, model.settings, work.trial.plastic_inverse_of(e)),
+                     work.trial);
 }
 
-/// flow_elements of isolated rest shapes.
+/// flow_elements of isolated rest shapes, and of those that stay.
 bool flow_isolated_elements(const Model& model, const Linearization& at, double dt, const History& history,
-                            FlowWorkspace& work) {
-  if (!find_idle(model, at, history, work)) return false;
+                            const Branches& branches, FlowWorkspace& work) {
+  if (!find_idle(model, at, history, branches.any(), work)) return false;
   const bool knows_trial = work.version == history.version;
   parallel_for(model.partition->num_blocks, [&](int block) {
     const bool differs = !knows_trial || work.differs[block] != 0;
@@ -268,13 +284,13 @@ bool flow_isolated_elements(const Model& model, const Linearization& at, double 
         copy_isolated(history, e, work.trial);
     }
     if (work.differs[block] == 0) return;
-    const std::uint32_t left = flow_block(model, at, dt, history, block, work.trial, work.flows.data());
+    const std::uint32_t left = flow_block(model, at, dt, history, branches, block, work.trial, work.flows.data());
     for (int place = 0; place < kBlock; ++place) {
       const int e = model.partition->element(block, place);
       if (e < 0 || work.flows[e].idle) continue;
-      if (left >> place & 1) flow_isolated_alone(model, at, dt, history, e, work);
+      if (left >> place & 1) flow_isolated_alone(model, at, dt, history, branches, e, work);
       ElementFlow& f = work.flows[e];
-      work.trial.has_flowed[e] = history.has_flowed[e] || f.yielded;
+      if (!history.has_flowed.empty()) work.trial.has_flowed[e] = history.has_flowed[e] || f.yielded;
       f.overflowed = !work.trial.is_finite(e) || !std::isfinite(f.dissipated);
     }
   });
@@ -302,7 +318,7 @@ FlowWorkspace::FlowWorkspace(const Model& model, const History& history)
       changed(model.mesh.num_elements()),
       differs(model.partition->num_blocks, kAll) {
   trial.removed.reserve(model.mesh.num_elements());  // a step allocates nothing
-  if (model.settings.rest_shape == RestShape::kJoined) {
+  if (model.settings.rest_shape == RestShape::kJoined && model.settings.num_branches() == 0) {
     averaging.emplace(model);
   } else {
     trial.rest_shape = {};
@@ -326,11 +342,11 @@ FlowReport count_inverted(const Model& model, const Linearization& at) {
 }
 
 FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSolver& solver, History& history,
-                FlowWorkspace& work) {
-  const bool is_isolated = model.settings.rest_shape == RestShape::kIsolated;
+                FlowWorkspace& work, std::span<const BranchStep> steps) {
+  const Branches branches = history.branches(steps);
   FlowReport report;
-  if (!(is_isolated ? flow_isolated_elements(model, at, dt, history, work)
-                    : flow_elements(model, at, dt, history, work)))
+  if (!(work.averaging ? flow_elements(model, at, dt, history, work)
+                       : flow_isolated_elements(model, at, dt, history, branches, work)))
     return report;
   for (std::size_t e = 0; e < work.flows.size(); ++e) {
     const ElementFlow& f = work.flows[e];
@@ -342,12 +358,13 @@ FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSo
     report.worst_volume_error = std::max(report.worst_volume_error, f.volume_error);
     work.changed[e] = f.yielded || f.repaired || f.volume_error >= kVolumeAtRest;
   }
-  if (report.yielded == 0 && report.repaired == 0 && report.worst_volume_error < kVolumeAtRest) return report;
+  if (report.yielded == 0 && report.repaired == 0 && report.worst_volume_error < kVolumeAtRest && !branches.any())
+    return report;
 
   work.trial.dissipated_energy = history.dissipated_energy;
   work.trial.alive = history.alive;
   work.trial.removed = history.removed;
-  if (!is_isolated) {
+  if (work.averaging) {
     work.trial.plastic_rest_positions = history.plastic_rest_positions;
     work.trial.averaging_increment = history.averaging_increment;
     report.averaging = average_safely(model, solver, history, work);
@@ -361,12 +378,12 @@ FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSo
     report.rolled_back += f.rolled_back;
     work.trial.dissipated_energy += f.dissipated;
   }
-  if (is_isolated) {
-    swap_isolated(history, work.trial);
-    ++history.version;
-  } else {
+  if (work.averaging) {
     work.trial.version = history.version + 1;
     std::swap(history, work.trial);
+  } else {
+    swap_isolated(model.can_flow(), history, work.trial);
+    ++history.version;
   }
   work.version = history.version;
   return report;

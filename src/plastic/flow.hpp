@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "hexaplast/plastic/flow_report.hpp"
@@ -27,8 +28,9 @@ struct ElementFlow {
 struct FlowWorkspace {
   FlowWorkspace(const Model& model, const History& history);
 
-  History trial;  ///< the history being made, taken over when the step is complete; of isolated rest shapes what flows
-  std::optional<Averaging> averaging;  ///< none with isolated rest shapes
+  History trial;  ///< the history being made, taken over when the step is complete; of isolated rest shapes, and with
+                  ///< branches, what flows and relaxes
+  std::optional<Averaging> averaging;  ///< none with these
   std::vector<ElementFlow> flows;      ///< per element
   std::vector<unsigned char> changed;  ///< per element: its rest shape is another than before
   std::vector<unsigned char> stays;    ///< per connected part: its step is taken back as a whole
@@ -46,9 +48,10 @@ FlowReport count_inverted(const Model& model, const Linearization& at);
 /// One plastic step at the accepted current positions that `at` holds (theory.md section 5). Where `at` is current
 /// and screened, elements that its screen finds at rest are passed over; without, all are looked at, to the same
 /// result: stretch and rotation flow at every corner, rest shapes, volume restitution, hardening, rest-shape averaging.
+/// With branches all elements are looked at, and relax; `at` needs to know the plastic rest shape and the positions.
 /// Throws NumericalError naming the element whose history, or the node whose plastic rest position, is not finite; the
 /// history is then as before.
 FlowReport flow(const Model& model, const Linearization& at, double dt, LinearSolver& solver, History& history,
-                FlowWorkspace& work);
+                FlowWorkspace& work, std::span<const BranchStep> branches = {});
 
 }  // namespace hexaplast

@@ -41,6 +41,7 @@ HWY_INLINE void gather_about_corner(const Model& model, int block, int lane, con
 /// kNumbers of each element from a history, in double precision, and rounded to T.
 template <class T, int kNumbers>
 struct HistoryLanes {
+  HistoryLanes() = default;
   template <class Address>
   HWY_INLINE HistoryLanes(const int* elements, const Address& address) {
     for (int part = 0; part < kParts<T>; ++part) {
@@ -291,6 +292,7 @@ struct IsolatedLanes {
   Mat<V> normals[kCorners];                     ///< rows n_in
   Sym<V> corotated[kCorners], whole[kCorners];  ///< [Pa] without and with all pressure
   std::uint32_t fails;                          ///< a bit each: samples that are not unique
+  Sym<V> of_branches[kCorners];                 ///< [Pa] q, part of these stresses, where there are branches
 };
 
 /// Gm is found in double precision: it has squares of G.
@@ -313,15 +315,13 @@ HWY_INLINE void narrow_plastic_inverse(const HistoryLanes<T, 9 * kCorners>& numb
   assign(narrowed([](const PlasticLanes<D>& part) -> const Mat<D>& { return part.mean; }), plastic.mean);
 }
 
-/// The same where the samples are known.
-template <class T>
-HWY_NOINLINE std::uint32_t flow_isolated_samples(const Model& model, const Linearization& at, double dt,
-                                                 const History& history, int block, int lane, std::uint32_t wanted,
-                                                 const MaterialLanes<Lanes<T>>& of, const int* elements,
-                                                 const SampleLanes<Lanes<T>>& element,
-                                                 const IsolatedLanes<Lanes<T>>& isolated,
-                                                 HistoryLanes<T, 9 * kCorners>& plastic_inverse, History& trial,
-                                                 ElementFlow* flows) {
+/// The same where the samples are known; branch_moduli: sum of g.
+template <class T, bool kRelaxes>
+HWY_NOINLINE std::uint32_t flow_isolated_samples(
+    const Model& model, const Linearization& at, double dt, const History& history, int block, int lane,
+    std::uint32_t wanted, const MaterialLanes<Lanes<T>>& of, const int* elements, const SampleLanes<Lanes<T>>& element,
+    const IsolatedLanes<Lanes<T>>& isolated, HistoryLanes<T, 9 * kCorners>& plastic_inverse,
+    [[maybe_unused]] double branch_moduli, History& trial, ElementFlow* flows) {
   using V = Lanes<T>;
   const auto corners_of = [](auto& values) { return [&values](int e) { return values[e].data(); }; };
   HistoryLanes<T, kCorners> yield_stress(elements, corners_of(history.yield_stress));
@@ -331,8 +331,9 @@ HWY_NOINLINE std::uint32_t flow_isolated_samples(const Model& model, const Linea
   relieve(isolated.normals, relieved);
 
   std::uint32_t fails = isolated.fails;
-  const V rate = per_step<T>(model, elements, dt, &Material::flow_rate),
-          guard(static_cast<T>(settings.inversion_threshold)), none(T(0));
+  V rate = per_step<T>(model, elements, dt, &Material::flow_rate);
+  if constexpr (kRelaxes) rate = min(rate, V(T(1 / (1 + branch_moduli))));  //                               eq. P18
+  const V guard(static_cast<T>(settings.inversion_threshold)), none(T(0));
   V flowing(none), fraction[kCorners], norm[kCorners], strain[kCorners];
   for (int i = 0; i < kCorners; ++i) {
     fails |= bits<T>(hn::Not(determinant(element.F[i]) > guard));
@@ -340,11 +341,13 @@ HWY_NOINLINE std::uint32_t flow_isolated_samples(const Model& model, const Linea
     fails |= bits<T>(hn::Not(norm[i] < V(std::numeric_limits<T>::infinity())));
     fraction[i] = isolated_flow_fraction(norm[i], yield_stress[i], rate);
     flowing = max(flowing, fraction[i]);
-    if (any_positive(fraction[i]))
-      M[i] = flow_direction(symmetric_part(deviatoric_log(element.polar[i].S, fails)), relieved[i], isolated.whole[i],
-                            of.mu, fraction[i]);
-    else
+    if (any_positive(fraction[i])) {
+      Sym<V> log = symmetric_part(deviatoric_log(element.polar[i].S, fails));
+      if constexpr (kRelaxes) log = sum(log, V(T(0.5)) / of.mu, isolated.of_branches[i]);
+      M[i] = flow_direction(log, relieved[i], isolated.whole[i], of.mu, fraction[i]);
+    } else {
       M[i] = {none, none, none, none, none, none};
+    }
   }
   relieve(isolated.normals, M);  //                                                                          eq. P11
 
@@ -376,8 +379,12 @@ HWY_NOINLINE std::uint32_t flow_isolated_samples(const Model& model, const Linea
     const auto has_flowed = widen(flowing, part) > D(0.0);
     for (int i = 0; i < kCorners; ++i) plastic_strain.at[i][part] += select(has_flowed, widen(strain[i], part), D(0.0));
     alignas(64) double work[D::kCount];
-    const double* volume = at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane + first;
-    store(select(has_flowed, D(1.0 / kCorners) * load(volume) * widen(dissipated, part), D(0.0)), work);
+    D volume;
+    if constexpr (kRelaxes)
+      volume = widen(element.volume, part);  // `at` need not know it
+    else
+      volume = load(at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane + first);
+    store(select(has_flowed, D(1.0 / kCorners) * volume * widen(dissipated, part), D(0.0)), work);
     const std::uint32_t yielded = bits<double>(has_flowed);
     for (int k = 0; k < D::kCount; ++k)
       if (done >> (first + k) & 1)
@@ -407,12 +414,126 @@ HWY_NOINLINE std::uint32_t flow_isolated_lanes(const Model& model, const Lineari
     isolated.fails = decompose_or_fail(element);
     ModeLanes<V> volume_gradient;
     const PressureLanes<V> pressure = pressures(of, element, u, volume_gradient);
-    yielding_stress(element, of, pressure, model.settings.yield_stress_measure, isolated.normals, isolated.corotated,
-                    isolated.whole);
-    return flow_isolated_samples<T>(model, at, dt, history, block, lane, wanted, of, here.number, element, isolated,
-                                    plastic_inverse, trial, flows);
+    yielding_stress(element, of, pressure, model.settings.yield_stress_measure, nullptr, isolated.normals,
+                    isolated.corotated, isolated.whole);
+    return flow_isolated_samples<T, false>(model, at, dt, history, block, lane, wanted, of, here.number, element,
+                                           isolated, plastic_inverse, 0, trial, flows);
   };
   return at.is_general[block] ? flow_as.template operator()<true>() : flow_as.template operator()<false>();
+}
+
+/// Takes the branches of a register of elements over the step: history -> trial. q: what they hold then. Returns what
+/// they dissipate, times 8 [J/m^3].                                                                      eq. P13, P19
+HWY_NOINLINE D relax(const Branches& branches, D mu, const int* elements, const SampleLanes<D>& element,
+                     std::uint32_t wanted, History& trial, Sym<D> (&q)[kCorners]) {
+  Sym<D> change[kCorners], stretch[kCorners];
+  load_tensors(
+      elements, [&](int e) { return branches.stretch[e][0].data(); }, change);
+  const D none(0.0);
+  for (int i = 0; i < kCorners; ++i) {
+    stretch[i] = deviator(element.polar[i].S);
+    change[i] = sum(stretch[i], D(-1.0), change[i]);
+    q[i] = {none, none, none, none, none, none};
+  }
+  store_tensors(stretch, elements, wanted, [&](int e) { return trial.branch_stretch[e][0].data(); });
+
+  D dissipated(none);
+  const std::size_t count = branches.steps.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const BranchStep& step = branches.steps[k];
+    const D modulus = D(step.modulus) * mu, held(step.loss_held), mixed(step.loss_mixed), moved(step.loss_moved);
+    Sym<D> b[kCorners];
+    load_tensors(
+        elements, [&](int e) { return branches.strain[e * count + k][0].data(); }, b);
+    for (int i = 0; i < kCorners; ++i) {
+      dissipated += modulus * (held * product(b[i], b[i]) + mixed * product(b[i], change[i]) +
+                               moved * product(change[i], change[i]));
+      b[i] = branch_strain(D(step.decay), b[i], D(step.response), change[i]);
+      q[i] = sum(q[i], modulus + modulus, b[i]);
+    }
+    store_tensors(b, elements, wanted, [&](int e) { return trial.branch_strain[e * count + k][0].data(); });
+  }
+  return dissipated;
+}
+
+/// Stretch that has flowed leaves the branches too: trial, of the elements whose bits are set. element: samples after
+/// the flow.                                                                                                 eq. P16
+HWY_NOINLINE void relieve_branches(const int* elements, const SampleLanes<D>& element, std::size_t num_branches,
+                                   std::uint32_t yielded, History& trial) {
+  const auto of_stretch = [&](int e) { return trial.branch_stretch[e][0].data(); };
+  Sym<D> change[kCorners], stretch[kCorners];
+  load_tensors(elements, of_stretch, change);
+  for (int i = 0; i < kCorners; ++i) {
+    stretch[i] = deviator(element.polar[i].S);
+    change[i] = sum(stretch[i], D(-1.0), change[i]);
+  }
+  store_tensors(stretch, elements, yielded, of_stretch);
+  for (std::size_t k = 0; k < num_branches; ++k) {
+    const auto of_strain = [&](int e) { return trial.branch_strain[e * num_branches + k][0].data(); };
+    Sym<D> b[kCorners];
+    load_tensors(elements, of_strain, b);
+    for (int i = 0; i < kCorners; ++i) b[i] = sum(b[i], D(1.0), change[i]);
+    store_tensors(b, elements, yielded, of_strain);
+  }
+}
+
+/// Elements with branches, all of which relax: in double precision, in which the history is. section 5.10
+template <bool kGeneral>
+HWY_NOINLINE std::uint32_t relax_lanes(const Model& model, const Linearization& at, double dt, const History& history,
+                                       const Branches& branches, int block, int lane, std::uint32_t wanted,
+                                       History& trial, ElementFlow* flows) {
+  const LaneElements<D> here(*model.partition, block, lane);
+  const Settings& settings = model.settings;
+  const bool is_isolated = settings.rest_shape == RestShape::kIsolated;
+  const MaterialLanes<D> of = material_lanes<double>(model, block, lane);
+  CornerLanes<D> x, u;
+  gather_elements<double>(model, at, block, lane, x, u);
+  HistoryLanes<double, 9 * kCorners> plastic_inverse;
+  IsolatedLanes<D> isolated;
+  if (is_isolated) {
+    plastic_inverse =
+        HistoryLanes<double, 9 * kCorners>(here.number, [&](int e) { return history.plastic_inverse[e][0].data(); });
+    narrow_plastic_inverse(plastic_inverse, isolated.plastic);
+  }
+  ElementLanes<kGeneral, Assumed::kCorner, D> element;
+  const auto place = [&] {
+    place_element(x, u, sampling_of(settings), is_isolated ? &isolated.plastic : nullptr, element);
+    decompose(element);
+  };
+  place();
+  const D lost = relax(branches, of.mu, here.number, element, wanted, trial, isolated.of_branches);
+
+  std::uint32_t left = 0;
+  if (model.can_flow()) {
+    ModeLanes<D> volume_gradient;
+    const PressureLanes<D> pressure = pressures(of, element, u, volume_gradient);
+    yielding_stress(element, of, pressure, settings.yield_stress_measure, isolated.of_branches, isolated.normals,
+                    isolated.corotated, isolated.whole);
+    isolated.fails = 0;
+    left = flow_isolated_samples<double, true>(model, at, dt, history, block, lane, wanted, of, here.number, element,
+                                               isolated, plastic_inverse, branches.moduli(), trial, flows);
+    std::uint32_t yielded = 0;
+    for (int k = 0; k < D::kCount; ++k)
+      if ((wanted & ~left) >> k & 1) yielded |= static_cast<std::uint32_t>(flows[here.number[k]].yielded) << k;
+    if (yielded) {
+      narrow_plastic_inverse(plastic_inverse, isolated.plastic);
+      place();
+      relieve_branches(here.number, element, branches.steps.size(), yielded, trial);
+    }
+  } else {
+    D lowest(std::numeric_limits<double>::infinity());
+    for (const Mat<D>& F : element.F) lowest = min(lowest, determinant(F));
+    const std::uint32_t inverted = bits<double>(lowest < D(0.0)),
+                        skipped = bits<double>(lowest < D(settings.inversion_threshold));
+    for (int k = 0; k < D::kCount; ++k)
+      if (wanted >> k & 1)
+        flows[here.number[k]] = {.inverted = (inverted >> k & 1) != 0, .skipped = (skipped >> k & 1) != 0};
+  }
+  alignas(64) double work[D::kCount];
+  store(D(1.0 / kCorners) * element.volume * lost, work);
+  for (int k = 0; k < D::kCount; ++k)
+    if ((wanted & ~left) >> k & 1) flows[here.number[k]].dissipated += work[k];
+  return left;
 }
 
 template <class T>
@@ -430,14 +551,30 @@ std::uint32_t flow_of(const Model& model, const Linearization& at, double dt, co
   return left;
 }
 
-std::uint32_t flow(const Model& model, const Linearization& at, double dt, const History& history, int block,
-                   History& trial, ElementFlow* flows) {
+std::uint32_t relax_block(const Model& model, const Linearization& at, double dt, const History& history,
+                          const Branches& branches, int block, std::uint32_t wanted, History& trial,
+                          ElementFlow* flows) {
+  std::uint32_t left = 0;
+  for (int lane = 0; lane < kBlock; lane += D::kCount) {
+    const std::uint32_t here = wanted >> lane & ((1u << D::kCount) - 1);
+    if (!here) continue;
+    left |=
+        (at.is_general[block] ? relax_lanes<true>(model, at, dt, history, branches, block, lane, here, trial, flows)
+                              : relax_lanes<false>(model, at, dt, history, branches, block, lane, here, trial, flows))
+        << lane;
+  }
+  return left;
+}
+
+std::uint32_t flow(const Model& model, const Linearization& at, double dt, const History& history,
+                   const Branches& branches, int block, History& trial, ElementFlow* flows) {
   std::uint32_t wanted = 0;
   for (int place = 0; place < kBlock; ++place) {
     const int e = model.partition->element(block, place);
     if (e >= 0 && !flows[e].idle && !flows[e].restores) wanted |= 1u << place;
   }
-  if (model.settings.yield_norm == YieldNorm::kSpectral) return wanted;
+  if (model.settings.yield_norm == YieldNorm::kSpectral && model.can_flow()) return wanted;
+  if (branches.any()) return relax_block(model, at, dt, history, branches, block, wanted, trial, flows);
 
   return model.settings.precision == Precision::kMixed
              ? flow_of<float>(model, at, dt, history, block, wanted, trial, flows)
@@ -501,9 +638,9 @@ namespace hexaplast {
 
 HWY_EXPORT(flow);
 
-std::uint32_t flow_block(const Model& model, const Linearization& at, double dt, const History& history, int block,
-                         History& trial, ElementFlow* flows) {
-  return HWY_DYNAMIC_DISPATCH(flow)(model, at, dt, history, block, trial, flows);
+std::uint32_t flow_block(const Model& model, const Linearization& at, double dt, const History& history,
+                         const Branches& branches, int block, History& trial, ElementFlow* flows) {
+  return HWY_DYNAMIC_DISPATCH(flow)(model, at, dt, history, branches, block, trial, flows);
 }
 
 HWY_EXPORT(restore);

@@ -8,6 +8,7 @@
 
 #include "base/tensors-inl.hpp"
 #include "element/isolated-inl.hpp"
+#include "element/relaxation-inl.hpp"
 #include "mesh/trilinear.hpp"
 #include "plastic/element_flow.hpp"
 #include "plastic/point_flow.hpp"
@@ -110,6 +111,38 @@ void set_isolated(int element, const IsolatedStep& step, History& history) {
   history.has_flowed[element] = 1;
   history.yield_stress[element] = step.yield_stress;
   for (int i = 0; i < kCorners; ++i) history.plastic_strain[element][i] += step.strain[i];
+}
+
+double relax(int e, const ElementSamples& samples, double mu, std::span<const BranchStep> steps, History& history) {
+  double density = 0;  // [J/m^3]
+  for (int i = 0; i < kCorners; ++i) {
+    auto& stretch = history.branch_stretch[e][i];
+    const auto before = scalar::symmetric(stretch);
+    const auto now = scalar::deviator(scalar::symmetric_entries(samples.polar[i].S));
+    const auto D = scalar::sum(now, -1.0, before);
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+      const BranchStep& step = steps[k];
+      auto& strain = history.branch_strains_of(e)[k][i];
+      const auto b = scalar::symmetric(strain);
+      density += step.modulus * mu *
+                 (step.loss_held * scalar::product(b, b) + step.loss_mixed * scalar::product(b, D) +
+                  step.loss_moved * scalar::product(D, D));
+      strain = scalar::numbers(scalar::branch_strain(step.decay, b, step.response, D));
+    }
+    stretch = scalar::numbers(now);
+  }
+  return samples.volume / kCorners * density;
+}
+
+void relieve_branches(int e, const ElementSamples& flowed, History& history) {
+  for (int i = 0; i < kCorners; ++i) {
+    auto& stretch = history.branch_stretch[e][i];
+    const auto now = scalar::deviator(scalar::symmetric_entries(flowed.polar[i].S));
+    const auto change = scalar::sum(now, -1.0, scalar::symmetric(stretch));
+    for (CornerSymmetric& strain : history.branch_strains_of(e))
+      strain[i] = scalar::numbers(scalar::sum(scalar::symmetric(strain[i]), 1.0, change));
+    stretch = scalar::numbers(now);
+  }
 }
 
 }  // namespace hexaplast

@@ -37,11 +37,19 @@ IsolatedStep isolated_flow(const ElementSamples& samples, const IsolatedStress& 
                            const CornerTensors& plastic_inverse, double mu, const Material& material, YieldNorm norm,
                            const CornerValues& yield_stress, double dt);
 
-/// The same of an element of a body, without flow where it is nearly inverted.
+/// The same of an element of a body, without flow where it is nearly inverted. Elastic elements may have a joined rest
+/// shape.
 IsolatedStep isolated_step(const Model& model, int element, const ElementSamples& samples, const History& history,
                            double dt);
 
 /// Takes the step of an element over into a history that has what was before it.
 void set_isolated(int element, const IsolatedStep& step, History& history);
+
+/// Takes the branches of an element over the step. Returns what they dissipate [J].                     eq. P13, P19
+double relax(int element, const ElementSamples& samples, double mu, std::span<const BranchStep> steps,
+             History& history);
+
+/// Stretch that has flowed leaves the branches too. flowed: samples after the flow.                           eq. P16
+void relieve_branches(int element, const ElementSamples& flowed, History& history);
 
 }  // namespace hexaplast

@@ -15,8 +15,7 @@ CornerValues corner_ratios(const ElementPoints& plastic_rest, const ElementPoint
 
 /// The corner energy of isolated rest shapes, which keeps corners from folding.                  theory.md section 3.3
 ///
-///   E_K = sum_i kappa_K mu V_e/16 max(0, d_K - d_i)^2,   kappa_K = 5, d_K = 0.3                                   (eq.
-///   E31)
+///   E_K = sum_i kappa_K mu V_e/16 max(0, d_K - d_i)^2,   kappa_K = 5,   d_K = 0.3                          (eq. E32)
 ///
 /// A function of positions alone, so that energy is conserved and forces and moments sum to zero.
 class CornerEnergy {
@@ -36,7 +35,7 @@ class CornerEnergy {
   /// f += forces [N].
   void add_force(Points f) const;
 
-  /// Fp += factor W p, W the Gauss-Newton part of the Hessian: positive semi-definite.                       eq. E32
+  /// Fp += factor W p, W the Gauss-Newton part of the Hessian: positive semi-definite.                       eq. E33
   void add_product(double factor, ConstPoints p, Points Fp) const;
 
   /// diagonal += factor diag(W).

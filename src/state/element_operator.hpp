@@ -21,6 +21,7 @@ struct StiffnessKind {
   Sampling sampling = {};
   Volumetric volumetric = Volumetric::kSample;
   ElasticLaw law = ElasticLaw::kCorotated;
+  double branch_modulus = 0;  ///< mu_b over mu, of viscoelastic branches                                       eq. P14
   bool one_rotation = false;  ///< of the simple form (OneRotationPlaces): parallelepipeds, of the corotated law
 
   bool has_volume() const { return volumetric == Volumetric::kVolumeRatio; }

@@ -7,6 +7,7 @@
 
 #include "hexaplast/base/archive.hpp"
 #include "hexaplast/base/types.hpp"
+#include "material/relaxation.hpp"
 #include "state/element_history.hpp"
 #include "state/model.hpp"
 
@@ -47,6 +48,10 @@ struct History {
   }
   std::span<const CornerSymmetric> branch_strains_of(int e) const {
     return const_cast<History*>(this)->branch_strains_of(e);
+  }
+  /// All of them, which take a step like this.
+  Branches branches(std::span<const BranchStep> steps) const {
+    return {steps, branch_strain.data(), branch_stretch.data()};
   }
   const CornerTensors* plastic_inverse_of(int e) const {  ///< null unless rest shapes are isolated
     return plastic_inverse.empty() ? nullptr : &plastic_inverse[e];

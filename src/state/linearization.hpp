@@ -40,6 +40,9 @@ struct Linearization {
   const CornerTensors* flowed_at(const History& history, int block) const {
     return has_flowed.empty() || !has_flowed[block] ? nullptr : history.plastic_inverse.data();
   }
+  const StiffnessKind& kind() const {
+    return std::visit([](const auto& of) -> const StiffnessKind& { return of.kind; }, op);
+  }
   const float* mean_plastic_of(int block) const {
     return has_flowed.empty() || !has_flowed[block]
                ? nullptr

@@ -81,6 +81,20 @@ TEST(Memory, OfABodyCountsWhatNotEveryHistoryHas) {
   }
 }
 
+// Six numbers of each quadrature point for each branch, and for what they need of the step before; in both histories.
+TEST(Memory, OfABodyCountsBranches) {
+  const Material elastic, yields{.yield_stress = 300, .flow_rate = 2};
+  for (const Implementation implementation : {Implementation::kFast, Implementation::kPlain}) {
+    const Settings without{.rest_shape = RestShape::kIsolated, .implementation = implementation};
+    Settings one = without, two = without;
+    one.relaxation = {1, 0.1};
+    two.relaxation = {1, 0.1, 1, 0.2};
+    EXPECT_EQ(bytes_per_hexahedron({yields}, one), bytes_per_hexahedron({yields}, without) + 2 * 2 * 8 * 48);
+    for (const Material& material : {elastic, yields})
+      EXPECT_EQ(bytes_per_hexahedron({material}, two), bytes_per_hexahedron({material}, one) + 2 * 8 * 48);
+  }
+}
+
 /// Of a file system with this /proc/self/cgroup and these limits.
 std::uint64_t available_with(const std::string& groups,
                              const std::vector<std::pair<std::string, std::string>>& limits) {

@@ -60,6 +60,7 @@ struct Case {
   Does plasticity;
   std::unique_ptr<LinearSolver> (*solver)();
   RestShape rest_shape = RestShape::kJoined;
+  bool relaxes = false;
 };
 
 template <Preconditioner kPreconditioner>
@@ -89,6 +90,7 @@ TEST_P(Allocations, AStepHasNone) {
   Settings settings;
   settings.precision = GetParam().precision;
   settings.rest_shape = GetParam().rest_shape;
+  if (GetParam().relaxes) settings.relaxation = {0.7, 0.3, 2, 0.02};
   Body body(support::block({8, 8, 32}, 0.01), {material}, settings);
   support::SimulationSetup setup;
   for (int n = 0; n < body.mesh().num_nodes(); ++n)
@@ -142,7 +144,13 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"flowing_mixed", Precision::kMixed, Does::kFlows, plain},
         Case{"isolated_double", Precision::kDouble, Does::kFlows, preconditioned<Preconditioner::kMultigrid>,
              RestShape::kIsolated},
-        Case{"isolated_mixed", Precision::kMixed, Does::kFlows, plain, RestShape::kIsolated}),
+        Case{"isolated_mixed", Precision::kMixed, Does::kFlows, plain, RestShape::kIsolated},
+        Case{"relaxing_double", Precision::kDouble, Does::kNothing, preconditioned<Preconditioner::kMultigrid>,
+             RestShape::kJoined, true},
+        Case{"relaxing_mixed", Precision::kMixed, Does::kNothing, plain, RestShape::kJoined, true},
+        Case{"relaxing_isolated_double", Precision::kDouble, Does::kFlows, plain, RestShape::kIsolated, true},
+        Case{"relaxing_isolated_mixed", Precision::kMixed, Does::kFlows, preconditioned<Preconditioner::kMultigrid>,
+             RestShape::kIsolated, true}),
     [](const auto& test) { return std::string(test.param.name); });
 
 TEST(Allocations, KeepingAccountsOfEnergyHasNone) {

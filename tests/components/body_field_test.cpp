@@ -92,7 +92,7 @@ TEST(BodyField, MayBecomeOfAnotherMaterialDuringTheRun) {
 
 // Its time step is that of the scene, and no attribute of it changes during a run.
 TEST(BodyField, RelaxesAfterAJumpByTheTimeStepOfTheScene) {
-  scene::Scene scene = read_and_init(two_hexahedra("youngModulus='1000' implementation='plain' relaxation='2 0.1'",
+  scene::Scene scene = read_and_init(two_hexahedra("youngModulus='1000' relaxation='2 0.1'",
                                                    "<FixedProjectiveConstraint indices='0 1 2 3 4 5 6 7 8 9 10 11'/>"));
   auto& field = at<scene::ForceField>(scene, "body");
   PointArray& x = at<scene::MechanicalState>(scene, "nodes").positions();

@@ -157,7 +157,7 @@ bool flows_in_lanes(double stretch, Precision precision) {
   linearize(model, history, x, at);
   std::vector<ElementFlow> flows(mesh.num_elements());
   for (int block = 0; block < model.partition->num_blocks; ++block)
-    if (flow_block(model, at, 0.01, history, block, trial, flows.data()) != 0) return false;
+    if (flow_block(model, at, 0.01, history, {}, block, trial, flows.data()) != 0) return false;
 
   History expected = history;
   PreconditionedConjugateGradients solver(1e-6, 10000);
