@@ -55,6 +55,7 @@ const std::map<std::string, int> kHeight{
     {"kernels", 16},
     {"instructions", 16},
     {"figures", 16},
+    {"gpu", 16},
     {"calculix", 16},
 };
 

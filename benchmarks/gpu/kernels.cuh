@@ -1,0 +1,566 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// First kernels of the default element with isolated rest shapes for a GPU: parallelepipeds, mixed precision. A warp
+// has a brick of 32 hexahedra, a lane has one of them with all of its samples. Arrays of bricks end in [lane]:
+// neighbouring lanes read neighbouring numbers. Corners and samples are in the order of kCornerSign.   theory.md
+// sections 2.1, 5.9
+#pragma once
+
+#include <cstdint>
+#ifdef __CUDACC__
+#include <cuda_pipeline.h>
+#endif
+
+#include "elastic/assumed-inl.hpp"
+#include "element/isolated-inl.hpp"
+#include "material/stress_norm-inl.hpp"
+#include "plastic/point_flow-inl.hpp"
+
+namespace hexaplast::HWY_NAMESPACE {
+
+using V = Lanes<float>;
+using hwy::float16_t;
+
+constexpr int kWidth = 32;         ///< hexahedra of a brick
+constexpr int kBricksOfBlock = 2;  ///< a warp each
+constexpr int kNodes = 80;         ///< room for the nodes of a brick
+constexpr int kRestNumbers = 12;   ///< J^-1 / 2 (9), volume [m^3], mu, lambda [Pa]
+constexpr int kByHexahedron = 51;  ///< coefficients: j, gradients of the volume and of the mean dilatation
+constexpr float kWeight = 0.57735026918962576451f;  // Sampling::corner_weight
+
+/// Where corners and nodes are. A brick adds the corners of each of its nodes, a node adds its bricks: sums have one
+/// order, and need no atomics.
+struct Layout {
+  int num_bricks, num_nodes;
+  const std::uint8_t* local;   ///< [brick][corner][lane]: number of the node in the brick
+  const std::uint8_t* sorted;  ///< [brick][corner kWidth + lane]: corners by node, ascending
+  const std::uint16_t* begin;  ///< [brick][kNodes + 1]: where those of a node begin
+  const int* node;             ///< [brick][kNodes], or -1
+  const int* partial_begin;    ///< [node + 1]
+  const int* partial;          ///< places [brick][kNodes] of the sums of a node, in the order of bricks
+};
+
+struct Place {
+  __device__ Place()
+      : lane(threadIdx.x % kWidth), here(threadIdx.x / kWidth), brick(blockIdx.x * kBricksOfBlock + here) {}
+  int lane, here, brick;
+};
+/// Number k of `count` of each hexahedron.
+__device__ inline V of_brick(const float* from, int count, const Place& my, int k) {
+  return V(from[(my.brick * count + k) * kWidth + my.lane]);
+}
+__device__ inline int node_of_corner(const Layout& at, const Place& my, int c) {
+  return at.node[my.brick * kNodes + at.local[(my.brick * kCorners + c) * kWidth + my.lane]];
+}
+__device__ inline float number(V a) { return a.raw().raw; }
+
+/// [corner][component][lane]
+using CornerForces = float[kCorners][3][kWidth];
+/// Forces of the corners become sums of the brick, [brick][kNodes].
+__device__ inline void add_brick(const Layout& at, const Place& my, const CornerLanes<V>& of_corner, CornerForces& f,
+                                 float4* partial) {
+  for (int corner = 0; corner < kCorners; ++corner)
+    for (int c = 0; c < 3; ++c) f[corner][c][my.lane] = number(of_corner.at[corner][c]);
+  __syncwarp();
+  const std::uint16_t* const begin = at.begin + my.brick * (kNodes + 1);
+  for (int t = my.lane; t < kNodes; t += kWidth) {
+    float sum[3] = {0, 0, 0};
+    for (int k = begin[t]; k < begin[t + 1]; ++k) {
+      const int corner = at.sorted[my.brick * kCorners * kWidth + k];
+      for (int c = 0; c < 3; ++c) sum[c] += f[corner / kWidth][c][corner % kWidth];
+    }
+    partial[my.brick * kNodes + t] = make_float4(sum[0], sum[1], sum[2], 0);
+  }
+}
+
+// Samples, one after the other: what columns_of_modes and modes_of_columns (kinematics/columns-inl.hpp) do for all.
+
+/// s_n of a corner or sample.
+struct Signs {
+  __device__ explicit Signs(int i) : at{one(i ^ i >> 1), one(i >> 1), one(i >> 2)} {}
+  static __device__ V one(int bit) { return V(bit & 1 ? 1.0f : -1.0f); }
+  V at[3];
+};
+/// Rows: the edges at the corner, and the columns of the sample.                                             eq. E11c
+__device__ inline void columns_at(const ModeLanes<V>& modes, const V (&a)[3][3], const Signs& s, Mat<V>& edges,
+                                  Mat<V>& columns) {
+  unrolled<3>([&](auto n) __attribute__((always_inline)) {
+    constexpr int m = n == 0 ? 1 : 0, l = n == 2 ? 1 : 2;
+    for (int c = 0; c < 3; ++c) {
+      const V bend = s.at[m] * modes.at[3 + l][c] + s.at[l] * (modes.at[3 + m][c] + s.at[m] * modes.at[6][c]);
+      edges(n, c) = modes.at[n][c] + bend;
+      columns(n, c) = modes.at[n][c] + V(kWeight) * bend + s.at[n] * a[n][c];
+    }
+  });
+}
+/// What rows that act on columns act with: on the modes, and on what is assumed.
+struct ActingModes {
+  __device__ ActingModes() {
+    set_zero(on);
+    for (int k = 0; k < 9; ++k) a[k / 3][k % 3] = V(0.0f);
+  }
+  __device__ void add(const Mat<V>& rows, const Signs& s) {
+    unrolled<3>([&](auto n) __attribute__((always_inline)) {
+      constexpr int m = n == 0 ? 1 : 0, l = n == 2 ? 1 : 2;
+      for (int c = 0; c < 3; ++c) {
+        const V row = rows(n, c), far = s.at[m] * row;
+        on.at[n][c] += row;
+        on.at[3 + l][c] += far;
+        on.at[3 + m][c] += s.at[l] * row;
+        on.at[6][c] += s.at[l] * far;
+        a[n][c] += s.at[n] * row;
+      }
+    });
+  }
+  /// To be called once, when all samples are in.
+  __device__ void weigh() {
+    for (int k = 9; k < 21; ++k) on.at[k / 3][k % 3] *= V(kWeight);
+  }
+  ModeLanes<V> on;
+  V a[3][3];
+};
+
+// Coefficients in words of 16 bytes, [brick][word][lane]: word i has the first eight numbers of C_i, word 8 the last
+// ones of all, and the others j, the gradient of the volume and that of the mean dilatation.
+
+constexpr int kWords = 16;
+
+HWY_INLINE float16_t half_of(const uint4& word, int k) {
+  const unsigned bits = k < 4 ? k < 2 ? word.x : word.y : k < 6 ? word.z : word.w;
+  return {static_cast<std::uint16_t>(bits >> 16 * (k % 2))};
+}
+/// of(0) ... of(7)
+template <class Of>
+__device__ uint4 word_of(const Of& of) {
+  const auto two = [&](int k) {
+    return hwy::HWY_NAMESPACE::to_half(of(k)).bits | unsigned(hwy::HWY_NAMESPACE::to_half(of(k + 1)).bits) << 16;
+  };
+  return {two(0), two(2), two(4), two(6)};
+}
+
+/// Direction of conjugate gradients at a node: r + beta p.
+struct Direction {
+  const float4 *p, *r;
+  const double* beta;  ///< null: p alone
+};
+__device__ inline float4 direction_at(const Direction& d, int n) {
+  const float4 p = d.p[n];
+  if (!d.beta) return p;
+  const float4 r = d.r[n];
+  const float beta = static_cast<float>(*d.beta);
+  return make_float4(r.x + beta * p.x, r.y + beta * p.y, r.z + beta * p.z, 0);
+}
+
+/// L p: apply_assumed (elastic/assumed-inl.hpp), sample by sample. weight: [brick][2][lane], mu and lambda.
+__global__ void __launch_bounds__(kWidth* kBricksOfBlock, 8)
+    multiply(Layout at, const uint4* coef, const float* weight, Direction d, float4* partial) {
+  __shared__ CornerForces f[kBricksOfBlock];
+  const Place my;
+  if (my.brick >= at.num_bricks) return;
+  __shared__ uint4 words[kBricksOfBlock][kWords][kWidth];
+  for (int k = 0; k < kWords; ++k)
+    __pipeline_memcpy_async(&words[my.here][k][my.lane], coef + (my.brick * kWords + k) * kWidth + my.lane, 16);
+  __pipeline_commit();
+  const auto word = [&](int k) { return words[my.here][k][my.lane]; };
+  CornerLanes<V> u;
+  unrolled<8>([&](auto c) __attribute__((always_inline)) {
+    const float4 p = direction_at(d, node_of_corner(at, my, c));
+    u.at[c][0] = V(p.x), u.at[c][1] = V(p.y), u.at[c][2] = V(p.z);
+  });
+  __pipeline_wait_prior(0);
+  float16_t others[kByHexahedron];
+  unrolled<kByHexahedron>([&](auto k) __attribute__((always_inline)) { others[k] = half_of(word(9 + k / 8), k % 8); });
+
+  // four times the mean edges and the hourglass modes; samples weigh an eighth each
+  const V sixteenth(1.0f / 16), all(128.0f);
+  const V mu = sixteenth * of_brick(weight, 2, my, 0), lambda = sixteenth * of_brick(weight, 2, my, 1);
+  const V free = free_modulus(Volumetric::kVolumeRatio, mu, lambda);
+  ModeLanes<V> modes_of_u;
+  modes(u, modes_of_u);
+  const V along_volume = all * lambda * along_gradient<1>(others + 9, modes_of_u);
+  const V along_mean = all * -free * along_gradient<1>(others + 30, modes_of_u);
+  const Mat<V> j = load_mat<1, V>(others);
+  const AssumedLanes<V> how(j, V(kWeight));
+  V a[3][3];
+  how.columns(modes_of_u.at + 3, a);
+  const uint4 last = word(8);
+  ActingModes acting;
+  unrolled<8>([&](auto i) __attribute__((always_inline)) {
+    const Signs signs(i);
+    const uint4 first = word(i);
+    float16_t C[9];
+    for (int k = 0; k < 8; ++k) C[k] = half_of(first, k);
+    C[8] = half_of(last, i);
+    Mat<V> edges, columns;
+    columns_at(modes_of_u, a, signs, edges, columns);
+    apply_sample<1>(C, mu, free, columns);
+    acting.add(columns, signs);
+  });
+  acting.weigh();
+  how.add_transpose(acting.a, acting.on.at + 3);
+  add_gradient<1>(along_volume, others + 9, acting.on);
+  add_gradient<1>(along_mean, others + 30, acting.on);
+  modes_transpose(acting.on, u);
+  add_brick(at, my, u, f[my.here], partial);
+}
+
+/// What the samples of a hexahedron follow from.
+struct PlacedHexahedron {
+  ModeLanes<V> modes;  ///< a quarter of those of the corners: the mean edges and the hourglass modes
+  Mat<V> dual;         ///< J^-1 / 2
+  Mat<V> j;
+  PolarLanes<V> mean;
+  V a[3][3];
+};
+/// mean_plastic: [brick][6][lane], the lower triangle of Gm, by columns.                            eq. P2, E10, E11c
+__device__ inline void place_hexahedron(const Layout& at, const Place& my, const float* rest, const double4_32a* x,
+                                        const float* mean_plastic, PlacedHexahedron& to) {
+  CornerLanes<V> u;
+  const double4_32a origin = x[node_of_corner(at, my, 0)];
+  unrolled<8>([&](auto c) __attribute__((always_inline)) {
+    const double4_32a corner = x[node_of_corner(at, my, c)];
+    u.at[c][0] = V(static_cast<float>(0.25 * (corner.x - origin.x)));
+    u.at[c][1] = V(static_cast<float>(0.25 * (corner.y - origin.y)));
+    u.at[c][2] = V(static_cast<float>(0.25 * (corner.z - origin.z)));
+  });
+  modes(u, to.modes);
+  Mat<V> edges;
+  for (int k = 0; k < 9; ++k) {
+    to.dual.m[k / 3][k % 3] = of_brick(rest, kRestNumbers, my, k);
+    edges.m[k / 3][k % 3] = to.modes.at[k / 3][k % 3];
+  }
+  const auto L = [&](int k) { return of_brick(mean_plastic, 6, my, k); };
+  const V none(0.0f);
+  const Mat<V> Gm = {{{L(0), none, none}, {L(1), L(3), none}, {L(2), L(4), L(5)}}};
+  const Mat<V> dual_plastic = to.dual * Gm, F_m = transposed_product(edges, dual_plastic);
+  polars<1>(&F_m, &to.mean);
+  to.j = product_transposed(dual_plastic, to.mean.R);
+  AssumedLanes<V>(to.j, V(kWeight)).columns(to.modes.at + 3, to.a);
+}
+/// The volume, and what it changes with the modes of the corners.                                             eq. E30
+__device__ inline V volume_of_placed(const PlacedHexahedron& h, ModeLanes<V>& gradient) {
+  const V volume = V(64.0f) * volume_of(h.modes, gradient);
+  for (int k = 0; k < 21; ++k) gradient.at[k / 3][k % 3] *= V(16.0f);
+  return volume;
+}
+
+/// History of samples: G (9), tau [Pa], accumulated strain [-], each [brick][number][sample][lane].
+template <class N>
+struct Plastic {
+  N *G, *tau, *strain;
+};
+__device__ inline std::size_t place_of_sample(const Place& my, int count, int k, int i) {
+  return ((static_cast<std::size_t>(my.brick) * count + k) * kCorners + i) * kWidth + my.lane;
+}
+__device__ inline Mat<V> history_at(const double* G, const Place& my, int i) {
+  Mat<V> of;
+  for (int k = 0; k < 9; ++k) of.m[k / 3][k % 3] = V(static_cast<float>(G[place_of_sample(my, 9, k, i)]));
+  return of;
+}
+
+/// Forces, coefficients and weights at positions x; length [m]: of an edge, by which coefficients become numbers that a
+/// half can be. The pressure of the mean dilatation acts as its gradient does, so that one loop over the samples is
+/// enough.                                                    eq. P1 to P5, E6, E12, E13; elastic/element_pass.cpp
+__global__ void __launch_bounds__(kWidth* kBricksOfBlock, 4)
+    linearize(Layout at, const float* rest, float length, const double4_32a* x, const double* G,
+              const float* mean_plastic, uint4* coef, float* weight, float4* partial) {
+  __shared__ CornerForces shared[kBricksOfBlock];
+  const Place my;
+  if (my.brick >= at.num_bricks) return;
+  CornerForces& room = shared[my.here];
+  PlacedHexahedron h;
+  place_hexahedron(at, my, rest, x, mean_plastic, h);
+  const auto of_rest = [&](int k) { return of_brick(rest, kRestNumbers, my, k); };
+  const V volume = of_rest(9), mu = of_rest(10), lambda = of_rest(11);
+  const V free = free_modulus(Volumetric::kVolumeRatio, mu, lambda);
+  uint4* const to = coef + static_cast<std::size_t>(my.brick) * kWords * kWidth + my.lane;
+
+  ActingModes acting, dilating;  // stresses without the shared pressure; the gradient of the mean dilatation
+  V theta_sum(0.0f);
+#pragma unroll 1
+  for (int i = 0; i < kCorners; ++i) {
+    const Signs signs(i);
+    Mat<V> edges, columns;
+    columns_at(h.modes, h.a, signs, edges, columns);
+    const Mat<V> inverse = h.dual * history_at(G, my, i), F = transposed_product(columns, inverse);
+    PolarLanes<V> polar;
+    polars<1>(&F, &polar);
+    const V theta = dilatation(ElasticLaw::kCorotated, polar.S);
+    theta_sum += theta;
+    const Mat<V> P = polar.R * matrix(stress(ElasticLaw::kCorotated, 0, polar.S, mu, free * theta));
+    const Mat<V> C = product_transposed(inverse, polar.R);
+    acting.add(product_transposed(inverse, P), signs);
+    dilating.add(C, signs);
+    to[i * kWidth] = word_of([&](int k) { return length * number(C.m[k / 3][k % 3]); });
+    room[i][0][my.lane] = length * number(C(2, 2));
+  }
+  to[8 * kWidth] = word_of([&](int i) { return room[i][0][my.lane]; });
+  const V shared_pressure = V(-0.125f) * free * theta_sum;
+  for (int k = 0; k < 21; ++k) acting.on.at[k / 3][k % 3] += shared_pressure * dilating.on.at[k / 3][k % 3];
+  for (int k = 0; k < 9; ++k) acting.a[k / 3][k % 3] += shared_pressure * dilating.a[k / 3][k % 3];
+  acting.weigh();
+  dilating.weigh();
+
+  // what is assumed, and the rotation that it follows
+  const AssumedLanes<V> how(h.j, V(kWeight));
+  V on_Q[3][3], moment[3] = {V(0.0f), V(0.0f), V(0.0f)};
+  for (int k = 0; k < 9; ++k) on_Q[k / 3][k % 3] = V(0.0f);
+  how.add_transpose(acting.a, on_Q);
+  how.add_transpose(dilating.a, dilating.on.at + 3);
+  V Q[3][3];
+  for (int k = 0; k < 9; ++k) Q[k / 3][k % 3] = h.modes.at[3 + k / 3][k % 3];
+  add_moment(1, h.a, acting.a, moment);
+  add_moment(-1, Q, on_Q, moment);
+  const Mat<V> turns = turning(h.mean, h.j, moment);
+  for (int k = 0; k < 9; ++k) {
+    acting.on.at[k / 3][k % 3] += turns.m[k / 3][k % 3];
+    acting.on.at[3 + k / 3][k % 3] += on_Q[k / 3][k % 3];
+  }
+
+  ModeLanes<V> gradient;
+  const V pressure = lambda * (volume_of_placed(h, gradient) / volume - V(1.0f));
+  for (int k = 0; k < 21; ++k) {
+    V& on = acting.on.at[k / 3][k % 3];
+    on = V(-1.0f / 32) * volume * on - pressure * gradient.at[k / 3][k % 3];
+  }
+  const auto other = [&](int k) {
+    if (k < 9) return length * number(h.j.m[k / 3][k % 3]);
+    if (k < 30) return number(V(length) / volume * gradient.at[(k - 9) / 3][k % 3]);
+    if (k < kByHexahedron) return length / 32 * number(dilating.on.at[(k - 30) / 3][k % 3]);
+    return 0.0f;
+  };
+  unrolled<7>([&](auto w) __attribute__((always_inline)) {
+    to[(9 + w) * kWidth] = word_of([&](int k) { return other(8 * w + k); });
+  });
+  const float per_sample = number(volume) / (8 * length * length);
+  weight[my.brick * 2 * kWidth + my.lane] = per_sample * number(mu);
+  weight[(my.brick * 2 + 1) * kWidth + my.lane] = per_sample * number(lambda);
+  CornerLanes<V> f;
+  modes_transpose(acting.on, f);
+  __syncwarp();
+  add_brick(at, my, f, room, partial);
+}
+
+/// A - sum_n s_n c_n n_n n_n^T, of one sample.                                                            eq. P8, P11
+__device__ inline void relieve_by(const V (&c)[3], const Signs& s, const Mat<V>& normals, Sym<V>& A) {
+  for (int n = 0; n < 3; ++n) {
+    const V scale = s.at[n] * c[n], x = normals(n, 0), y = normals(n, 1), z = normals(n, 2);
+    A.xx -= scale * x * x, A.yy -= scale * y * y, A.zz -= scale * z * z;
+    A.yz -= scale * y * z, A.zx -= scale * z * x, A.xy -= scale * x * y;
+  }
+}
+/// What of c is of this sample.
+__device__ inline void add_normal(const Mat<V>& normals, const Signs& s, const Sym<V>& A, V (&c)[3]) {
+  const Mat<V> all = normals * matrix(A);
+  for (int n = 0; n < 3; ++n) c[n] += V(0.125f) * s.at[n] * dot(all.m[n], normals.m[n]);
+}
+
+/// What samples keep from one loop to the next.
+struct KeptSamples {
+  __device__ void set(const Place& my, int i, int k, V a) { at[i][k][my.lane] = number(a); }
+  __device__ V number_at(const Place& my, int i, int k) const { return V(at[i][k][my.lane]); }
+  __device__ void set(const Place& my, int i, const Sym<V>& A) {
+    const V six[6] = {A.xx, A.yy, A.zz, A.yz, A.zx, A.xy};
+    for (int k = 0; k < 6; ++k) set(my, i, k, six[k]);
+  }
+  __device__ Sym<V> symmetric_at(const Place& my, int i) const {
+    const auto of = [&](int k) { return number_at(my, i, k); };
+    return {of(0), of(1), of(2), of(3), of(4), of(5)};
+  }
+  __device__ Mat<V> normals_at(const Place& my, int i) const {
+    Mat<V> rows;
+    for (int k = 0; k < 9; ++k) rows.m[k / 3][k % 3] = number_at(my, i, 7 + k);
+    return rows;
+  }
+  float at[kCorners][16][kWidth];  ///< S, then M (6); gamma |sigma|; face normals (9)
+};
+
+struct FlowRule {
+  float rate_dt, hardening;                     ///< nu h, kappa
+  float least_det = 0.1f, least_corner = 0.3f;  ///< below these a hexahedron does not flow
+};
+
+/// History and Gm after a step at positions x; left: hexahedra for the CPU, which keep theirs. Three loops over samples
+/// find the stretches, what flows, and the new history.            eq. P6 to P12, true stress; plastic/flow_pass.cpp
+__global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
+    flow(Layout at, const float* rest, FlowRule rule, const double4_32a* x, Plastic<const double> before,
+         const float* mean_before, Plastic<double> after, float* mean_after, std::uint8_t* left) {
+  __shared__ KeptSamples shared[kBricksOfBlock];
+  const Place my;
+  if (my.brick >= at.num_bricks) return;
+  KeptSamples& kept = shared[my.here];
+  const auto of_rest = [&](int k) { return of_brick(rest, kRestNumbers, my, k); };
+  const V volume = of_rest(9), mu = of_rest(10), lambda = of_rest(11), one(1.0f), eighth(0.125f);
+  const V free = free_modulus(Volumetric::kVolumeRatio, mu, lambda);
+  std::uint32_t fails = 0;
+  V theta_sum(0.0f), excess, c[3] = {V(0.0f), V(0.0f), V(0.0f)}, c_of_mean[3] = {V(0.0f), V(0.0f), V(0.0f)};
+  {
+    PlacedHexahedron h;
+    place_hexahedron(at, my, rest, x, mean_before, h);
+    ModeLanes<V> gradient;
+    excess = volume_of_placed(h, gradient) / volume - one;
+    fails = h.mean.doubtful;
+#pragma unroll 1
+    for (int i = 0; i < kCorners; ++i) {
+      const Signs signs(i);
+      Mat<V> edges, columns;
+      columns_at(h.modes, h.a, signs, edges, columns);
+      const Mat<V> G = history_at(before.G, my, i), F = transposed_product(columns, h.dual * G);
+      PolarLanes<V> polar;
+      polars<1>(&F, &polar);
+      fails |= polar.doubtful;
+      if (!(number(determinant(edges)) > rule.least_corner * number(volume) && number(determinant(F)) > rule.least_det))
+        fails = 1;
+      const V theta = dilatation(ElasticLaw::kCorotated, polar.S);
+      theta_sum += theta;
+      const Mat<V> normals = face_normals(G, h.dual);
+      const Sym<V> sigma = stress(ElasticLaw::kCorotated, 0, polar.S, mu, free * theta);
+      add_normal(normals, signs, cauchy_stress(polar.S, sigma, V(0.0f), one + excess), c);
+      add_normal(normals, signs, polar.S, c_of_mean);
+      kept.set(my, i, polar.S);
+      for (int k = 0; k < 9; ++k) kept.set(my, i, 7 + k, normals.m[k / 3][k % 3]);
+    }
+  }
+
+  const V mean_theta = eighth * theta_sum;
+  V k_n[3] = {V(0.0f), V(0.0f), V(0.0f)}, flowing(0.0f);
+  for (int n = 0; n < 3; ++n) c[n] -= free * mean_theta / (one + excess) * c_of_mean[n];
+#pragma unroll 1
+  for (int i = 0; i < kCorners; ++i) {
+    const Signs signs(i);
+    const Sym<V> S = kept.symmetric_at(my, i);
+    const V theta = dilatation(ElasticLaw::kCorotated, S);
+    const Sym<V> sigma = stress(ElasticLaw::kCorotated, 0, S, mu, free * (theta - mean_theta));
+    const Sym<V> whole = cauchy_stress(S, sigma, lambda * excess, one + excess);
+    const Mat<V> normals = kept.normals_at(my, i);
+    Sym<V> relieved = whole, M = {V(0.0f), V(0.0f), V(0.0f), V(0.0f), V(0.0f), V(0.0f)};
+    relieve_by(c, signs, normals, relieved);
+    const V norm = stress_norm_bound(relieved, YieldNorm::kVonMises);
+    const V tau(static_cast<float>(before.tau[place_of_sample(my, 1, 0, i)]));
+    const V fraction = isolated_flow_fraction(norm, tau, V(rule.rate_dt));
+    if (!(number(norm) < 1e30f)) fails = 1;
+    if (number(fraction) > 0) {
+      M = flow_direction(symmetric_part(deviatoric_log(S, fails)), relieved, whole, mu, fraction);
+      if (!(number(squared_norm(M)) < 1)) fails = 1;  // far within the series
+    }
+    add_normal(normals, signs, M, k_n);
+    flowing += fraction;
+    kept.set(my, i, M);
+    kept.set(my, i, 6, fraction * norm);
+  }
+
+  left[my.brick * kWidth + my.lane] = fails != 0;
+  const bool stays = fails != 0 || !(number(flowing) > 0);
+  Sym<V> squares = {V(0.0f), V(0.0f), V(0.0f), V(0.0f), V(0.0f), V(0.0f)};  // of G G^T
+#pragma unroll 1
+  for (int i = 0; i < kCorners; ++i) {
+    Sym<V> M = kept.symmetric_at(my, i);
+    relieve_by(k_n, Signs(i), kept.normals_at(my, i), M);
+    const Mat<V> log = matrix(M);
+    const Mat<V> change = history_at(before.G, my, i) *
+                          exponential_series(scaled(V(-1.0f), log), exponential_terms(dot(log, log), fails));
+    Mat<V> flowed;
+    for (int k = 0; k < 9; ++k) {
+      const std::size_t entry = place_of_sample(my, 9, k, i);
+      const double old = before.G[entry], now = stays ? old : old + number(change.m[k / 3][k % 3]);
+      after.G[entry] = now;
+      flowed.m[k / 3][k % 3] = V(static_cast<float>(now));
+    }
+    const Mat<V> GG = product_transposed(flowed, flowed);
+    squares.xx += GG(0, 0), squares.yy += GG(1, 1), squares.zz += GG(2, 2);
+    squares.yz += GG(1, 2), squares.zx += GG(2, 0), squares.xy += GG(0, 1);
+    const std::size_t sample = place_of_sample(my, 1, 0, i);
+    const double tau = before.tau[sample], harder = tau + rule.hardening * number(kept.number_at(my, i, 6));
+    const V mean = V(1.0f / 3) * trace(M);
+    const V strain = sqrt(V(2.0f / 3) * squared_norm(Sym<V>{M.xx - mean, M.yy - mean, M.zz - mean, M.yz, M.zx, M.xy}));
+    after.tau[sample] = stays ? tau : harder > 0 ? harder : 0;
+    after.strain[sample] = before.strain[sample] + (stays ? 0 : number(strain));
+  }
+  const V L00 = sqrt(eighth * squares.xx), L10 = eighth * squares.xy / L00;  //                               eq. P2
+  const V L20 = eighth * squares.zx / L00, L11 = sqrt(eighth * squares.yy - L10 * L10);
+  const V L21 = (eighth * squares.yz - L20 * L10) / L11;
+  const V L[6] = {L00, L10, L20, L11, L21, sqrt(eighth * squares.zz - L20 * L20 - L21 * L21)};
+  for (int k = 0; k < 6; ++k) mean_after[(my.brick * 6 + k) * kWidth + my.lane] = number(L[k]);
+}
+
+// Conjugate gradients over nodes. Dot products: one double per block, which the last block to finish adds in order.
+
+constexpr int kNodesOfBlock = 256;
+
+struct Scalars {
+  double alpha, beta, rr;
+  unsigned finished;
+};
+
+/// The sum of all blocks; true in one thread of the grid.
+__device__ inline bool sum_of_blocks(double mine, double* block_sum, Scalars* scalars, double& total) {
+  __shared__ double part[kNodesOfBlock];
+  __shared__ bool is_last;
+  const int t = threadIdx.x;
+  const auto tree = [&] {
+    for (int half = kNodesOfBlock / 2; half > 0; half /= 2) {
+      __syncthreads();
+      if (t < half) part[t] += part[t + half];
+    }
+    __syncthreads();
+  };
+  part[t] = mine;
+  tree();
+  if (t == 0) {
+    block_sum[blockIdx.x] = part[0];
+    __threadfence();
+    is_last = atomicInc(&scalars->finished, gridDim.x - 1) == gridDim.x - 1;
+  }
+  __syncthreads();
+  if (!is_last) return false;
+  __threadfence();
+  part[t] = 0;
+  for (unsigned k = t; k < gridDim.x; k += kNodesOfBlock) part[t] += __ldcg(block_sum + k);
+  tree();
+  total = part[0];
+  return t == 0;
+}
+__device__ inline double dot(const float4& a, const float4& b) {
+  return double(a.x) * b.x + double(a.y) * b.y + double(a.z) * b.z;
+}
+
+/// Ap = m p + sum of the bricks with the new p, which it writes; alpha.
+__global__ void __launch_bounds__(kNodesOfBlock)
+    sum_nodes(Layout at, const float* mass, const float4* partial, Direction d, float4* p, float4* Ap,
+              double* block_sum, Scalars* scalars) {
+  const int n = blockIdx.x * kNodesOfBlock + threadIdx.x;
+  double mine = 0, total;
+  if (n < at.num_nodes) {
+    const float4 here = direction_at(d, n);
+    const float m = mass[n];
+    float4 sum = make_float4(m * here.x, m * here.y, m * here.z, 0);
+    for (int k = at.partial_begin[n]; k < at.partial_begin[n + 1]; ++k) {
+      const float4 part = partial[at.partial[k]];
+      sum.x += part.x, sum.y += part.y, sum.z += part.z;
+    }
+    p[n] = here;
+    Ap[n] = sum;
+    mine = dot(here, sum);
+  }
+  if (sum_of_blocks(mine, block_sum, scalars, total)) scalars->alpha = scalars->rr / total;
+}
+
+/// x += alpha p, r -= alpha Ap; beta.
+__global__ void __launch_bounds__(kNodesOfBlock) update(int num_nodes, const float4* p, const float4* Ap, float4* x,
+                                                        float4* r, double* block_sum, Scalars* scalars) {
+  const int n = blockIdx.x * kNodesOfBlock + threadIdx.x;
+  const float alpha = static_cast<float>(scalars->alpha);
+  double mine = 0, total;
+  if (n < num_nodes) {
+    const float4 along = p[n], A = Ap[n], at = x[n], old = r[n];
+    const float4 left = make_float4(old.x - alpha * A.x, old.y - alpha * A.y, old.z - alpha * A.z, 0);
+    x[n] = make_float4(at.x + alpha * along.x, at.y + alpha * along.y, at.z + alpha * along.z, 0);
+    r[n] = left;
+    mine = dot(left, left);
+  }
+  if (sum_of_blocks(mine, block_sum, scalars, total)) {
+    scalars->beta = total / scalars->rr;
+    scalars->rr = total;
+  }
+}
+
+}  // namespace hexaplast::HWY_NAMESPACE
