@@ -50,7 +50,8 @@ def createScene(root):
     body = bar.addObject("HexahedronElastoplasticFEMForceField", name="material", template="Vec3d",
                          bending="blended", volumetric="sample", recovery="none",
                          youngModulus=[5000], poissonRatio=[0.45], yieldNorm="frobenius", yieldStress=[300],
-                         plasticFlowRate=4, hardening=0.2, rotationPlasticity="none", volumeRestitution=1)
+                         plasticFlowRate=4, hardening=0.2, restShape="joined", rotationPlasticity="none",
+                         volumeRestitution=1)
     bar.addObject("BoxROI", name="middle", box=[-0.16, -0.16, -0.01, 0.16, 0.16, 0.01])
     bar.addObject("FixedProjectiveConstraint", indices="@middle.indices")
     for name, nodes, pull in (("pullUp", [165, 166, 169, 170], 22.5), ("pullDown", [5, 6, 9, 10], -22.5)):

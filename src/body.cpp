@@ -304,6 +304,7 @@ void Body::set_materials(std::vector<Material> materials) {
     history.plastic_stretch = History(changed).plastic_stretch;
   else if (!changed.tracks_plastic_stretch)
     history.plastic_stretch.clear();
+  if (changed.can_flow_isolated()) history.add_plastic_inverse();
   const bool could_rotate = !history.rotation_yield.empty();
   if (changed.can_rotate && !could_rotate) history.rotation_yield = History(changed).rotation_yield;
   for (int e = 0; e < changed.mesh.num_elements(); ++e) {

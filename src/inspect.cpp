@@ -27,6 +27,8 @@ HexMesh mesh_of(const ElementPoints& initial) { return HexMesh(initial, {Hexahed
 History history_of(const Model& model, const HexahedronState& state) {
   History history(model);
   history.plastic_rest_positions = state.plastic_rest;
+  if (model.settings.rest_shape == RestShape::kIsolated && is_flowed(state.history.plastic_inverse))
+    history.add_plastic_inverse();
   history.set_element(0, state.history);
   return history;
 }
@@ -47,7 +49,7 @@ Mat3 frame_of(const HexahedronState& state, RotationFrame frame) {
 }  // namespace
 
 HexahedronState initial_hexahedron(const ElementPoints& initial, const Material& material) {
-  const Model model(mesh_of(initial), {material}, {});
+  const Model model(mesh_of(initial), {material}, {.rest_shape = RestShape::kJoined});  // which every material has
   return {initial, initial, initial, History(model).element(0)};
 }
 

@@ -42,7 +42,8 @@ ModelCheck check_model(const Body& body, double mass, double dt) {
   std::tie(found.min_poisson_ratio, found.max_poisson_ratio) = min_and_max(&Material::poisson_ratio);
   found.flow_per_step = min_and_max(&Material::flow_rate).second * dt;
   found.rotation_flow_per_step = min_and_max(&Material::rotation_flow_rate).second * dt;
-  found.restitution_per_step = model.settings.volume_restitution * dt;
+  if (model.settings.rest_shape == RestShape::kJoined)
+    found.restitution_per_step = model.settings.volume_restitution * dt;
   found.yield_stress = min_and_max(&Material::yield_stress).first;
   found.yield_strain = std::numeric_limits<double>::infinity();
   found.rotation_yield = std::numeric_limits<double>::infinity();

@@ -86,7 +86,7 @@ inline constexpr std::array kExamples = {
     Example{"DiagonalMass", R"xml(<DiagonalMass massDensity="1050"/>)xml"},
     Example{"HexahedronElastoplasticFEMForceField",
             R"xml(<HexahedronElastoplasticFEMForceField name="material" youngModulus="5e4" poissonRatio="0.45"
-    yieldStress="2000" plasticFlowRate="4" hardening="0.2" volumeRestitution="1"/>)xml"},
+    yieldStress="2000" plasticFlowRate="4" hardening="0.2"/>)xml"},
     Example{"ConstantForceField", R"xml(<BoxROI name="top" box="-0.01 -0.01 0.39  0.11 0.11 0.41"/>
 <ConstantForceField indices="@top.indices" totalForce="0 0.5 0"/>)xml"},
     Example{"LinearForceField", R"xml(<BoxROI name="top" box="-0.01 -0.01 0.39  0.11 0.11 0.41"/>

@@ -96,8 +96,9 @@ double Bodies::initial_volume() const {
   return sum_over(entries_, [](const Entry& entry) { return entry.body->initial_volume(); });
 }
 
-bool Bodies::has_joined_rest_shapes() const {
-  return std::ranges::all_of(entries_, [](const Entry& entry) { return is_joined(*entry.body); });
+bool Bodies::has_plastic_rest_at_hand() const {
+  return std::ranges::all_of(entries_,
+                             [](const Entry& entry) { return is_joined(*entry.body) || !entry.body->can_flow(); });
 }
 
 // Flow at isolated quadrature points keeps the volume of each hexahedron.

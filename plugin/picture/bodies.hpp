@@ -40,8 +40,8 @@ class Bodies {
   double initial_volume() const;
   std::size_t num_removed() const;
 
-  /// Plastic rest positions are at hand: with isolated rest shapes they take linear systems.
-  bool has_joined_rest_shapes() const;
+  /// Plastic rest positions are at hand: where isolated rest shapes can flow, they take linear systems.
+  bool has_plastic_rest_at_hand() const;
 
   /// [m^3] of the remaining hexahedra without elastic deformation.
   double plastic_volume() const;

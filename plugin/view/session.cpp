@@ -461,7 +461,7 @@ output::BoundaryConditions Session::conditions() const {
 
 /// That of isolated rest shapes takes as long as some steps.
 bool Session::wants_plastic_rest() const {
-  return shows_plastic_rest_ || !back_.is_running || shown_.has_joined_rest_shapes();
+  return shows_plastic_rest_ || !back_.is_running || shown_.has_plastic_rest_at_hand();
 }
 
 void Session::publish() {

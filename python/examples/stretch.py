@@ -24,7 +24,7 @@ def bar(yield_stress, flow_rate):
         young_modulus=5000, poisson_ratio=0.45, yield_stress=yield_stress, flow_rate=flow_rate, hardening=0.2
     )
     settings = hexaplast.Settings(bending="blended", volumetric="sample", recovery="none",  # as the paper's
-                                  yield_norm="frobenius", rotation_plasticity="none")
+                                  yield_norm="frobenius", rest_shape="joined")
     return hexaplast.Body(positions, hexahedra, material, settings)
 
 

@@ -60,7 +60,7 @@ def test_the_same_bar_from_arrays_moves_alike():
     positions, hexahedra = hexaplast.grid((3, 3, 10), (-0.15, -0.15, -0.5), (0.15, 0.15, 0.5))
     material = hexaplast.Material(young_modulus=5000, poisson_ratio=0.45, yield_stress=300, flow_rate=4, hardening=0.2)
     settings = hexaplast.Settings(bending="blended", volumetric="sample", recovery="none", yield_norm="frobenius",
-                                  rotation_plasticity="none")
+                                  rest_shape="joined", rotation_plasticity="none")
     body = hexaplast.Body(positions, hexahedra, material, settings)
     simulation = hexaplast.Simulation(body, rayleigh_mass=0.1, rayleigh_stiffness=0.1)
     simulation.fix(abs(positions[:, 2]) < 0.01)

@@ -128,7 +128,7 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
                                         .branches = branches,
                                         .settings = model.settings,
                                         .screens_rotation = model.can_rotate,
-                                        .screens_isolated = screens,
+                                        .screens_isolated = screens && model.can_flow(),
                                         .thin_from = thin_from,
                                         .safe_strain = 1 - std::cbrt(std::max(thin_from, 0.0)),
                                         .length = model.length,

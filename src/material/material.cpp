@@ -53,6 +53,24 @@ void require_branches(const Settings& settings, Names names) {
   require("volumetric", Volumetric::kVolumeRatio);
 }
 
+/// Of a body that flows with isolated rest shapes.                                                theory.md section 5.9
+void require_isolated_flow(const Settings& settings, Names names) {
+  const auto refuse_given = [&](std::string_view member, std::string_view has) {
+    const Row<Settings>& row = *find_row(settings_rows(), member, Names::kMembers);
+    throw InputError(fmt::format("{} = {} of a body that flows needs {} = joined: isolated rest shapes have {}",
+                                 row.called(names), row.words[static_cast<std::size_t>(row.at.get(settings))],
+                                 called("rest_shape", names), has));
+  };
+  if (settings.law != ElasticLaw::kCorotated) refuse_given("law", "corotated");
+  if (settings.bending != Bending::kAssumedCorner && settings.implementation == Implementation::kFast)
+    refuse_given("bending", fmt::format("assumedCorner, and blended with {} = plain", called("implementation", names)));
+  if (settings.bending == Bending::kVertex || settings.bending == Bending::kCentre)
+    refuse_given("bending", "assumedCorner and blended");
+  if (settings.rotation_plasticity == RotationPlasticity::kVertex ||
+      settings.rotation_plasticity == RotationPlasticity::kCentre)
+    refuse_given("rotation_plasticity", "no flow of rotation");
+}
+
 /// The rates among the members: their largest products with the time step, which warn only where they have no limit.
 template <class Options>
 void check_rates(std::span<const Row<Options>> rows, std::span<const Options> all, double dt, Names names,
@@ -122,19 +140,10 @@ void validate(const Settings& settings, Names names) {
   const auto require_plain = [&](std::string_view member, auto value) {
     require(member, value, "implementation", Implementation::kPlain, ": the fast kernels do not have it");
   };
-  for (const Bending bending : {Bending::kVertex, Bending::kCentre}) {
-    require_plain("bending", bending);
-    require("bending", bending, "rest_shape", RestShape::kJoined);
-  }
-  for (const RotationPlasticity mode : {RotationPlasticity::kVertex, RotationPlasticity::kCentre}) {
+  for (const Bending bending : {Bending::kVertex, Bending::kCentre}) require_plain("bending", bending);
+  for (const RotationPlasticity mode : {RotationPlasticity::kVertex, RotationPlasticity::kCentre})
     require_plain("rotation_plasticity", mode);
-    require("rotation_plasticity", mode, "rest_shape", RestShape::kJoined);
-  }
   require_plain("averaging", AveragingMethod::kJacobi);
-  if (settings.implementation == Implementation::kFast)
-    require("rest_shape", RestShape::kIsolated, "bending", Bending::kAssumedCorner,
-            fmt::format(" or {} = plain", called("implementation", names)));
-  require("rest_shape", RestShape::kIsolated, "law", ElasticLaw::kCorotated);
   require("yield_stress_measure", YieldStressMeasure::kCauchy, "rest_shape", RestShape::kIsolated);
   require("yield_stress_measure", YieldStressMeasure::kCauchy, "volumetric", Volumetric::kVolumeRatio);
   require("precision", Precision::kMixed, "implementation", Implementation::kFast);
@@ -151,8 +160,9 @@ void validate(const std::vector<Material>& materials, const Settings& settings, 
   for (std::size_t e = 0; e < materials.size(); ++e)
     if (can_rotate(materials[e], settings))
       refuse(called("rotation_flow_rate", names), materials[e].rotation_flow_rate, place_of(e, materials),
-             fmt::format("be 0 with {} = isolated: a turn holds no energy, and stretch alone keeps a twist",
+             fmt::format("be 0 with {0} = isolated, where stretch alone keeps a twist; {0} = joined has it",
                          called("rest_shape", names)));
+  if (can_flow(materials, settings)) require_isolated_flow(settings, names);
 }
 
 bool can_stretch(const Material& material) { return material.flow_rate > 0 && std::isfinite(material.yield_stress); }
@@ -169,9 +179,9 @@ bool can_flow(const std::vector<Material>& materials, const Settings& settings) 
 double bytes_per_hexahedron(const std::vector<Material>& materials, const Settings& settings) {
   const bool flows = can_flow(materials, settings);
   const bool is_isolated = settings.rest_shape == RestShape::kIsolated;
-  const bool has_stretches = is_isolated || std::ranges::any_of(materials, [](const Material& material) {
-                               return std::isfinite(material.fracture_stretch);
-                             });
+  const bool has_stretches = is_isolated ? flows : std::ranges::any_of(materials, [](const Material& material) {
+    return std::isfinite(material.fracture_stretch);
+  });
   const bool turns_at_corners = settings.rotation_plasticity == RotationPlasticity::kVertex ||
                                 settings.rotation_plasticity == RotationPlasticity::kCentre;
   // what not every history has stands in the trial history of a step once more
@@ -179,7 +189,7 @@ double bytes_per_hexahedron(const std::vector<Material>& materials, const Settin
   const double of_branches = settings.num_branches() > 0 ? 1 + settings.num_branches() : 0;  // of six numbers
   const double bytes_of_branches = 2 * of_branches * kCorners * 6 * sizeof(double);
   if (settings.implementation == Implementation::kPlain)
-    return 17000 + bytes_of_branches + (is_isolated ? 2600 : 0) + (flows ? 2 : 1) * tensors * sizeof(Mat3) +
+    return 17000 + bytes_of_branches + (is_isolated && flows ? 2600 : 0) + (flows ? 2 : 1) * tensors * sizeof(Mat3) +
            (flows ? 1000 : 0);
   const double coefficients = (settings.bending == Bending::kAssumedCorner ? 51 : 0) +
                               (settings.volumetric != Volumetric::kSample ? 42 : 0) +

@@ -60,8 +60,9 @@ constexpr Row<Material> kMaterialRows[] = {
      .range = {.min = 0},
      .per_step = {.max = kLargestFlowPerStep},
      .recommended_per_step = kRecommendedFlowPerStep,
-     .help = "Fraction of the rotation above rotationYield that becomes permanent per second. Limits as for "
-             "plasticFlowRate.",
+     .help =
+         "Fraction of the rotation above rotationYield that becomes permanent per second, for restShape=\"joined\". "
+         "Limits as for plasticFlowRate.",
      .at = kMember<&Material::rotation_flow_rate>},
     {.member = "hardening",
      .name = "hardening",

@@ -106,15 +106,18 @@ constexpr Row<Settings> kSettingsRows[] = {
      .name = "restShape",
      .group = kFlow,
      .words = kRestShapes,
-     .help = "Where permanent deformation lives. joined: in one mesh that fits all hexahedra best, without residual "
-             "stress; isolated: in each quadrature point, with residual stress, without flow of rotation.",
+     .help =
+         "Where permanent deformation lives. isolated: in each quadrature point, with residual stress, without flow "
+         "of rotation; joined: in one mesh that fits all hexahedra best, without residual stress, as published. "
+         "Elastic bodies differ in recovery alone.",
      .at = kMember<&Settings::rest_shape>},
     {.member = "rotation_plasticity",
      .name = "rotationPlasticity",
      .group = kFlow,
      .words = kRotations,
-     .help = "How rotation within a hexahedron becomes permanent. objective: that of a corner relative to its "
-             "hexahedron; vertex and centre: the two modes of the paper; none: only stretch flows.",
+     .help =
+         "How rotation within a hexahedron becomes permanent, for restShape=\"joined\". objective: that of a corner "
+         "relative to its hexahedron; vertex and centre: the two modes of the paper; none: only stretch flows.",
      .at = kMember<&Settings::rotation_plasticity>},
     {.member = "rotation_frame",
      .name = "rotationFrame",
@@ -127,8 +130,9 @@ constexpr Row<Settings> kSettingsRows[] = {
      .name = "averaging",
      .group = kNumerics,
      .words = kAveragings,
-     .help = "How the rest shapes of the hexahedra are averaged to one mesh. gaussNewton: a Gauss-Newton step that "
-             "leaves rotations of hexahedra free; for comparison jacobi (one sweep, depends on the mesh).",
+     .help = "How the rest shapes of the hexahedra are averaged to one mesh, for restShape=\"joined\". gaussNewton: a "
+             "Gauss-Newton step that leaves rotations of hexahedra free; for comparison jacobi (one sweep, depends on "
+             "the mesh).",
      .at = kMember<&Settings::averaging>},
     {.member = "averaging_steps",
      .name = "averagingSteps",
@@ -156,7 +160,7 @@ constexpr Row<Settings> kSettingsRows[] = {
      .words = kImplementations,
      .help = "What computes. plain: one hexahedron after the other, in double precision, for reading and comparing; it "
              "alone has bending=\"vertex\" and \"centre\", averaging=\"jacobi\", rotationPlasticity=\"vertex\" and "
-             "\"centre\", and restShape=\"isolated\" with bending=\"blended\".",
+             "\"centre\", and bending=\"blended\" with restShape=\"isolated\" where something flows.",
      .at = kMember<&Settings::implementation>},
     {.member = "volume_restitution",
      .name = "volumeRestitution",
@@ -165,8 +169,9 @@ constexpr Row<Settings> kSettingsRows[] = {
      .range = {.min = 0},
      .per_step = {.max = kLargestRestitutionPerStep, .exclusive_max = true},
      .recommended_per_step = kRecommendedRestitutionPerStep,
-     .help = "Rate at which the rest shape of a hexahedron returns to its initial volume: errors decay as exp(-3 c t). "
-             "Times dt: below 2/3; at most 0.3 is recommended.",
+     .help =
+         "Rate at which the rest shape of a hexahedron returns to its initial volume, for restShape=\"joined\": errors "
+         "decay as exp(-3 c t). Times dt: below 2/3; at most 0.3 is recommended.",
      .at = kMember<&Settings::volume_restitution>},
     {.member = "inversion_threshold",
      .name = "inversionThreshold",

@@ -484,7 +484,7 @@ HWY_NOINLINE std::uint32_t relax_lanes(const Model& model, const Linearization& 
                                        History& trial, ElementFlow* flows) {
   const LaneElements<D> here(*model.partition, block, lane);
   const Settings& settings = model.settings;
-  const bool is_isolated = settings.rest_shape == RestShape::kIsolated;
+  const bool is_isolated = !history.plastic_inverse.empty();
   const MaterialLanes<D> of = material_lanes<double>(model, block, lane);
   CornerLanes<D> x, u;
   gather_elements<double>(model, at, block, lane, x, u);

@@ -14,10 +14,6 @@ namespace hexaplast {
 
 namespace {
 
-bool is_flowed(const CornerTensors& plastic_inverse) {
-  return std::ranges::any_of(plastic_inverse, [](const Mat3& G) { return G != Mat3::Identity(); });
-}
-
 CornerTensors identities() {
   CornerTensors tensors;
   tensors.fill(Mat3::Identity());
@@ -35,6 +31,10 @@ bool all_values(const std::vector<CornerValues>& values, const Holds& holds) {
 
 }  // namespace
 
+bool is_flowed(const CornerTensors& plastic_inverse) {
+  return std::ranges::any_of(plastic_inverse, [](const Mat3& G) { return G != Mat3::Identity(); });
+}
+
 History::History(const Model& model)
     : rest_shape(model.mesh.num_elements()),
       rotation_map(static_cast<std::size_t>(model.mesh.num_elements()) * model.maps_per_element(), Mat3::Identity()),
@@ -43,8 +43,6 @@ History::History(const Model& model)
       plastic_rest_positions(model.mesh.positions()),
       plastic_strain(model.mesh.num_elements(), CornerValues{}),
       plastic_stretch(model.tracks_plastic_stretch ? model.mesh.num_elements() : 0, identities()),
-      plastic_inverse(model.settings.rest_shape == RestShape::kIsolated ? model.mesh.num_elements() : 0, identities()),
-      has_flowed(plastic_inverse.size()),
       alive(model.mesh.num_elements(), 1),
       branch_strain(static_cast<std::size_t>(model.mesh.num_elements()) * model.settings.num_branches(),
                     CornerSymmetric{}),
@@ -55,6 +53,7 @@ History::History(const Model& model)
     yield_stress[e].fill(model.material(e).yield_stress);
     if (model.can_rotate) rotation_yield[e].fill(model.material(e).rotation_yield);
   }
+  if (model.can_flow_isolated()) add_plastic_inverse();
   removed.reserve(model.mesh.num_elements());  // a step allocates nothing
 }
 
@@ -82,6 +81,11 @@ void History::set_element(int e, const ElementHistory& element) {
   if (plastic_inverse.empty()) return;
   plastic_inverse[e] = element.plastic_inverse;
   has_flowed[e] = is_flowed(plastic_inverse[e]);
+}
+
+void History::add_plastic_inverse() {
+  plastic_inverse.resize(alive.size(), identities());
+  has_flowed.resize(alive.size());
 }
 
 bool History::has_isolated_flow() const {
@@ -128,14 +132,15 @@ void validate(const Model& model, const History& history) {
               history.plastic_strain.size() == num_elements && history.alive.size() == num_elements,
           "it is of another number of hexahedra");
   require(history.plastic_rest_positions.rows() == num_nodes, "it is of another number of nodes");
-  require(
-      history.rotation_map.size() == num_maps && history.averaging_increment.rows() == num_nodes &&
-          history.plastic_stretch.size() == (model.tracks_plastic_stretch ? num_elements : 0) &&
-          history.plastic_inverse.size() == (model.settings.rest_shape == RestShape::kIsolated ? num_elements : 0) &&
-          history.branch_strain.size() == num_elements * model.settings.num_branches() &&
-          history.branch_stretch.size() == (model.settings.num_branches() > 0 ? num_elements : 0) &&
-          (history.rotation_yield.size() == num_elements || (history.rotation_yield.empty() && !model.can_rotate)),
-      "it is of other settings or materials");
+  require(history.rotation_map.size() == num_maps && history.averaging_increment.rows() == num_nodes &&
+              history.plastic_stretch.size() == (model.tracks_plastic_stretch ? num_elements : 0) &&
+              (history.plastic_inverse.empty() ? !model.can_flow_isolated()
+                                               : history.plastic_inverse.size() == num_elements &&
+                                                     model.settings.rest_shape == RestShape::kIsolated) &&
+              history.branch_strain.size() == num_elements * model.settings.num_branches() &&
+              history.branch_stretch.size() == (model.settings.num_branches() > 0 ? num_elements : 0) &&
+              (history.rotation_yield.size() == num_elements || (history.rotation_yield.empty() && !model.can_rotate)),
+          "it is of other settings or materials");
 
   const auto is_threshold = [](double value) { return value >= 0; };
   require(all_values(history.yield_stress, is_threshold) && all_values(history.rotation_yield, is_threshold),

@@ -23,8 +23,8 @@ struct History {
   PointArray plastic_rest_positions;           ///< [m] x: joined rest shape, num_nodes x 3; all that elasticity sees
   std::vector<CornerValues> plastic_strain;    ///< [-] per element
   std::vector<CornerTensors> plastic_stretch;  ///< per element; empty unless the model tracks it
-  std::vector<CornerTensors> plastic_inverse;  ///< G = (F^p)^-1 per element; empty unless rest shapes are isolated: in
-                                               ///< place of y, Pi and x, which stay as they are
+  std::vector<CornerTensors> plastic_inverse;  ///< G = (F^p)^-1 per element, of isolated rest shapes: in place of y, Pi
+                                               ///< and x, which stay as they are; empty until the model can flow
   std::vector<unsigned char> has_flowed;       ///< per element, of these: some G is not 1. Whoever sets them sets it
   double dissipated_energy = 0;                ///< [J] accumulated plastic work
   std::vector<unsigned char> alive;            ///< per element: 0 once it is removed
@@ -41,6 +41,8 @@ struct History {
 
   ElementHistory element(int e) const;
   void set_element(int e, const ElementHistory& element);
+  /// Makes room for isolated rest shapes, which all are the initial ones, unless it is there.
+  void add_plastic_inverse();
   /// Of each viscoelastic branch of an element.
   std::span<CornerSymmetric> branch_strains_of(int e) {
     const std::size_t branches = branch_strain.size() / std::max<std::size_t>(branch_stretch.size(), 1);
@@ -53,7 +55,7 @@ struct History {
   Branches branches(std::span<const BranchStep> steps) const {
     return {steps, branch_strain.data(), branch_stretch.data()};
   }
-  const CornerTensors* plastic_inverse_of(int e) const {  ///< null unless rest shapes are isolated
+  const CornerTensors* plastic_inverse_of(int e) const {  ///< null where there is none
     return plastic_inverse.empty() ? nullptr : &plastic_inverse[e];
   }
 
@@ -67,6 +69,9 @@ struct History {
   /// Every array, in the order above; `version` belongs to the process alone.
   void serialize(Archive& archive);
 };
+
+/// Whether some G of an element is not 1.
+bool is_flowed(const CornerTensors& plastic_inverse);
 
 /// Throws InputError where a history cannot be one of this model: arrays of other sizes, numbers that are not finite,
 /// removed elements that are alive.

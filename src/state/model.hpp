@@ -50,6 +50,7 @@ struct Model {
   }
 
   bool can_flow() const { return can_stretch || can_rotate; }
+  bool can_flow_isolated() const { return can_flow() && settings.rest_shape == RestShape::kIsolated; }
 
   ElementPoints initial_shape(int element) const;                   ///< [m] corners about their mean
   std::array<double, kCorners> corner_jacobian(int element) const;  ///< [m^3] det J_i(X)

@@ -66,7 +66,9 @@ TEST(Memory, OfABodyCountsWhatNotEveryHistoryHas) {
   const Material elastic, yields{.yield_stress = 300, .flow_rate = 2};
   Material tears = yields, breaks = elastic;
   tears.fracture_stretch = breaks.fracture_stretch = 2;
-  const Settings in_double, mixed{.precision = Precision::kMixed}, plain{.implementation = Implementation::kPlain};
+  const Settings in_double{.rest_shape = RestShape::kJoined},
+      mixed{.rest_shape = RestShape::kJoined, .precision = Precision::kMixed},
+      plain{.rest_shape = RestShape::kJoined, .implementation = Implementation::kPlain};
   for (const Settings& settings : {in_double, mixed, plain}) {
     const double still = bytes_per_hexahedron({elastic}, settings), flows = bytes_per_hexahedron({yields}, settings);
     EXPECT_EQ(bytes_per_hexahedron({breaks}, settings), still + 8 * 72);
@@ -74,10 +76,23 @@ TEST(Memory, OfABodyCountsWhatNotEveryHistoryHas) {
   }
   const double still = bytes_per_hexahedron({elastic}, plain), flows = bytes_per_hexahedron({yields}, plain);
   for (const RotationPlasticity mode : {RotationPlasticity::kVertex, RotationPlasticity::kCentre}) {
-    const Settings corners{.rotation_plasticity = mode, .implementation = Implementation::kPlain};
+    const Settings corners{
+        .rest_shape = RestShape::kJoined, .rotation_plasticity = mode, .implementation = Implementation::kPlain};
     EXPECT_EQ(bytes_per_hexahedron({elastic}, corners), still + 7 * 72);
     EXPECT_EQ(bytes_per_hexahedron({yields}, corners), flows + 2 * 7 * 72);
     EXPECT_EQ(bytes_per_hexahedron({tears}, corners), flows + 2 * 15 * 72);
+  }
+}
+
+// Eight tensors where rest shapes are isolated, in both histories, and nothing where none can flow.
+TEST(Memory, OfABodyCountsIsolatedRestShapesOfWhatFlows) {
+  Material yields{.yield_stress = 300, .flow_rate = 2}, breaks = yields;
+  breaks.fracture_stretch = 2;
+  for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+    const Settings joined{.rest_shape = RestShape::kJoined, .precision = precision}, isolated{.precision = precision};
+    EXPECT_EQ(bytes_per_hexahedron({{}}, isolated), bytes_per_hexahedron({{}}, joined));
+    EXPECT_EQ(bytes_per_hexahedron({yields}, isolated), bytes_per_hexahedron({yields}, joined) + 2 * 8 * 72);
+    EXPECT_EQ(bytes_per_hexahedron({breaks}, isolated), bytes_per_hexahedron({yields}, isolated));
   }
 }
 

@@ -59,7 +59,7 @@ struct Case {
   Precision precision;
   Does plasticity;
   std::unique_ptr<LinearSolver> (*solver)();
-  RestShape rest_shape = RestShape::kJoined;
+  RestShape rest_shape = RestShape::kIsolated;
   bool relaxes = false;
 };
 
@@ -140,14 +140,13 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"multigrid_double", Precision::kDouble, Does::kNothing, preconditioned<Preconditioner::kMultigrid>},
         Case{"auto_mixed", Precision::kMixed, Does::kNothing, preconditioned<Preconditioner::kAuto>},
         Case{"tight_mixed", Precision::kMixed, Does::kNothing, tight},
-        Case{"flowing_double", Precision::kDouble, Does::kFlows, plain},
-        Case{"flowing_mixed", Precision::kMixed, Does::kFlows, plain},
-        Case{"isolated_double", Precision::kDouble, Does::kFlows, preconditioned<Preconditioner::kMultigrid>,
-             RestShape::kIsolated},
-        Case{"isolated_mixed", Precision::kMixed, Does::kFlows, plain, RestShape::kIsolated},
+        Case{"flowing_double", Precision::kDouble, Does::kFlows, plain, RestShape::kJoined},
+        Case{"flowing_mixed", Precision::kMixed, Does::kFlows, plain, RestShape::kJoined},
+        Case{"isolated_double", Precision::kDouble, Does::kFlows, preconditioned<Preconditioner::kMultigrid>},
+        Case{"isolated_mixed", Precision::kMixed, Does::kFlows, plain},
         Case{"relaxing_double", Precision::kDouble, Does::kNothing, preconditioned<Preconditioner::kMultigrid>,
              RestShape::kJoined, true},
-        Case{"relaxing_mixed", Precision::kMixed, Does::kNothing, plain, RestShape::kJoined, true},
+        Case{"relaxing_mixed", Precision::kMixed, Does::kNothing, plain, RestShape::kIsolated, true},
         Case{"relaxing_isolated_double", Precision::kDouble, Does::kFlows, plain, RestShape::kIsolated, true},
         Case{"relaxing_isolated_mixed", Precision::kMixed, Does::kFlows, preconditioned<Preconditioner::kMultigrid>,
              RestShape::kIsolated, true}),

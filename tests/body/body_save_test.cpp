@@ -43,7 +43,8 @@ Material breaking() {
 }
 
 Body make_body(Precision precision = Precision::kDouble, std::array<int, 3> cells = {2, 2, 3}) {
-  return Body(support::distorted_block(cells, kEdge, 0.15, 162), {breaking()}, {.precision = precision});
+  return Body(support::distorted_block(cells, kEdge, 0.15, 162), {breaking()},
+              {.rest_shape = RestShape::kJoined, .precision = precision});
 }
 
 /// Several plastic steps at positions that wander away from the initial ones.
@@ -98,7 +99,7 @@ testing::AssertionResult refuses(Body& body, const std::string& bytes, const cha
 TEST(SavedBody, OfAnotherBodyIsRefused) {
   Body body = make_body();
   const std::string bytes = saved(body);
-  Body other_mesh(support::distorted_block({2, 2, 3}, kEdge, 0.15, 163), {breaking()});
+  Body other_mesh(support::distorted_block({2, 2, 3}, kEdge, 0.15, 163), {breaking()}, support::kJoined);
   Body other_settings = make_body(Precision::kMixed);
   for (Body* other : {&other_mesh, &other_settings})
     EXPECT_TRUE(refuses(*other, bytes, "another mesh or other settings"));
@@ -182,8 +183,6 @@ TEST(SavedBody, KnowsEveryMember) {
       validate(others);
     } catch (const InputError&) {
       settings.implementation = others.implementation = Implementation::kPlain;
-      if (others.yield_stress_measure == YieldStressMeasure::kCauchy)
-        settings.rest_shape = others.rest_shape = RestShape::kIsolated;
     }
     Body other(mesh, {{}}, others);
     EXPECT_TRUE(refuses(other, saved(Body(mesh, {{}}, settings)), "another mesh or other settings")) << row.member;
@@ -191,7 +190,7 @@ TEST(SavedBody, KnowsEveryMember) {
   for (const Row<Material>& row : material_rows()) {
     Material material;
     row.at.set(material, support::another(row, row.at.get(material)));
-    Body first(mesh, {material}), second(mesh, {{}});
+    Body first(mesh, {material}, support::kJoined), second(mesh, {{}}, support::kJoined);
     load(second, saved(first));
     EXPECT_EQ(row.at.get(second.material(0)), row.at.get(material)) << row.member;
     EXPECT_EQ(saved(second), saved(first)) << row.member;

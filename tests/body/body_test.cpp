@@ -20,10 +20,11 @@ namespace {
 
 using support::BarLoad;
 using support::kEdge;
+using support::kJoined;
 using support::kStep;
 using support::Random;
 
-const Material kYielding = support::yielding(100, 0.01);
+const Material kYielding = support::stretching(100), kTurning = support::yielding(100, 0.01);
 
 /// A distorted block that has yielded already, and current positions at which it goes on yielding.
 class YieldingBody : public testing::Test {
@@ -90,9 +91,10 @@ TEST_F(YieldingBody, RefusesTimeStepsAndKeepsItsHistory) {
   const std::string before = history_hash();
   for (const double dt : {0.0, -0.01, -1e300, double(NAN), double(INFINITY)})
     EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(current, dt); }, {"dt = ", "(0, inf)"})) << dt;
-  EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(current, 0.5); }, {"flow_rate", "dt"}));
   EXPECT_EQ(history_hash(), before);
-  Body restoring(body.mesh(), body.materials(), {.volume_restitution = 100});
+  Body joined(body.mesh(), body.materials(), kJoined);
+  EXPECT_TRUE(support::refuses<InputError>([&] { joined.flow(current, 0.5); }, {"flow_rate", "dt"}));
+  Body restoring(body.mesh(), body.materials(), {.rest_shape = RestShape::kJoined, .volume_restitution = 100});
   EXPECT_TRUE(support::refuses<InputError>([&] { restoring.flow(current, kStep); }, {"volume_restitution"}));
 
   Body fresh(body.mesh(), body.materials(), body.settings());
@@ -236,7 +238,7 @@ TEST(Body, WithElementsTakenOutIsTheBodyThatNeverHadThem) {
   body.add_force(f);
   smaller.linearize(x);
   smaller.add_force(expected);
-  EXPECT_GT(support::max_abs(body.state().history.plastic_rest_positions - whole.positions()), 1e-4);
+  EXPECT_GT(support::max_abs(body.plastic_rest_positions() - whole.positions()), 1e-4);
   EXPECT_LE(support::max_abs(f - expected), 1e-10 * support::max_abs(expected));
   EXPECT_NEAR(body.volume(x), smaller.volume(x), 1e-15);
 }
@@ -260,18 +262,16 @@ TEST(Body, OfAnotherMaterialKeepsWhatFlowed) {
   body.linearize(x);
   body.add_force(f_hard);
   EXPECT_LE(support::max_abs(f_hard - 3 * f), 1e-9 * support::max_abs(f_hard)) << "the force is linear in E";
-  EXPECT_EQ(body.state().history.plastic_rest_positions, before.plastic_rest_positions);
+  EXPECT_EQ(body.state().history.plastic_inverse, before.plastic_inverse);
   EXPECT_EQ(body.state().history.plastic_strain, before.plastic_strain);
   for (int e = 0; e < mesh.num_elements(); ++e)
     for (int i = 0; i < kCorners; ++i)
       EXPECT_DOUBLE_EQ(body.state().history.yield_stress[e][i], before.yield_stress[e][i] + 100);
 
   hard.yield_stress = std::numeric_limits<double>::infinity();
-  hard.rotation_flow_rate = 0;
   body.set_materials({hard});
-  const PointArray shape = body.state().history.plastic_rest_positions;
   body.flow(x, support::kStep);
-  EXPECT_EQ(body.state().history.plastic_rest_positions, shape) << "an elastic body does not flow";
+  EXPECT_EQ(body.state().history.plastic_inverse, before.plastic_inverse) << "an elastic body does not flow";
 
   body.set_materials({soft});
   EXPECT_EQ(body.state().history.yield_stress[0][0], soft.yield_stress);
@@ -280,18 +280,25 @@ TEST(Body, OfAnotherMaterialKeepsWhatFlowed) {
   Body fresh(mesh, {soft});
   fresh.flow(x, support::kStep);
   body.flow(x, support::kStep);
-  EXPECT_EQ(body.state().history.plastic_rest_positions, fresh.state().history.plastic_rest_positions);
+  EXPECT_EQ(body.state().history.plastic_inverse, fresh.state().history.plastic_inverse);
+
+  Body elastic(mesh, {hard});
+  EXPECT_TRUE(elastic.state().history.plastic_inverse.empty()) << "nothing is kept for what cannot flow";
+  elastic.flow(x, support::kStep);
+  elastic.set_materials({soft});
+  elastic.flow(x, support::kStep);
+  EXPECT_EQ(support::hash_of(elastic), support::hash_of(fresh));
 }
 
 TEST(Body, KeepsThresholdsOfRotationFromTheMaterialThatTurns) {
   const HexMesh mesh = support::block({2, 2, 3}, 0.1);
-  Material turning = kYielding, stiff = kYielding;
+  Material turning = kTurning, stiff = kTurning;
   turning.hardening = 0.5;
   turning.rotation_yield = 0.02;
   turning.rotation_flow_rate = 4;
   stiff.rotation_flow_rate = 0;
   const PointArray x = support::stretched_and_twisted(mesh, 1.1, 0.6);
-  Body body(mesh, {stiff});
+  Body body(mesh, {stiff}, kJoined);
   body.flow(x, support::kStep);
   EXPECT_TRUE(body.state().history.rotation_yield.empty()) << "nothing is kept for what cannot turn";
 
@@ -310,7 +317,7 @@ TEST(Body, KeepsThresholdsOfRotationFromTheMaterialThatTurns) {
 
   body.set_materials({stiff});
   body.reset();
-  Body fresh(mesh, {stiff});
+  Body fresh(mesh, {stiff}, kJoined);
   for (int step = 0; step < 3; ++step) {
     body.flow(x, support::kStep);
     fresh.flow(x, support::kStep);
@@ -320,8 +327,8 @@ TEST(Body, KeepsThresholdsOfRotationFromTheMaterialThatTurns) {
 
 TEST(Body, RemembersPlasticStretchFromTheMaterialThatBreaksByIt) {
   const HexMesh mesh = support::block({2, 2, 2}, 0.1);
-  Material m = kYielding;
-  Body body(mesh, {m});
+  Material m = kTurning;
+  Body body(mesh, {m}, kJoined);
   const PointArray x = support::stretched_and_twisted(mesh, 1.5, 0);
   body.flow(x, support::kStep);
   m.fracture_stretch = 1.001;

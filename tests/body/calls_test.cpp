@@ -41,7 +41,7 @@ constexpr int kRows = 36;  // its nodes
 PointArray called_world() { return support::stretched_and_twisted(kCalled, 1.2, 0.3); }
 
 Body called_body(Precision precision = Precision::kDouble) {
-  return Body(kCalled, {support::yielding(100, 0.01)}, {.precision = precision});
+  return Body(kCalled, {support::stretching(100)}, {.precision = precision});
 }
 
 struct BodyVerb {
@@ -76,7 +76,7 @@ std::vector<BodyVerb> referring_verbs() {
 std::vector<BodyVerb> ending_verbs() {
   return {{"flow", [](Body& body) { body.flow(called_world(), kStep); }},
           {"remove", [](Body& body) { body.remove(std::vector{3}); }},
-          {"set_materials", [](Body& body) { body.set_materials({support::yielding(200, 0.02)}); }},
+          {"set_materials", [](Body& body) { body.set_materials({support::stretching(200)}); }},
           {"reset", [](Body& body) { body.reset(); }},
           {"load",
            [](Body& body) {

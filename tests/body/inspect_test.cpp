@@ -15,6 +15,7 @@ namespace {
 
 using support::agrees;
 using support::kEdge;
+using support::kJoined;
 
 const Material kFlowing = support::yielding(100, 0.001);
 
@@ -30,10 +31,10 @@ TEST(HexahedronElasticity, ForceIsTheSlopeOfTheEnergyAndStiffnessThatOfTheForceW
   const auto at = [&](int corner, int axis, double h) {
     HexahedronState moved = state;
     moved.current(corner, axis) += h;
-    return inspect_elasticity(moved, kFlowing, {});
+    return inspect_elasticity(moved, kFlowing, kJoined);
   };
   // at rest S = I: the part of the derivative that turns the rotations does no work
-  const HexahedronElasticity rest = inspect_elasticity(state, kFlowing, {});
+  const HexahedronElasticity rest = inspect_elasticity(state, kFlowing, kJoined);
   const double step = 1e-6 * kEdge;
   for (int b = 0; b < kCorners; ++b)
     for (int axis = 0; axis < 3; ++axis) {
@@ -45,7 +46,7 @@ TEST(HexahedronElasticity, ForceIsTheSlopeOfTheEnergyAndStiffnessThatOfTheForceW
     }
 
   state = deformed(kFlowing);
-  const HexahedronElasticity found = inspect_elasticity(state, kFlowing, {});
+  const HexahedronElasticity found = inspect_elasticity(state, kFlowing, kJoined);
   for (int a = 0; a < kCorners; ++a)
     for (int axis = 0; axis < 3; ++axis) {
       const double slope = support::central_difference([&](double h) { return at(a, axis, h).energy; }, step);
@@ -56,7 +57,7 @@ TEST(HexahedronElasticity, ForceIsTheSlopeOfTheEnergyAndStiffnessThatOfTheForceW
 TEST(HexahedronStep, IsTheStepThatABodyTakes) {
   for (const RotationPlasticity rotation : {RotationPlasticity::kObjective, RotationPlasticity::kVertex,
                                             RotationPlasticity::kCentre, RotationPlasticity::kNone}) {
-    Settings settings;
+    Settings settings = kJoined;
     settings.rotation_plasticity = rotation;
     settings.implementation = Implementation::kPlain;
     const HexahedronState state = deformed(kFlowing);
@@ -76,7 +77,7 @@ TEST(HexahedronStep, IsTheStepThatABodyTakes) {
 
 TEST(HexahedronStep, WhatFlowsFollowsFromTheIntermediatesThatAreShown) {
   const HexahedronState state = deformed(kFlowing);
-  const HexahedronStep step = inspect_step(state, kFlowing, {}, 0.01);
+  const HexahedronStep step = inspect_step(state, kFlowing, kJoined, 0.01);
   ASSERT_FALSE(step.skipped);
   for (int i = 0; i < kCorners; ++i) {
     EXPECT_TRUE(agrees(step.R[i] * step.S[i], step.F[i], 1e-12));
@@ -92,7 +93,7 @@ TEST(HexahedronStep, WhatFlowsFollowsFromTheIntermediatesThatAreShown) {
 TEST(HexahedronStep, ShowsTheDeformationOfAGuardedHexahedronThatDoesNotFlow) {
   HexahedronState state = deformed(kFlowing);
   state.current.col(0) *= -1;
-  const HexahedronStep step = inspect_step(state, kFlowing, {}, 0.01);
+  const HexahedronStep step = inspect_step(state, kFlowing, kJoined, 0.01);
   EXPECT_TRUE(step.skipped);
   for (int i = 0; i < kCorners; ++i) {
     EXPECT_LT(step.F[i].determinant(), 0);
@@ -126,8 +127,9 @@ TEST(FollowPath, UniaxialStrainAnswersWithLameConstants) {
 
 TEST(HexahedronStep, IsExactWhateverThePrecisionOfABody) {
   const HexahedronState state = deformed(kFlowing);
-  const HexahedronStep step = inspect_step(state, kFlowing, {.precision = Precision::kMixed}, .01);
-  EXPECT_EQ(step.plastic_rest, inspect_step(state, kFlowing, {}, .01).plastic_rest);
+  const HexahedronStep step =
+      inspect_step(state, kFlowing, {.rest_shape = RestShape::kJoined, .precision = Precision::kMixed}, .01);
+  EXPECT_EQ(step.plastic_rest, inspect_step(state, kFlowing, kJoined, .01).plastic_rest);
 }
 
 TEST(HexahedronStep, RefusesTimeStepsThatAreNone) {
@@ -147,7 +149,7 @@ TEST(HexahedronStep, RefusesTimeStepsThatAreNone) {
 
 TEST(FollowPath, RefusesNoPathAndTimesThatDoNotAscend) {
   const auto follow = [](const std::vector<PathPoint>& path) {
-    follow_path(support::cube(kEdge), kFlowing, {}, 0.01, path, [](const PathResponse&) {});
+    follow_path(support::cube(kEdge), kFlowing, kJoined, 0.01, path, [](const PathResponse&) {});
   };
   EXPECT_TRUE(support::refuses<InputError>([&] { follow({}); }, {"at least one point"}));
   EXPECT_TRUE(support::refuses<InputError>(

@@ -67,7 +67,8 @@ TEST(ModelCheck, KnowsWhatHandCalculationGives) {
   Material soft{.young_modulus = 1000, .poisson_ratio = 0, .yield_stress = 50, .flow_rate = 2, .rotation_yield = 0.1};
   Material hard{
       .young_modulus = 9000, .poisson_ratio = 0.25, .yield_stress = 90, .rotation_yield = 0.2, .rotation_flow_rate = 3};
-  const Body body(support::block({2, 1, 1}, 0.5), {soft, hard}, {.volume_restitution = 4});
+  const Body body(support::block({2, 1, 1}, 0.5), {soft, hard},
+                  {.rest_shape = RestShape::kJoined, .volume_restitution = 4});
   const ModelCheck found = check_model(body, 0.5, 0.01);
   EXPECT_EQ(found.num_parts, 1);
   EXPECT_EQ(found.extent, Vec3(1, 0.5, 0.5));

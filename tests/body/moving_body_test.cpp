@@ -243,7 +243,7 @@ TEST(MovingBody, IsAsBeforeWhereAStepThrows) {
 }
 
 TEST(MovingBody, ReportsTheWorstOfARun) {
-  MovingBody good(yielding_bar(), pulling());
+  MovingBody good(yielding_bar({.rest_shape = RestShape::kJoined}), pulling());
   const RunReport report = good.run(30);
   EXPECT_EQ(report.steps, 30);
   EXPECT_EQ(report.stalled, 0);
@@ -303,7 +303,8 @@ TEST(MovingBody, RefusesWhatCannotMove) {
   EXPECT_TRUE(refuses<InputError>([] { MovingBody(yielding_bar(), {.fixed = {81}}); }, {"node 81", "[0, 81)"}));
   EXPECT_TRUE(refuses<InputError>([] { MovingBody(yielding_bar(), {.density = 0}); }, {"density = 0"}));
   EXPECT_TRUE(refuses<InputError>([] { MovingBody(yielding_bar(), {.dt = -1}); }, {"dt = -1"}));
-  EXPECT_TRUE(refuses<InputError>([] { MovingBody(yielding_bar(), {.dt = 0.5}); }, {"flow_rate"}));
+  EXPECT_TRUE(refuses<InputError>([] { MovingBody(yielding_bar({.rest_shape = RestShape::kJoined}), {.dt = 0.5}); },
+                                  {"flow_rate"}));
   const double infinite = std::numeric_limits<double>::infinity();
   EXPECT_TRUE(refuses<InputError>([&] { MovingBody(yielding_bar(), {.gravity = {0, infinite, 0}}); }, {"gravity"}));
   EXPECT_TRUE(refuses<InputError>([] { MovingBody(yielding_bar(), {.euler = {.rayleigh_mass = -1}}); },

@@ -24,7 +24,7 @@ constexpr int kSteps = 120;
 
 /// A soft bar of that mesh at those initial positions.
 Body yielding_bar(const PointArray& positions, const HexMesh& mesh) {
-  return Body(HexMesh(positions, mesh.hexahedra()), {support::yielding(100, 0.01)});
+  return Body(HexMesh(positions, mesh.hexahedra()), {support::yielding(100, 0.01)}, support::kJoined);
 }
 
 /// A mesh that is stretched and twisted step by step while it flows.
@@ -125,7 +125,7 @@ TEST_F(Objectivity, TheMirroredSceneHasTheMirroredResult) {
 
 /// Current positions of a loaded, yielding bar after some steps, the whole scene turned and moved; given back in the
 /// unmoved frame.
-PointArray loaded_bar(const Mat3& R, const Vec3& shift) {
+PointArray loaded_bar(RestShape rest_shape, const Mat3& R, const Vec3& shift) {
   const HexMesh mesh = support::block({2, 2, 5}, kEdge);
   support::SimulationSetup setup;
   setup.euler = {.rayleigh_mass = 0.1, .rayleigh_stiffness = 0.1};
@@ -134,7 +134,11 @@ PointArray loaded_bar(const Mat3& R, const Vec3& shift) {
   setup.load = [&](double, ConstPoints, Points f) {
     for (const int n : loaded) f.row(n) += (R * Vec3(0.6, 0.2, 2)).transpose();
   };
-  support::Simulation bar(yielding_bar(mapped(mesh.positions(), R, shift), mesh), std::move(setup));
+  support::Simulation bar(
+      Body(HexMesh(mapped(mesh.positions(), R, shift), mesh.hexahedra()),
+           {rest_shape == RestShape::kJoined ? support::yielding(100, 0.01) : support::stretching(100)},
+           {.rest_shape = rest_shape}),
+      std::move(setup));
   bar.run(100);
   EXPECT_GT(bar.body.state().history.dissipated_energy, 0);
   return mapped(mapped(bar.x, Mat3::Identity(), -shift), R.transpose());
@@ -143,10 +147,12 @@ PointArray loaded_bar(const Mat3& R, const Vec3& shift) {
 TEST(Trajectory, TurnsAndMovesWithTheScene) {
   Random random(173);
   const double length = 0.5;
-  const PointArray expected = loaded_bar(Mat3::Identity(), Vec3::Zero());
-  EXPECT_LE(support::max_abs(loaded_bar(random.rotation(), Vec3::Zero()) - expected), 1e-8 * length);
-  EXPECT_LE(support::max_abs(loaded_bar(Mat3::Identity(), 1000 * length * random.direction()) - expected),
-            1e-5 * length);
+  for (const RestShape rest_shape : {RestShape::kJoined, RestShape::kIsolated}) {
+    const PointArray expected = loaded_bar(rest_shape, Mat3::Identity(), Vec3::Zero());
+    EXPECT_LE(support::max_abs(loaded_bar(rest_shape, random.rotation(), Vec3::Zero()) - expected), 1e-8 * length);
+    const Vec3 far = 1000 * length * random.direction();
+    EXPECT_LE(support::max_abs(loaded_bar(rest_shape, Mat3::Identity(), far) - expected), 1e-5 * length);
+  }
 }
 
 }  // namespace

@@ -28,16 +28,15 @@ using support::kSoft;
 using support::Random;
 
 Settings form(Bending bending, Volumetric volumetric, ElasticLaw law, RecoveryMode recovery = RecoveryMode::kCluster) {
-  Settings settings;
+  Settings settings = support::kJoined;
   settings.bending = bending;
   settings.volumetric = volumetric;
   settings.law = law;
   settings.recovery = recovery;
   return settings;
 }
-const Settings kDefault = form(Bending::kAssumedCorner, Volumetric::kVolumeRatio, ElasticLaw::kCorotated),
-               kIsolated = {.rest_shape = RestShape::kIsolated, .rotation_plasticity = RotationPlasticity::kNone},
-               kNeoHookean = form(Bending::kAssumedCorner, Volumetric::kVolumeRatio, ElasticLaw::kNeoHookean);
+const Settings kDefault, kJoined = form(Bending::kAssumedCorner, Volumetric::kVolumeRatio, ElasticLaw::kCorotated),
+                         kNeoHookean = form(Bending::kAssumedCorner, Volumetric::kVolumeRatio, ElasticLaw::kNeoHookean);
 
 /// A small bar that nothing holds.
 support::Simulation free_bar(const Material& m, const Settings& settings = {}, support::Load load = {}) {
@@ -134,7 +133,7 @@ TEST_P(Scramble, OfAnElasticBodyStaysFiniteAndComesBackAsOftenAsPublished) {
 // With springs all of them do, whatever the element and the law.
 TEST_P(Scramble, ComesBackWithRecovery) {
   for (const auto& [name, settings] :
-       {std::pair("default", kDefault), std::pair("isolated", kIsolated),
+       {std::pair("default", kDefault), std::pair("joined", kJoined),
         std::pair("published", form(Bending::kBlended, Volumetric::kSample, ElasticLaw::kCorotated)),
         std::pair("neo-Hooke", kNeoHookean)}) {
     const int num_recovered = num_that_recover(GetParam(), settings);
@@ -158,7 +157,7 @@ bool is_material_sound(const Body& body) {
 
 TEST(Scrambled, PlasticBodyStaysFiniteAndNeverTurnsMaterialInsideOut) {
   for (int seed = 0; seed < num_seeds(); ++seed) {
-    support::Simulation bar = free_bar(kSoft);
+    support::Simulation bar = free_bar(kSoft, kJoined);
     Random random(1000 + seed);
     bar.x = random.field(bar.x.rows(), 0.3);
     for (int k = 0; k < 200; ++k) {
@@ -234,7 +233,9 @@ class Recovers : public testing::TestWithParam<Ordeal> {};
 TEST_P(Recovers, FromAThrow) {
   const Ordeal& ordeal = GetParam();
   const int num_bars = num_seeds(static_cast<int>(std::size(kDeformations)));
-  for (const auto& [name, settings] : {std::pair("default", kDefault), std::pair("neo-Hooke", kNeoHookean)}) {
+  // residual stress of isolated rest shapes is no state without energy
+  const Settings& usual = ordeal.material.flow_rate > 0 ? kJoined : kDefault;
+  for (const auto& [name, settings] : {std::pair("usual", usual), std::pair("neo-Hooke", kNeoHookean)}) {
     int num_unfolded = 0, num_recovered = 0;
     std::size_t num_removed = 0;
     for (int seed = 0; seed < num_bars; ++seed) {

@@ -23,7 +23,7 @@ Permanent permanent_shape(int cells_across, double dt, AveragingMethod averaging
   m.rotation_yield = 0.02 / cells_across;  // the rotation of a corner against its centre shrinks with the cell
   m.hardening = 0.2;
   const HexMesh mesh = support::block({cells_across, cells_across, 5 * cells_across}, 0.2 / cells_across);
-  Settings settings;
+  Settings settings{.rest_shape = RestShape::kJoined};
   settings.averaging = averaging;
   if (averaging == AveragingMethod::kJacobi) settings.implementation = Implementation::kPlain;
   Body body(mesh, {m}, settings);

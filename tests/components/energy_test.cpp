@@ -87,7 +87,7 @@ TEST(EnergyOfAScene, APlasticCycleCloses) {
     const EnergyBalance balance = after(scene, steps);
     const double dissipated = at<scene::ForceField>(scene, "body").body()->dissipated_energy();
     EXPECT_GT(dissipated, 0.05 * balance.load_work);
-    EXPECT_NEAR(balance.flow_loss, dissipated, 0.2 * dissipated);  // averaging has a part in it
+    EXPECT_NEAR(balance.flow_loss, dissipated, 0.2 * dissipated);
     return balance;
   };
   const EnergyBalance coarse = run(0.01, 80), fine = run(0.0025, 320);

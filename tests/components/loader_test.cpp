@@ -191,12 +191,12 @@ TEST(SparseGrid, HoldsTheCellsOfASurface) {
 TEST(SparseGrid, HalfFullHexahedraCarryHalf) {
   const auto force = [](const std::string& attributes, double factor) {
     const auto times = [&](double value) { return std::to_string(factor * value); };
-    scene::Scene scene = read_and_init(
-        in_root("dt='0.1'", kOrgan + "n='3 3 3' " + attributes +
-                                "/><MechanicalObject name='nodes'/><UniformMass totalMass='1'/>"
-                                "<HexahedronElastoplasticFEMForceField name='body' youngModulus='" +
-                                times(1000) + "' yieldStress='" + times(50) + "' fractureStress='" + times(52) +
-                                "' plasticFlowRate='5' hardening='1' volumeRestitution='0'/>"));
+    scene::Scene scene =
+        read_and_init(in_root("dt='0.1'", kOrgan + "n='3 3 3' " + attributes +
+                                              "/><MechanicalObject name='nodes'/><UniformMass totalMass='1'/>"
+                                              "<HexahedronElastoplasticFEMForceField name='body' youngModulus='" +
+                                              times(1000) + "' yieldStress='" + times(50) + "' fractureStress='" +
+                                              times(52) + "' plasticFlowRate='5' hardening='1'/>"));
     auto& body = at<scene::ForceField>(scene, "body");
     PointArray x = at<scene::MechanicalState>(scene, "nodes").rest_positions();
     x.col(2) *= 1.2;

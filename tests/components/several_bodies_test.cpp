@@ -123,11 +123,11 @@ TEST(SeveralBodies, OneThatOnlyAnotherOneLoadsIsSolvedToo) {
 }
 
 // In mixed precision too, where a body's products are rounded, and what its flow adds: then the last bits of positions
-// decide how it is rounded.
+// decide how it is rounded. Without recovery, whose onset at single corners makes more of these bits.
 TEST(SeveralBodies, MixedPrecision) {
   for (const bool flows : {false, true}) {
     std::string soft(kSoft);
-    soft.insert(soft.find("yieldStress"), "precision='mixed' ");
+    soft.insert(soft.find("yieldStress"), "precision='mixed' recovery='none' ");
     if (!flows) soft.replace(soft.find("100"), 3, "1e9");
     const std::string solvers = "<EulerImplicitSolver/><MultigridCGLinearSolver tolerance='1e-9'/>";
     const std::string both = scene_of(solvers + node("soft", soft) + node("stiff", kStiff));

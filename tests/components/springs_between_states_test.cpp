@@ -23,7 +23,10 @@ using support::read_and_init;
 const std::string kElastic = "<HexahedronElastoplasticFEMForceField youngModulus='3000' poissonRatio='.4'/>",
                   kPlastic =
                       "<HexahedronElastoplasticFEMForceField youngModulus='3000' poissonRatio='.4' "
-                      "yieldStress='60' plasticFlowRate='4'/>";
+                      "yieldStress='60' plasticFlowRate='4'/>",
+                  kJoined =
+                      "<HexahedronElastoplasticFEMForceField youngModulus='3000' poissonRatio='.4' "
+                      "yieldStress='60' plasticFlowRate='4' restShape='joined'/>";
 const std::string kVertexMass = "<UniformMass vertexMass='.004'/>";
 
 /// Two blocks that springs join across a gap.
@@ -102,7 +105,7 @@ TEST(SpringsBetweenStates, MoveBodiesAsIfTheyWereOfOneState) {
   for (const Case& c :
        {Case{implicit, "<SparseLDLSolver/>"}, Case{implicit, exact},
         // each mesh has an averaging of rest shapes of its own
-        Case{implicit, "<SparseLDLSolver/>", .01, 60, 1e-8, kPlastic},
+        Case{implicit, "<SparseLDLSolver/>", .01, 60, 1e-8, kJoined},
         Case{implicit, "<MultigridCGLinearSolver tolerance='1e-13' preconditioner='multigrid'/>"},
         Case{implicit, "<MultigridCGLinearSolver tolerance='1e-13' preconditioner='diagonal'/>"},
         Case{"<EulerImplicitSolver trapezoidalScheme='true' rayleighMass='.1' rayleighStiffness='.02'/>", exact, .004},

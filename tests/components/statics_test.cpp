@@ -80,8 +80,7 @@ TEST(Statics, TiedHalvesStandAsOneBodyDoes) {
 // Stretch 1.1 and stress 100 Pa in equilibrium, yield stress 50 Pa: gamma = 2 x 0.02 x (100 - 50) / 100 = 0.02, and of
 // the stretch's logarithm the part without change of volume flows.
 TEST(Statics, FlowFollowsEquilibrium) {
-  scene::Scene scene =
-      read_and_init(static_bar(kNewton, kPull, "yieldStress='50' plasticFlowRate='2' rotationPlasticity='none'"));
+  scene::Scene scene = read_and_init(static_bar(kNewton, kPull, "yieldStress='50' plasticFlowRate='2'"));
   scene.step();
   const PointArray& material = at<scene::ForceField>(scene, "body").body()->plastic_rest_positions();
   EXPECT_NEAR(material(2, 0) - material(0, 0), std::pow(1.1, 0.02 * 2 / 3), 1e-9);

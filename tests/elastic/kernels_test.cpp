@@ -94,7 +94,7 @@ Body flown(std::array<int, 3> cells, double distortion, YieldNorm norm, double s
   material.rotation_yield = 0.02 * size;
   material.rotation_flow_rate = 5;
   material.hardening = 0.3;
-  Settings settings;
+  Settings settings{.rest_shape = RestShape::kJoined};
   settings.yield_norm = norm;
   settings.precision = precision;
   Body body(support::distorted_block(cells, kEdge, distortion, 93), {material}, settings);
@@ -141,7 +141,7 @@ TEST_P(OnEverySet, FlowIsThatOfTheElements) {
 /// Whether flow_block does all elements of a bar of constant volume with this stretch, to the result of the plain way.
 bool flows_in_lanes(double stretch, Precision precision) {
   const HexMesh mesh = support::distorted_block({4, 4, 2}, kEdge, 0.1, 95);
-  Settings settings;
+  Settings settings{.rest_shape = RestShape::kJoined};
   settings.yield_norm = YieldNorm::kVonMises;
   settings.precision = precision;
   const double rounding = (precision == Precision::kDouble ? 1 : 4) * rounding_of_flow(precision);
@@ -190,7 +190,7 @@ std::vector<double> strains_beside(int pushed, Precision precision) {
     }
   }
   Body body(HexMesh(X, cubes), {{.young_modulus = 1000, .poisson_ratio = 0.3, .yield_stress = 1, .flow_rate = 50}},
-            {.precision = precision, .volume_restitution = 0});
+            {.rest_shape = RestShape::kJoined, .precision = precision, .volume_restitution = 0});
   body.flow(x, 0.01);
   std::vector<double> strains;
   for (int e = 0; e < 16; ++e) strains.push_back(body.plastic_strain()[e][0]);

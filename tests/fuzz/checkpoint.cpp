@@ -34,7 +34,7 @@ constexpr std::string_view kBar = R"(<Node dt="0.02" gravity="0 0 -9.81">
   <MechanicalObject name="nodes"/>
   <DiagonalMass massDensity="1000"/>
   <HexahedronElastoplasticFEMForceField youngModulus="2e4" poissonRatio="0.3" yieldStress="200" plasticFlowRate="4"
-      hardening="0.1" rotationYield="0.01" rotationFlowRate="2" fractureStretch="1.01"/>
+      hardening="0.1" rotationYield="0.01" rotationFlowRate="2" fractureStretch="1.01" restShape="joined"/>
   <FixedProjectiveConstraint indices="12-15"/>
   <LinearMovementProjectiveConstraint indices="0" keyTimes="0 0.1 9" movements="0 0 0  0.01 0 0  0.01 0 0"/>
   <GraspForceField radius="0.12" keyTimes="0 0.3" positions=".1 .05 0  .2 .05 -.1" graspTime="0.02" releaseTime="0.3"

@@ -97,7 +97,7 @@ TEST(Settings, RefuseWhatIsNoEnumeratorAndNumbersOfStepsOutOfRange) {
 
 TEST(CheckTimeStep, RefusesWhatIsUnstableAndAdvisesAgainstWhatIsInaccurate) {
   Material m;
-  Settings settings;
+  Settings settings{.rest_shape = RestShape::kJoined};
   m.yield_stress = 300;
   m.flow_rate = 4;
   m.rotation_flow_rate = 2;

@@ -38,11 +38,10 @@ class BodyPart : public testing::Test {
 
   const HexMesh mesh = support::distorted_block({2, 2, 3}, 0.1, 0.1, 11);
   const PointArray stretched = mesh.positions() * Eigen::Vector3d(0.9, 0.95, 1.3).asDiagonal();
-  const Given plastic{{"youngModulus", {7000}},
-                      {"yieldStress", {100}},
-                      {"plasticFlowRate", {2}},
-                      {"averaging", {1}},        // jacobi, which
-                      {"implementation", {1}}};  // plain alone has
+  const Given plastic{{"youngModulus", {7000}}, {"yieldStress", {100}},
+                      {"plasticFlowRate", {2}}, {"restShape", {0}},  // joined
+                      {"averaging", {1}},                            // jacobi, which
+                      {"implementation", {1}}};                      // plain alone has
 };
 
 TEST(BodyOptions, AreReadRowByRow) {

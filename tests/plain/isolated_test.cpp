@@ -520,11 +520,12 @@ TEST_P(IsolatedBody, IsAsBeforeWhereItsHistoryWouldNotBeFinite) {
 }
 
 TEST(IsolatedRestShapes, RefuseWhatTheyDoNotHaveAndWarnOfWhatDoesNothing) {
-  const auto refusal = [](const auto& change) {
+  const auto refusal = [](const auto& change, double flow_rate = 1) {
     Settings settings = isolated();
     change(settings);
     try {
       validate(settings, Names::kScenes);
+      validate({Material{.yield_stress = 100, .flow_rate = flow_rate}}, settings, Names::kScenes);
     } catch (const InputError& error) {
       return std::string(error.what());
     }
@@ -533,13 +534,24 @@ TEST(IsolatedRestShapes, RefuseWhatTheyDoNotHaveAndWarnOfWhatDoesNothing) {
   EXPECT_EQ(refusal([](Settings&) {}), "");
   const auto by_kernels = [](Settings& s) { s.implementation = Implementation::kFast; };
   EXPECT_EQ(refusal(by_kernels), "");
-  EXPECT_EQ(refusal([&](Settings& s) { by_kernels(s), s.bending = Bending::kBlended; }),
-            "restShape = isolated needs bending = assumedCorner or implementation = plain");
-  EXPECT_EQ(refusal([](Settings& s) { s.law = ElasticLaw::kNeoHookean; }),
-            "restShape = isolated needs law = corotated");
-  EXPECT_EQ(refusal([](Settings& s) { s.bending = Bending::kCentre; }), "bending = centre needs restShape = joined");
-  EXPECT_EQ(refusal([](Settings& s) { s.rotation_plasticity = RotationPlasticity::kVertex; }),
-            "rotationPlasticity = vertex needs restShape = joined");
+  const auto blended = [&](Settings& s) { by_kernels(s), s.bending = Bending::kBlended; };
+  const auto neo_hookean = [](Settings& s) { s.law = ElasticLaw::kNeoHookean; };
+  const auto centre = [](Settings& s) { s.bending = Bending::kCentre; };
+  const auto vertex = [](Settings& s) { s.rotation_plasticity = RotationPlasticity::kVertex; };
+  EXPECT_EQ(refusal(blended),
+            "bending = blended of a body that flows needs restShape = joined: isolated rest shapes have assumedCorner, "
+            "and blended with implementation = plain");
+  EXPECT_EQ(refusal(neo_hookean),
+            "law = neoHookean of a body that flows needs restShape = joined: isolated rest shapes have corotated");
+  EXPECT_EQ(refusal(centre),
+            "bending = centre of a body that flows needs restShape = joined: isolated rest shapes have assumedCorner "
+            "and blended");
+  EXPECT_EQ(refusal(vertex),
+            "rotationPlasticity = vertex of a body that flows needs restShape = joined: isolated rest shapes have no "
+            "flow of rotation");
+  for (const std::string& of_elastic_body :
+       {refusal(blended, 0), refusal(neo_hookean, 0), refusal(centre, 0), refusal(vertex, 0)})
+    EXPECT_EQ(of_elastic_body, "");
   const auto cauchy = [](Settings& s) { s.yield_stress_measure = YieldStressMeasure::kCauchy; };
   EXPECT_EQ(refusal(cauchy), "");
   EXPECT_EQ(refusal([&](Settings& s) { cauchy(s), s.rest_shape = RestShape::kJoined; }),
@@ -547,8 +559,9 @@ TEST(IsolatedRestShapes, RefuseWhatTheyDoNotHaveAndWarnOfWhatDoesNothing) {
   EXPECT_EQ(refusal([&](Settings& s) { cauchy(s), s.volumetric = Volumetric::kSample; }),
             "yieldStressMeasure = cauchy needs volumetric = volumeRatio");
   const HexMesh mesh = support::block({1, 1, 1}, kEdge);
-  EXPECT_TRUE(support::refuses<InputError>([&] { Body(mesh, {Material{.rotation_flow_rate = 2}}, isolated()); },
-                                           {"rotation_flow_rate = 2: must be 0 with rest_shape = isolated"}));
+  EXPECT_TRUE(support::refuses<InputError>(
+      [&] { Body(mesh, {Material{.rotation_flow_rate = 2}}, isolated()); },
+      {"rotation_flow_rate = 2: must be 0 with rest_shape = isolated", "rest_shape = joined has it"}));
 
   Settings idle = isolated();
   EXPECT_TRUE(idle_option_warnings(idle, Names::kScenes).empty());
@@ -567,7 +580,7 @@ TEST(IsolatedRestShapes, RefuseWhatTheyDoNotHaveAndWarnOfWhatDoesNothing) {
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(warnings[0],
             "plasticFlowRate = 500 1/s times dt = 0.01 s is 5: all of the excess flows in each step, at no rate");
-  EXPECT_THROW(check_time_step({fast}, {}, 0.01), InputError);
+  EXPECT_THROW(check_time_step({fast}, support::kJoined, 0.01), InputError);
 
   Settings sample = isolated();
   sample.volumetric = Volumetric::kSample;

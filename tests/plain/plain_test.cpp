@@ -38,7 +38,7 @@ struct Options {
   std::vector<std::pair<std::string, std::string>> words;
 
   Settings settings() const {
-    Settings settings;
+    Settings settings{.rest_shape = RestShape::kJoined};
     settings.averaging_tolerance = 1e-14;
     for (const auto& [attribute, word] : words) {
       const Row<Settings>* row = find_row(settings_rows(), attribute, Names::kScenes);
@@ -76,6 +76,9 @@ std::vector<Options> all_options() {
   all.push_back({{isolated, {"yieldStressMeasure", "cauchy"}, {"inversionThreshold", "0.2"}}});
   all.push_back({{isolated, {"volumetric", "sample"}, {"yieldNorm", "frobenius"}}});
   all.push_back({{isolated, {"yieldNorm", "spectral"}}});
+  for (const std::string bending : {"blended", "assumedCorner"})
+    for (const std::string law : {"corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin"})
+      if (bending == "blended" || law != "corotated") all.push_back({{isolated, {"bending", bending}, {"law", law}}});
   const std::pair<std::string, std::string> relaxing("relaxation", "0.7 0.3 2 0.02 0.4 0.1");
   all.push_back({{relaxing}});
   all.push_back({{relaxing, {"yieldNorm", "spectral"}, {"recovery", "none"}}});
@@ -86,15 +89,18 @@ std::vector<Options> all_options() {
 }
 
 /// Soft, stiff and elastic hexahedra side by side, some of which harden, soften or tear. With isolated rest shapes
-/// rotation does not flow, and nothing where joined ones relax.
-std::vector<Material> materials_of(int num_elements, Random& random, const Settings& settings = {}) {
+/// rotation does not flow. Nothing does where joined ones relax, and where isolated ones are of another element or law.
+std::vector<Material> materials_of(int num_elements, Random& random, const Settings& settings) {
   const bool is_isolated = settings.rest_shape == RestShape::kIsolated;
+  const bool is_elastic = is_isolated
+                              ? settings.bending != Bending::kAssumedCorner || settings.law != ElasticLaw::kCorotated
+                              : settings.num_branches() > 0;
   std::vector<Material> materials(num_elements);
   for (int e = 0; e < num_elements; ++e) {
     Material& m = materials[e];
     m.young_modulus = random.uniform(3000, 8000);
     m.poisson_ratio = e % 3 == 0 ? 0.3 : 0.45;
-    if (e % 5 == 4 || (!is_isolated && settings.num_branches() > 0)) continue;
+    if (e % 5 == 4 || is_elastic) continue;
     m.yield_stress = random.uniform(50, 500);
     m.flow_rate = e % 7 == 3 ? 0 : 5;
     m.rotation_yield = random.uniform(0.001, 0.03);
@@ -240,7 +246,9 @@ TEST_P(EveryOption, KernelsAreThePlainImplementation) {
 /// A hexahedron with a random G, and branches that hold something.
 Body held_hexahedron(RestShape rest_shape, std::vector<double> relaxation, double distortion, Random& random) {
   Settings settings{.relaxation = std::move(relaxation), .recovery = RecoveryMode::kNone, .rest_shape = rest_shape};
-  Body body(support::distorted_block({1, 1, 1}, kEdge, distortion, 409), {Material{.poisson_ratio = 0.45}}, settings);
+  Material material{.poisson_ratio = 0.45};
+  if (rest_shape == RestShape::kIsolated) material.yield_stress = 1e9, material.flow_rate = 1;  // has G, and keeps it
+  Body body(support::distorted_block({1, 1, 1}, kEdge, distortion, 409), {material}, settings);
   History& history = body.state().history;
   for (CornerTensors& G : history.plastic_inverse)
     for (Mat3& one : G) one += random.matrix(0.2);
@@ -293,7 +301,7 @@ TEST(Plain, ABodyMovesAsAFastOne) {
   const HexMesh mesh = support::distorted_block({2, 2, 5}, kEdge, 0.1, 407);
   const Motion motion{.gravity = {0, 30, 0}, .fixed = support::nodes_at(mesh, 2, 0, 0.3 * kEdge)};
   const auto swung = [&](Implementation implementation, std::unique_ptr<LinearSolver> solver, bool relaxes = false) {
-    Settings settings{.averaging_tolerance = 1e-14, .implementation = implementation};
+    Settings settings{.rest_shape = RestShape::kJoined, .averaging_tolerance = 1e-14, .implementation = implementation};
     if (relaxes) {
       settings.rest_shape = RestShape::kIsolated;
       settings.relaxation = {0.7, 0.3, 2, 0.02};

@@ -33,7 +33,7 @@ using support::stiffness_at;
 
 constexpr double kEquilibrium = std::numeric_limits<double>::infinity();
 
-Settings relaxing(std::vector<double> relaxation, RestShape rest_shape = RestShape::kJoined,
+Settings relaxing(std::vector<double> relaxation, RestShape rest_shape = RestShape::kIsolated,
                   Implementation implementation = Implementation::kFast) {
   return {.relaxation = std::move(relaxation),
           .recovery = RecoveryMode::kNone,
@@ -48,7 +48,7 @@ std::string name_of(Implementation implementation) {
 /// By either implementation.
 class Relaxation : public testing::TestWithParam<Implementation> {
  protected:
-  static Settings relaxing(std::vector<double> relaxation, RestShape rest_shape = RestShape::kJoined) {
+  static Settings relaxing(std::vector<double> relaxation, RestShape rest_shape = RestShape::kIsolated) {
     return hexaplast::relaxing(std::move(relaxation), rest_shape, GetParam());
   }
 };
@@ -170,7 +170,7 @@ struct Held {
       : random(seed),
         mesh(support::distorted_block({2, 2, 2}, kEdge, 0.15, seed + 1)),
         body(mesh, {flows ? Material{.yield_stress = 100, .flow_rate = 8, .hardening = 0.2} : Material{}},
-             relaxing({0.7, 0.3, 2, 0.02}, flows ? RestShape::kIsolated : RestShape::kJoined, implementation)) {
+             relaxing({0.7, 0.3, 2, 0.02}, RestShape::kIsolated, implementation)) {
     for (int n = 0; n < 6; ++n) step(body, placed(), random.uniform(0.01, 0.1));
     body.set_time_step(0.03);
   }
@@ -448,7 +448,7 @@ TEST(RelaxingBody, NamesWhatItNeedsAndWhatIsWrong) {
   const Material flowing{.yield_stress = 1, .flow_rate = 1};
   EXPECT_TRUE(support::refuses<InputError>(
       [&] {
-        Body(mesh, {flowing}, relaxing({1, 0.2}));
+        Body(mesh, {flowing}, relaxing({1, 0.2}, RestShape::kJoined));
       },
       {"relaxation of a body that yields needs rest_shape = isolated"}));
 

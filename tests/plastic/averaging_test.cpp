@@ -20,10 +20,11 @@ namespace hexaplast {
 namespace {
 
 using support::kEdge;
+using support::kJoined;
 using support::mapped;
 
 Settings tight() {
-  Settings settings;
+  Settings settings = kJoined;
   settings.averaging_tolerance = 1e-12;
   return settings;
 }
@@ -124,7 +125,7 @@ History cut_from(const Model& model, const PointArray& positions) {
 TEST(Averaging, ByMultigridJoinsPiecesOfATwistedBarInAFewIterationsWhateverTheSize) {
   for (const Precision precision : {Precision::kDouble, Precision::kMixed})
     for (const int refine : {1, 2, 4}) {
-      Settings settings;
+      Settings settings = kJoined;
       settings.precision = precision;
       const Model model(support::block({3 * refine, 2 * refine, 8 * refine}, kEdge / refine), {Material{}}, settings);
       const PointArray twisted = support::stretched_and_twisted(model.mesh, 1.2, 1.0);
@@ -155,7 +156,7 @@ TEST(Averaging, LeavesConnectedPartsThatDoNotFlowBitForBit) {
   std::vector<Material> materials(mesh.num_elements(), soft);
   for (int e = one.num_elements(); e < mesh.num_elements(); ++e) materials[e].yield_stress = 1e9;
   for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
-    Settings settings;
+    Settings settings = kJoined;
     settings.precision = precision;
     settings.averaging_tolerance = precision == Precision::kDouble ? 1e-9 : 1e-5;  // of all parts together
     Body body(mesh, materials, settings), alone(one, {soft}, settings);
@@ -219,7 +220,7 @@ Material twistable(double rotation_yield) {
 
 /// Permanent twist of a bar twisted by hand, with `averaging_steps` per time step.
 double permanent_twist(int averaging_steps) {
-  Settings settings;
+  Settings settings = kJoined;
   settings.averaging_steps = averaging_steps;
   Body body(support::block({2, 2, 10}, kEdge), {twistable(0.005)}, settings);
   for (int k = 1; k <= 60; ++k) {
@@ -233,7 +234,7 @@ double permanent_twist(int averaging_steps) {
 // What is left of one step is taken up by the next, and nothing grows; on a mesh without symmetry, of which no solver
 // could take advantage.
 TEST(Averaging, OfABodyFollowsATightSolutionOverManySteps) {
-  Body body(support::distorted_block({8, 8, 20}, kEdge / 2, 0.1, 150), {twistable(0.0025)});
+  Body body(support::distorted_block({8, 8, 20}, kEdge / 2, 0.1, 150), {twistable(0.0025)}, kJoined);
   const Model& model = body.state().model;
   History history(model);
   Linearization at(model);
@@ -274,7 +275,7 @@ PointArray bent(const std::array<int, 3>& cells, const Settings& settings) {
 // their rest shapes bend.
 TEST(Averaging, OfSlenderBodiesInMixedPrecisionStaysNearThatInDouble) {
   for (const std::array<int, 3>& cells : {std::array{100, 1, 1}, std::array{20, 2, 2}}) {
-    Settings settings = cells[1] == 1 ? published_element() : Settings();
+    Settings settings = cells[1] == 1 ? published_element() : kJoined;
     const PointArray in_double = bent(cells, settings);
     settings.precision = Precision::kMixed;
     for (const double tolerance : {0., 1e-4, 1e-6}) {
@@ -288,7 +289,7 @@ TEST(Averaging, OfSlenderBodiesInMixedPrecisionStaysNearThatInDouble) {
 /// Angle between the original and the plastic rest shape of a distorted bar after it was stretched and twisted [rad].
 double tilt_after_a_twist(bool turns_isolated_shapes) {
   Body body(support::distorted_block({2, 2, 6}, kEdge, 0.2, 151), {twistable(0.005)},
-            {.implementation = Implementation::kPlain});
+            {.rest_shape = RestShape::kJoined, .implementation = Implementation::kPlain});
   body.state().model.turns_isolated_shapes = turns_isolated_shapes;
   for (int k = 1; k <= 60; ++k) {
     const double fraction = std::min(1.0, k / 40.0);

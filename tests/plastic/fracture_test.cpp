@@ -68,7 +68,7 @@ TEST(Fracture, ByStressTakesNoElementThatOnlyTurns) {
       std::vector<Material> materials(4, turning);
       materials[3].fracture_stress = yield_stress;  // one may be torn by stress, or the limit would be refused
       for (int e = 0; e < 3; ++e) materials[e].fracture_stress = 600;
-      Settings settings;
+      Settings settings = support::kJoined;
       settings.rotation_plasticity = mode;
       if (mode != RotationPlasticity::kObjective) settings.implementation = Implementation::kPlain;
       Body body(mesh, materials, settings);
@@ -96,7 +96,7 @@ TEST(Fracture, TakesAnElementInTheStepInWhichItsPlasticStretchPassesTheLimit) {
   const HexMesh mesh = support::block({1, 1, 1}, kEdge);
   Material brittle = hardening();
   brittle.fracture_stretch = 1.1;
-  Body whole(mesh, {hardening()}), body(mesh, {brittle});
+  Body whole(mesh, {hardening()}, support::kJoined), body(mesh, {brittle}, support::kJoined);
   const EndSections ends = end_sections(mesh);
   const PointArray current = mapped(mesh.positions(), Vec3(1.3, 1 / std::sqrt(1.3), 1 / std::sqrt(1.3)).asDiagonal());
   for (int k = 1; k <= 200; ++k) {

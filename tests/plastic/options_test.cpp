@@ -86,7 +86,7 @@ double permanent_fraction(Bending bending, const ElementPoints& X, const Element
   m.flow_rate = stretch ? 1 / kStep : 0;  // all of it at once
   m.rotation_yield = 0;
   m.rotation_flow_rate = rotation ? 1 / kStep : 0;
-  Settings settings;
+  Settings settings = support::kJoined;
   settings.bending = bending;
   settings.volume_restitution = 0;
   Body body(support::single_element(X), {m}, settings);
@@ -149,7 +149,7 @@ TEST_P(PaperMode, IsObjectiveAgainstTheBestFitAndNotAgainstTheAxes) {
   const HexMesh mesh = support::block({2, 2, 6}, kEdge);
   const Mat3 R = random.rotation();
   const Vec3 spin = 4 * random.direction(), still = Vec3::Zero();
-  Settings settings;
+  Settings settings = support::kJoined;
   settings.implementation = Implementation::kPlain;
   settings.rotation_plasticity = GetParam();
   for (const RotationFrame frame : {RotationFrame::kBestFit, RotationFrame::kWorld}) {
@@ -171,7 +171,7 @@ TEST_P(PaperMode, KeepsLessOfATwistThanTheObjectiveMode) {
   const HexMesh mesh = support::block({2, 2, 6}, kEdge);
   const EndSections ends = end_sections(mesh);
   const auto plastic_twist = [&](RotationPlasticity mode) {
-    Settings settings;
+    Settings settings = support::kJoined;
     settings.implementation = Implementation::kPlain;
     settings.rotation_plasticity = mode;
     return twist(mesh, ends, material_after(mesh, settings, Mat3::Identity(), Vec3::Zero()));

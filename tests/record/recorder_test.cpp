@@ -47,7 +47,7 @@ TEST(HistoryTable, HasOneRowPerStepWithTheBodysNumbersToTheLastBit) {
            {"elastic_energy", body.energy(x)},
            {"dissipated_energy", body.dissipated_energy()},
            {"current_volume_ratio", body.volume(x) / body.initial_volume()},
-           {"plastic_rest_volume_ratio", body.volume(body.plastic_rest_positions()) / body.initial_volume()},
+           {"plastic_rest_volume_ratio", body.volume(X) / body.initial_volume()},  // which flow keeps
            {"plastic_elongation", summary.plastic_elongation},
            {"plastic_twist_deg", summary.plastic_twist_deg},
            {"end_displacement", ((x.row(3) - X.row(3)).norm() + (x.row(17) - X.row(17)).norm()) / 2},

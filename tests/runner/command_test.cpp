@@ -113,7 +113,7 @@ TEST_F(Command, EndsWithTheCodeOfWhatIsWrongAndSaysIt) {
        {"run bar.scn --set baar/material.yieldStress=1", 2, "baar"},
        // what only the scene can refuse
        {"run bar.scn --set bar/pull.indices=99", 3, "ConstantForceField.indices: "},
-       {set + "plasticFlowRate=1e6 --set bar/material.yieldStress=1", 3,
+       {set + "restShape=joined --set bar/material.plasticFlowRate=1e6 --set bar/material.yieldStress=1", 3,
         "plasticFlowRate = 1000000 1/s times dt = 0.01 s is 10000"},
        {"run bad.scn", 3,
         "bad.scn:2: error: Nonsense: unknown component\n  hint: a scene with other components of SOFA runs in "

@@ -96,7 +96,8 @@ constexpr attributes::Example kMoreScenes[] = {
     rayleighStiffness="0.01" maxForce="5"/>)xml"},
     {"HexahedronElastoplasticFEMForceField",
      R"xml(<HexahedronElastoplasticFEMForceField name="material" youngModulus="5e4" poissonRatio="0.45" yieldStress="10"
-    plasticFlowRate="20" hardening="0.5" rotationYield="0.0001" rotationFlowRate="5" fractureStress="900"/>
+    plasticFlowRate="20" hardening="0.5" restShape="joined" rotationYield="0.0001" rotationFlowRate="5"
+    fractureStress="900"/>
 <ConstantForceField indices="72-80" totalForce="5 0 5"/>)xml"},
     {"InstrumentContactForceField",
      R"xml(<InstrumentContactForceField name="probe" shape="capsule" radius="0.02" length="0.1" friction="0.2"
@@ -110,7 +111,9 @@ constexpr attributes::Example kMoreScenes[] = {
     positions="0.05 0.05 0.42  0.07 0.06 0.40"
     surfacePositions="0 0 -0.03  0.03 0 0.03  -0.03 0.03 0.03  -0.03 -0.03 0.03"
     surfaceTriangles="0 2 1  0 1 3  1 2 3  0 3 2"/>)xml"},
-    {"MaterialRegion", R"xml(<ConstantForceField indices="72-80" totalForce="5 0 5"/>
+    {"MaterialRegion",
+     R"xml(<HexahedronElastoplasticFEMForceField name="material" youngModulus="5e4" poissonRatio="0.4" restShape="joined"/>
+<ConstantForceField indices="72-80" totalForce="5 0 5"/>
 <SphereROI name="tumour" centers="0.05 0.05 0.2" radii="0.2" strict="false"/>
 <MaterialRegion name="hard" hexahedra="@tumour.hexahedraInROI" youngModulus="3e5" yieldStress="10"
     plasticFlowRate="20" hardening="0.5" rotationYield="0.0001" rotationFlowRate="5" fractureStress="900"/>)xml"},

@@ -70,8 +70,8 @@ std::string tearing_bar(const std::string& lines, const std::string& solver = "<
   return "<Node dt='0.02' gravity='0 0 -9.81'><DefaultAnimationLoop/>" + ode + solver +
          "<RegularGridTopology name='grid' n='3 2 5' max='0.2 0.1 0.4'/><MechanicalObject name='nodes'/>"
          "<DiagonalMass massDensity='1000'/><HexahedronElastoplasticFEMForceField name='body' youngModulus='2e4' "
-         "poissonRatio='0.3' yieldStress='500' plasticFlowRate='4' hardening='0.1' rotationYield='0.01' "
-         "rotationFlowRate='2' fractureStretch='1.02'/>" +
+         "poissonRatio='0.3' yieldStress='500' plasticFlowRate='4' hardening='0.1' "
+         "fractureStretch='1.02'/>" +
          lines + "</Node>";
 }
 

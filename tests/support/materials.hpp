@@ -22,6 +22,16 @@ inline Material yielding(double yield_stress, double rotation_yield) {
 
 inline const Material kSoft = yielding(300, 0.02);
 
+/// The same without a flow of rotation, which isolated rest shapes do not have.
+inline Material stretching(double yield_stress) {
+  Material m = yielding(yield_stress, 0);
+  m.rotation_flow_rate = 0;
+  return m;
+}
+
+/// Rest shapes as the paper has them, where rotation flows.
+inline const Settings kJoined{.rest_shape = RestShape::kJoined};
+
 /// Of the corotated law at a stretch [Pa].                                                            theory.md eq. 12
 inline Mat3 corotated_stress(const Mat3& S, const Lame& k) {
   const Mat3 strain = S - Mat3::Identity();

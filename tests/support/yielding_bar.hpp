@@ -9,9 +9,9 @@
 namespace hexaplast::support {
 
 /// A bar that yields while its upper end is pulled: the example of include/hexaplast/README.md.
-inline Body yielding_bar() {
+inline Body yielding_bar(const Settings& settings = {}) {
   return Body(regular_grid({2, 2, 8}, {0, 0, 0}, {.1, .1, .4}),
-              {{.young_modulus = 5000, .poisson_ratio = .45, .yield_stress = 300, .flow_rate = 4}});
+              {{.young_modulus = 5000, .poisson_ratio = .45, .yield_stress = 300, .flow_rate = 4}}, settings);
 }
 
 inline Motion pulling() {

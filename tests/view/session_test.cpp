@@ -45,11 +45,9 @@ TEST(Session, MovesTheSceneAsACommandDoesWhileItIsLookedAt) {
   EXPECT_EQ(played.hash(), alone.hash_after(40));
 }
 
-// With isolated rest shapes that takes as long as some steps: nobody waits for it while the scene moves.
+// That takes as long as some steps: nobody waits for it while the scene moves.
 TEST(Session, FindsTheReleasedShapeWhereItIsLookedAtOrTheScenePauses) {
-  std::string isolated(kBar);
-  isolated.insert(isolated.find("youngModulus"), "restShape='isolated' ");
-  Played played(isolated);
+  Played played;
   Session session(played.subject(), hand);
   session.set_pace(Pace::kFree);
   session.grab(touch(kTop), session.suggested_hand());
@@ -113,8 +111,8 @@ TEST(Session, MaterialsChangeWhileItMoves) {
   Session session(played.subject(), hand);
   session.set("youngModulus", 8000);
   session.set("yieldStress", 90);
-  session.set("poissonRatio", 0.5);     // out of the attribute's range
-  session.set("plasticFlowRate", 200);  // twice all of the excess in a step: refused by the body
+  session.set("poissonRatio", 0.5);    // out of the attribute's range
+  session.set("rotationFlowRate", 1);  // isolated rest shapes have none: refused by the body
   session.advance(1);
   const Snapshot at = wait_for_step(session, 1);
   session.stop();
@@ -122,11 +120,11 @@ TEST(Session, MaterialsChangeWhileItMoves) {
   EXPECT_EQ(material.young_modulus, 8000);
   EXPECT_EQ(material.yield_stress, 90);
   EXPECT_EQ(material.poisson_ratio, 0.4);
-  EXPECT_EQ(material.flow_rate, 4);
+  EXPECT_EQ(material.rotation_flow_rate, 0);
   EXPECT_TRUE(at.failure.empty()) << at.failure;
   ASSERT_EQ(at.messages.size(), 2u);
   EXPECT_NE(at.messages[0].find("poissonRatio: 0.5 must lie in [0, 0.5)"), std::string::npos) << at.messages[0];
-  EXPECT_NE(at.messages[1].find("plasticFlowRate"), std::string::npos) << at.messages[1];
+  EXPECT_NE(at.messages[1].find("rotationFlowRate"), std::string::npos) << at.messages[1];
 }
 
 TEST(Session, ThereIsAParameterForEachMemberOfAMaterial) {

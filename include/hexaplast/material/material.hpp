@@ -126,7 +126,7 @@ struct Settings {
   double recovery_full = -1;     ///< [-] at and below which they have their full strength, at most 0
   YieldNorm yield_norm = YieldNorm::kVonMises;
   YieldStressMeasure yield_stress_measure = YieldStressMeasure::kBiot;
-  RestShape rest_shape = RestShape::kJoined;
+  RestShape rest_shape = RestShape::kIsolated;
   RotationPlasticity rotation_plasticity = RotationPlasticity::kObjective;
   RotationFrame rotation_frame = RotationFrame::kBestFit;  ///< of the modes kVertex and kCentre
   AveragingMethod averaging =
@@ -153,7 +153,10 @@ struct Settings {
 /// The element of the paper's figures and of all that is compared with them: theory.md sections 2 and 3 alone. It locks
 /// towards Poisson's ratio 0.5, is stiff in bending, and may stay folded.
 inline Settings published_element() {
-  return {.bending = Bending::kBlended, .volumetric = Volumetric::kSample, .recovery = RecoveryMode::kNone};
+  return {.bending = Bending::kBlended,
+          .volumetric = Volumetric::kSample,
+          .recovery = RecoveryMode::kNone,
+          .rest_shape = RestShape::kJoined};
 }
 
 /// Whether stretch, or rotation, of a hexahedron can ever become permanent.
@@ -171,8 +174,8 @@ double bytes_per_hexahedron(const std::vector<Material>& materials, const Settin
 /// the other implementation has.
 void validate(const std::vector<Material>& materials, Names names = Names::kMembers);
 void validate(const Settings& settings, Names names = Names::kMembers);
-/// Throws InputError where a material has a flow of rotation, which RestShape::kIsolated has not, or flows beside
-/// Settings::relaxation without it.
+/// Throws InputError where something flows with RestShape::kIsolated and settings that it has not, a flow of rotation
+/// among them, or without it beside Settings::relaxation.
 void validate(const std::vector<Material>& materials, const Settings& settings, Names names = Names::kMembers);
 
 /// Of Settings::relaxation.

@@ -87,7 +87,7 @@ output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions
   const std::set<int> loaded = loaded_nodes(simulation);
   plan.loaded_nodes.assign(loaded.begin(), loaded.end());
   plan.has_ends = measures_ends(simulation);
-  plan.has_plastic_ends = plan.has_ends && simulation.bodies()->has_joined_rest_shapes();
+  plan.has_plastic_ends = plan.has_ends && simulation.bodies()->has_plastic_rest_at_hand();
   for (const scene::Instrument* instrument : simulation.scene().root().all<scene::Instrument>())
     plan.has_contact = plan.has_contact || instrument->contact_energy().has_value();
   plan.has_instruments = !simulation.scene().root().all<scene::Instrument>().empty();

@@ -225,7 +225,7 @@ Element read_element(const Json& given) {
   for (const char* key : {"plasticRest", "rest", "rotationMap", "rotationYield"})
     if (is_isolated && json.contains(key))
       throw InputError(
-          fmt::format("{}: has no meaning with restShape isolated, of which plasticInverse is given", key));
+          fmt::format("{}: has no meaning with restShape isolated, which has plasticInverse; joined has it", key));
   if (!is_isolated && json.contains("plasticInverse"))
     throw InputError("plasticInverse: has a meaning with restShape isolated only");
   HexahedronState& state = element.state;

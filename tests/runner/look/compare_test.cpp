@@ -18,7 +18,8 @@ using hexaplast::support::Outcome;
 using Json = nlohmann::json;
 
 const std::string kYieldingBar = hexaplast::support::in_a_node(
-    hexaplast::support::held_bar("", "yieldStress='300' plasticFlowRate='4'", "indices='2 5 8 11' forces='250 0 0'"),
+    hexaplast::support::held_bar("", "yieldStress='300' plasticFlowRate='4' restShape='joined'",
+                                 "indices='2 5 8 11' forces='250 0 0'"),
     "steps='20' outputEvery='10'");
 
 class Compare : public hexaplast::support::Command {

@@ -23,7 +23,7 @@ std::string bar(const std::string& constraint, const std::string& material = "")
 const std::string kHeld = "<FixedProjectiveConstraint indices='0 3 6'/>";
 
 TEST_F(Command, CheckSaysWhatASceneMeans) {
-  write("bar.scn", bar(kHeld, "yieldStress='100' plasticFlowRate='2' volumeRestitution='3'"));
+  write("bar.scn", bar(kHeld, "yieldStress='100' plasticFlowRate='2' restShape='joined' volumeRestitution='3'"));
   const Outcome json = succeeds("check bar.scn --json");
   EXPECT_EQ(json.err, "");
   const Json found = Json::parse(json.out);
@@ -70,7 +70,7 @@ TEST_F(Command, WarningsStandBeforeTheErrorsThatTheyExplain) {
 }
 
 TEST_F(Command, CheckShowsRotationFlowOfABodyThatNeverYields) {
-  write("bar.scn", bar(kHeld, "rotationYield='0.15' rotationFlowRate='3'"));
+  write("bar.scn", bar(kHeld, "restShape='joined' rotationYield='0.15' rotationFlowRate='3'"));
   const Outcome text = hexaplast("check bar.scn");
   for (const char* part : {"yield               never", "rotation yield      0.15 rad", "rotation flow 0.03"})
     EXPECT_NE(text.out.find(part), std::string::npos) << part << " is missing in\n" << text.out;
@@ -193,7 +193,7 @@ TEST_F(Command, CheckAndRunWarnOfVibrationsThatGrow) {
 
 // What else there is to say is FractureAdvice.
 TEST_F(Command, CheckAndRunWarnOfFractureThatNeverComes) {
-  write("bar.scn", bar(kHeld, "rotationFlowRate='2' fractureStress='400'"));
+  write("bar.scn", bar(kHeld, "restShape='joined' rotationFlowRate='2' fractureStress='400'"));
   for (const char* command : {"check bar.scn", "run bar.scn --steps 1"}) {
     const Outcome elastic = succeeds(command);
     EXPECT_NE(elastic.err.find("warning: HexahedronElastoplasticFEMForceField"), std::string::npos) << elastic.err;

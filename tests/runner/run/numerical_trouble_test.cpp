@@ -59,7 +59,8 @@ TEST_F(Refusal, LeavesTheStateOfTheLastGoodStep) {
   <EulerImplicitSolver/><SparseLDLSolver/>
   <AttributeChange component="@body" attribute="plasticFlowRate" keyTimes="0.2" values="1000"/>
   <RegularGridTopology n="4 2 2" max="3 1 1"/><MechanicalObject/><DiagonalMass massDensity="10"/>
-  <HexahedronElastoplasticFEMForceField name="body" youngModulus="5000" yieldStress="10" plasticFlowRate="1"/>
+  <HexahedronElastoplasticFEMForceField name="body" youngModulus="5000" yieldStress="10" plasticFlowRate="1"
+      restShape="joined"/>
   <FixedProjectiveConstraint indices="0 4 8 12"/>
 </Node>)");
   const support::Outcome outcome = hexaplast("run refuses.scn --steps 6 --out run --frames 0 --quiet");
@@ -76,7 +77,8 @@ TEST_F(Refusal, ComesAfterTheWarningsOfTheRun) {
   <AttributeChange component="@ball" attribute="active" keyTimes="0.02" values="1"/>
   <AttributeChange component="@body" attribute="plasticFlowRate" keyTimes="0.04" values="1000"/>
   <RegularGridTopology n="4 2 2" max="0.03 0.01 0.01"/><MechanicalObject/><DiagonalMass massDensity="1000"/>
-  <HexahedronElastoplasticFEMForceField name="body" youngModulus="5000" yieldStress="1e9" plasticFlowRate="1"/>
+  <HexahedronElastoplasticFEMForceField name="body" youngModulus="5000" yieldStress="1e9" plasticFlowRate="1"
+      restShape="joined"/>
   <FixedProjectiveConstraint indices="0 4 8 12"/>
   <InstrumentContactForceField name="ball" active="0" radius="0.01" keyTimes="0" positions="0.03 0.005 0.012"/>
 </Node>)");

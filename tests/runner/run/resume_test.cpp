@@ -23,7 +23,7 @@ const std::string kTearingBar =
     "<EulerImplicitSolver rayleighMass='0.1' rayleighStiffness='0.01'/><CGLinearSolver iterations='60'/>"
     "<RegularGridTopology n='3 2 5' max='0.2 0.1 0.4'/><MechanicalObject/><DiagonalMass massDensity='1000'/>"
     "<HexahedronElastoplasticFEMForceField name='body' youngModulus='2e4' poissonRatio='0.3' yieldStress='500' "
-    "plasticFlowRate='4' hardening='0.1' rotationYield='0.01' rotationFlowRate='2' fractureStretch='1.02'/>"
+    "plasticFlowRate='4' hardening='0.1' fractureStretch='1.02'/>"
     "<FixedProjectiveConstraint indices='24-29'/>"
     "<SpringForceField spring='0 20 3 .1 .05'/><GraspForceField radius='0.12' keyTimes='0 0.3' positions='.1 .05 0  .2 "
     ".05 -.2' graspTime='0.06' "

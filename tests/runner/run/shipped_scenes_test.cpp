@@ -152,8 +152,7 @@ TEST_F(TornScene, VesselIsFreeAndLeavesStretchedStumps) {
   EXPECT_GT(std::accumulate(stretches.begin(), stretches.end(), 0.0) / stretches.size(), 1.03);
 }
 
-// The grasper goes 26 mm up. The fat keeps nearly half of it; the wall is drawn 5 mm along and comes back to about
-// 2: it does not flow itself, but the fat around it has.
+// The grasper goes 26 mm up. The fat keeps more than half of it; the wall is drawn 4 mm along and comes back.
 TEST_F(Shipped, FattyTissueKeepsABumpOnAWallThatDoesNotFlow) {
   const auto [final, history] = run("fatty_tissue");
 
@@ -175,11 +174,13 @@ TEST_F(Shipped, FattyTissueKeepsABumpOnAWallThatDoesNotFlow) {
   // of every four nodes outward, the first lies on the inside of the wall, the second one on its outside
   for (int n = 0; n < mesh.num_nodes(); n += 4)
     for (const int node : {n, n + 1})
-      ASSERT_LT((current.row(node) - mesh.positions().row(node)).norm(), 5e-3) << "node " << node;
+      ASSERT_LT((current.row(node) - mesh.positions().row(node)).norm(), 5e-4) << "node " << node;
   for (int e = 0; e < mesh.num_elements(); e += 3)
     ASSERT_EQ(final["yield_stress"][e], 1e9) << "hexahedron " << e << " of the wall has flowed";
 
-  EXPECT_EQ(history.numbers("yielded").back(), 0);
+  // residual stress comes down to the yield stress, ever more slowly
+  const std::vector<double> dissipated = history.numbers("dissipated_energy");
+  EXPECT_LT(dissipated.back() - dissipated[250], 1e-4 * dissipated.back());
   expect_kept_volume(history, 2e-3);
 }
 

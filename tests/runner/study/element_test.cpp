@@ -141,13 +141,14 @@ TEST_F(ElementCommand, WrongInputEndsWith3AndNamesKeyValueAndWhatIsAllowed) {
            {R"({"initial": [[0,0,1],[1,0,1],[1,1,1],[0,1,1],[0,0,0],[1,0,0],[1,1,0],[0,1,0]]})", {"inverted"}},
            {"{" + kCube + R"(, "worlds": 1})", {"worlds"}},
            {"{" + kCube + R"(, "plasticRest": 1, "x": 1})", {"x", "twice", "another name"}},
-           {"{" + kCube + R"(, "rotationMap": [[1,0,0],[0,1,0],[0,0,2]]})", {"rotationMap", "a rotation matrix"}},
+           {"{" + kCube + R"(, "rotationMap": [[1,0,0],[0,1,0],[0,0,2]], "parameters": {"restShape": "joined"}})",
+            {"rotationMap", "a rotation matrix"}},
            {"{" + kCube + R"(, "yieldStress": [1,2]})", {"yieldStress", "one per corner"}},
-           {"{" + kCube + R"(, "plasticInverse": [[1,0,0],[0,1,0],[0,0,1]]})", {"plasticInverse", "isolated only"}},
-           {"{" + kCube + R"(, "plasticInverse": [[1,0,0],[0,1,0],[0,0,-1]], "parameters": {"restShape": "isolated"}})",
+           {"{" + kCube + R"(, "plasticInverse": [[1,0,0],[0,1,0],[0,0,1]], "parameters": {"restShape": "joined"}})",
+            {"plasticInverse", "isolated only"}},
+           {"{" + kCube + R"(, "plasticInverse": [[1,0,0],[0,1,0],[0,0,-1]]})",
             {"plasticInverse", "positive determinant"}},
-           {"{" + kCube + R"(, "rotationYield": 1, "parameters": {"restShape": "isolated"}})",
-            {"rotationYield", "no meaning"}},
+           {"{" + kCube + R"(, "rotationYield": 1})", {"rotationYield", "no meaning", "joined has it"}},
            {"{" + kCube + R"(, "parameters": 5})", {"parameters", "an object"}},
            {"{" + kCube + R"(, "parameters": {"youngModulu": 5}})", {"youngModulu"}},
            {"{" + kCube + R"(, "parameters": {"youngModulus": "stiff"}})", {"youngModulus", "stiff", "number"}},
@@ -155,7 +156,8 @@ TEST_F(ElementCommand, WrongInputEndsWith3AndNamesKeyValueAndWhatIsAllowed) {
            {"{" + kCube + R"(, "parameters": {"poissonRatio": 0.5}})", {"poissonRatio", "0.5"}},
            {"{" + kCube + R"(, "parameters": {"yieldNorm": "tresca"}})", {"yieldNorm", "tresca", "vonMises"}},
            {"{" + kCube +
-                R"(, "parameters": {"dt": 1, "yieldStress": 1, "plasticFlowRate": 0.1, "volumeRestitution": 9}})",
+                R"(, "parameters": {"dt": 1, "yieldStress": 1, "plasticFlowRate": 0.1, "restShape": "joined",
+                  "volumeRestitution": 9}})",
             {"volumeRestitution"}},
            {"{" + kCube + R"(, "parameters": {"youngModulus": 1, "E": 2}})", {"E", "twice", "another name"}},
        }) {
@@ -172,7 +174,7 @@ TEST_F(ElementCommand, WrongInputEndsWith3AndNamesKeyValueAndWhatIsAllowed) {
 template <class Options, class Run>
 void expect_parameters(std::span<const Row<Options>> rows, const Run& run) {
   for (const Row<Options>& row : rows) {
-    const std::string others = row.name == "yieldStressMeasure" ? R"("restShape": "isolated", )" : "";
+    const std::string others = row.name == "rotationFlowRate" ? R"("restShape": "joined", )" : "";
     const auto run_with = [&](const Json& value) {
       return run("{" + kCube + R"(, "parameters": {)" + others + '"' + std::string(row.name) + "\": " + value.dump() +
                  "}}");
