@@ -53,9 +53,10 @@ void carry_out(const std::string& stage_and_element, int count) {
   const Settings element =
       colon == std::string::npos ? published_element() : element_of(stage_and_element.substr(colon + 1));
   const bool flows = name == "flow";
+  const bool is_double = name == "operator_double" || (flows && element.rest_shape == RestShape::kJoined);
   bench::Bar bar({.size = 1000,
                   .mode = flows ? bench::Mode::kPlastic : bench::Mode::kElastic,
-                  .precision = name == "operator_double" ? Precision::kDouble : Precision::kMixed,
+                  .precision = is_double ? Precision::kDouble : Precision::kMixed,
                   .element = element});
   Body& body = bar.body();
   PointArray x = 1.01 * bar.positions();
@@ -75,7 +76,7 @@ void carry_out(const std::string& stage_and_element, int count) {
   } else if (name == "linearize") {
     stage = [&] { body.linearize(x *= 1.0001); };
   } else if (flows) {
-    before = [&] { body.linearize(body.plastic_rest_positions()); };  // as the step before its flow
+    before = [&] { body.linearize(body.mesh().positions()); };  // as the step before its flow
     stage = [&] { body.flow(x, bench::kBarDt); };
   } else {
     throw InputError("stage " + name + ": must be operator_double, operator_mixed, linearize or flow");

@@ -24,7 +24,8 @@ struct Bar {
   PointArray x;
 
   Bar(std::int64_t refinement, Precision precision)
-      : body(mesh(static_cast<int>(refinement)), {material()}, settings(precision)), x(body.mesh().positions()) {
+      : body(mesh(static_cast<int>(refinement)), {material(precision)}, settings(precision)),
+        x(body.mesh().positions()) {
     for (int n = 0; n < x.rows(); ++n) {
       const double angle = 1.5 * x(n, 2);
       const Vec3 at = x.row(n).transpose();
@@ -36,7 +37,9 @@ struct Bar {
   static HexMesh mesh(int refinement) {
     return regular_grid({3 * refinement, 3 * refinement, 10 * refinement}, {-.15, -.15, 0}, {.15, .15, 1});
   }
-  static Material material() {
+  /// The published element flows in double precision alone.
+  static Material material(Precision precision) {
+    if (precision == Precision::kMixed) return {};
     return {.yield_stress = 300, .flow_rate = 2, .rotation_yield = .01, .rotation_flow_rate = 1, .hardening = .2};
   }
   static Settings settings(Precision precision) {
@@ -101,9 +104,8 @@ void stiffness_product(benchmark::State& state) {
   count_elements(state, bar);
 }
 
-template <Precision kPrecision>
 void plastic_flow(benchmark::State& state) {
-  Bar bar(state.range(0), kPrecision);
+  Bar bar(state.range(0), Precision::kDouble);
   std::uint64_t first = 0;
   for (auto _ : state) {
     state.PauseTiming();
@@ -125,8 +127,7 @@ BENCHMARK(linearize_and_force<Precision::kDouble>)->Arg(1)->Arg(4)->Unit(benchma
 BENCHMARK(linearize_and_force<Precision::kMixed>)->Arg(1)->Arg(4)->Unit(benchmark::kMillisecond);
 BENCHMARK(stiffness_product<Precision::kDouble>)->Arg(1)->Arg(4)->Unit(benchmark::kMillisecond);
 BENCHMARK(stiffness_product<Precision::kMixed>)->Arg(1)->Arg(4)->Unit(benchmark::kMillisecond);
-BENCHMARK(plastic_flow<Precision::kDouble>)->Arg(1)->Arg(4)->Unit(benchmark::kMillisecond);
-BENCHMARK(plastic_flow<Precision::kMixed>)->Arg(1)->Arg(4)->Unit(benchmark::kMillisecond);
+BENCHMARK(plastic_flow)->Arg(1)->Arg(4)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 

@@ -85,7 +85,7 @@ std::size_t greatest_saved_size(const Model& model, const History& history) {
 }  // namespace
 
 PreconditionedConjugateGradients averaging_solver(const Model& model) {
-  return {model.settings.averaging_residual(), kAveragingIterations, Preconditioner::kMultigrid};
+  return {model.settings.averaging_tolerance, kAveragingIterations, Preconditioner::kDiagonal};
 }
 
 Body::State::State(HexMesh mesh, std::vector<Material> materials, Settings settings)

@@ -17,7 +17,7 @@ namespace hexaplast {
 
 namespace {
 
-constexpr int kMaxSolves = 50;
+constexpr int kMaxSolves = 100;
 constexpr int kMaxHalvings = 6;
 constexpr std::size_t kAndersonVectors = 6;
 constexpr double kTolerance = 1e-4;        // of Model::length: change of a node at which iterations end
@@ -47,7 +47,6 @@ class FreeStiffness final : public LinearSystem {
     system.diagonal.resize(num_nodes(), 3);
     for (int n = 0; n < num_nodes(); ++n) system.diagonal.row(n).setConstant(nodal_[n]);
     system.free.setOnes(num_nodes(), 3);
-    system.diagonal_version = 0;
     body_.describe(-1, system);
     return true;
   }

@@ -152,9 +152,13 @@ void validate(const Settings& settings, Names names) {
 
 void validate(const std::vector<Material>& materials, const Settings& settings, Names names) {
   if (settings.rest_shape == RestShape::kJoined) {
-    if (settings.num_branches() > 0 && can_flow(materials, settings))
+    if (!can_flow(materials, settings)) return;
+    if (settings.num_branches() > 0)
       throw InputError(fmt::format("{} of a body that yields needs {} = isolated", called("relaxation", names),
                                    called("rest_shape", names)));
+    if (settings.precision == Precision::kMixed)
+      throw InputError(fmt::format("{} = joined of a body that flows needs {} = double", called("rest_shape", names),
+                                   called("precision", names)));
     return;
   }
   for (std::size_t e = 0; e < materials.size(); ++e)

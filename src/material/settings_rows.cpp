@@ -143,9 +143,8 @@ constexpr Row<Settings> kSettingsRows[] = {
     {.member = "averaging_tolerance",
      .name = "averagingTolerance",
      .group = kNumerics,
-     .range = {.min = 0, .max = 0.1},
-     .help =
-         "Relative residual of an averaging step; the next step corrects the rest. 0: 1e-6, in mixed precision 1e-2.",
+     .range = {.min = 0, .max = 0.1, .exclusive_min = true},
+     .help = "Relative residual of an averaging step; the next step corrects the rest.",
      .at = kMember<&Settings::averaging_tolerance>},
     {.member = "precision",
      .name = "precision",

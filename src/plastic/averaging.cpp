@@ -2,175 +2,19 @@
 #include "plastic/averaging.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <limits>
 #include <numeric>
-#include <optional>
-#include <variant>
 
 #include "hexaplast/base/parallel.hpp"
-#include "plastic/averaging_pass.hpp"
 
 namespace hexaplast {
-
-namespace {
-
-// a linear field over the 2 x 2 x 2 children of a cell costs as much in them as in the cell, of twice their edges, with
-// weight 2
-constexpr float kFractionOfChild = 0.25;
-
-// H_k <= P_k <= I, and the diagonal of P_k is 7/8
-constexpr double kSpectralRadius = 8.0 / 7 * (1 + kRegularisation);
-
-long next_version() {
-  static std::atomic<long> latest = 0;
-  return ++latest;
-}
-
-/// The averaging on a coarse mesh.
-struct CoarseAveraging {
-  explicit CoarseAveraging(const CoarseMesh& mesh)
-      : position(slot_vector<double>(*mesh.partition)), weight(mesh.children.size()), op(mesh.partition) {}
-
-  /// weight_of(element of the finer mesh)
-  template <class Weight>
-  void gather_weights(const CoarseMesh& mesh, const Weight& weight_of) {
-    parallel_for(static_cast<int>(weight.size()), [&](int cell) {
-      weight[cell] = 0;
-      for (const int child : mesh.children[cell])
-        if (child >= 0) weight[cell] += kFractionOfChild * weight_of(child);
-    });
-  }
-
-  AlignedVector<double> position;  // [m] slots
-  std::vector<float> weight;       // per cell
-  AveragingOperator<float> op;
-};
-
-}  // namespace
-
-struct Averaging::Kernels {
-  explicit Kernels(const Model& model)
-      : op(model.settings.precision == Precision::kDouble ? Operator(AveragingOperator<double>(model.partition))
-                                                          : Operator(AveragingOperator<float>(model.partition))),
-        present(model.partition->num_blocks),
-        misfit(model.partition->num_blocks),
-        size(model.partition->num_blocks) {
-    slots.resize(*model.partition);
-  }
-
-  /// Best rotations of history.rest_shape at history.plastic_rest_positions into history.rotation_map; returns E. With
-  /// `prepares`: operator, gradient and size as well.
-  double fit(const Model& model, History& history, bool prepares) {
-    const Partition& partition = *model.partition;
-    slots.resize(partition);
-    to_slots(partition, history.plastic_rest_positions, plastic_rest());
-    if (prepares) std::fill(gradient().begin(), gradient().end(), 0.0);
-    std::visit(
-        [&]<class T>(AveragingOperator<T>& of) {
-          const FitPass<T> pass{.partition = partition,
-                                .plastic_rest = plastic_rest().data(),
-                                .present = present.data(),
-                                .rest_shape = history.rest_shape.data(),
-                                .rotation_map = history.rotation_map.data(),
-                                .coef = prepares ? of.coef.data() : nullptr,
-                                .gradient = prepares ? gradient().data() : nullptr,
-                                .misfit = misfit.data(),
-                                .size = prepares ? size.data() : nullptr};
-          parallel_for(partition.num_chunks, [&](int chunk) { fit_elements(pass, chunk); });
-        },
-        op);
-    if (prepares)
-      parallel_for(partition.num_chunks, [&](int chunk) { reduce_ghosts(partition, chunk, gradient().data()); });
-    return std::accumulate(misfit.begin(), misfit.end(), 0.0);
-  }
-
-  /// Takes the elements whose entry is not 0.
-  void setup(const Model& model, const std::vector<unsigned char>& elements) {
-    const Partition& partition = *model.partition;
-    std::visit(
-        [&]<class T>(AveragingOperator<T>& of) {
-          using Op = AveragingOperator<T>;
-          for (int block = 0; block < partition.num_blocks; ++block) {
-            T* weight = of.coef.data() + (static_cast<std::size_t>(block) * Op::kComponents + Op::kWeight) * kBlock;
-            present[block] = 0;
-            for (int place = 0; place < kBlock; ++place) {
-              const int e = partition.element(block, place);
-              const bool counts = e >= 0 && elements[e];
-              weight[place] = counts ? T(1) : T(0);
-              if (counts) present[block] |= static_cast<std::uint16_t>(1u << place);
-            }
-          }
-        },
-        op);
-    chosen = elements;
-    version = next_version();
-    if (!coarse.empty()) gather_weights(model);
-  }
-
-  /// The operator in single precision.
-  const AveragingOperator<float>& narrow(bool projects) {
-    const auto& wide = std::get<AveragingOperator<double>>(op);
-    if (!single) single.emplace(wide.shared_partition());
-    single->projects = projects;
-    constexpr int kNumbers = AveragingOperator<double>::kComponents * kBlock;
-    parallel_for(wide.partition().num_blocks, [&](int block) {
-      const double* from = wide.coef.data() + static_cast<std::size_t>(block) * kNumbers;
-      float* to = single->coef.data() + static_cast<std::size_t>(block) * kNumbers;
-      for (int n = 0; n < kNumbers; ++n) to[n] = static_cast<float>(from[n]);
-    });
-    return *single;
-  }
-
-  void gather_weights(const Model& model) {
-    const std::vector<CoarseMesh>& meshes = model.coarse_meshes();
-    for (std::size_t k = 0; k < coarse.size(); ++k)
-      coarse[k].gather_weights(meshes[k], [&](int child) {
-        return k > 0 ? coarse[k - 1].weight[child] : static_cast<float>(chosen[child]);
-      });
-  }
-
-  /// The operators on the coarse meshes at the positions of the latest fit.
-  std::span<const CoarseOperator> coarsen(const Model& model, bool projects) {
-    const std::vector<CoarseMesh>& meshes = model.coarse_meshes();
-    if (coarse.empty() && !meshes.empty()) {
-      for (const CoarseMesh& mesh : meshes) coarse.emplace_back(mesh);
-      gather_weights(model);
-    }
-    operators.clear();
-    const AlignedVector<double>* finer = &plastic_rest();
-    for (std::size_t k = 0; k < coarse.size(); ++k) {
-      CoarseAveraging& level = coarse[k];
-      meshes[k].place(*finer, level.position);
-      level.op.projects = projects;
-      parallel_for(meshes[k].partition->num_chunks,
-                   [&](int chunk) { fit_cells(level.position.data(), level.weight.data(), chunk, level.op); });
-      operators.push_back({&level.op, &meshes[k]});
-      finer = &level.position;
-    }
-    return operators;
-  }
-
-  using Operator = std::variant<AveragingOperator<double>, AveragingOperator<float>>;
-  Operator op;
-  std::optional<AveragingOperator<float>> single;  // beside one in double, where coarse meshes are worked on
-  long version = 0;                       // MatrixFreeSystem::diagonal_version: no two sets of elements share one
-  std::vector<unsigned char> chosen;      // the elements that count
-  std::vector<std::uint16_t> present;     // the same, per block a bit per element
-  std::vector<CoarseAveraging> coarse;    // of Model::coarse_meshes, made when a solver first asks for them
-  std::vector<CoarseOperator> operators;  // of `coarse`
-  AlignedVector<double>& plastic_rest() { return slots.first; }  // [m] of the latest fit
-  AlignedVector<double>& gradient() { return slots.second; }     // [m] its own
-  SlotScratch slots;
-  std::vector<double> misfit, size;  // [m^2] per block
-};
 
 /// P or H of eq. 31 as a linear system.
 class Averaging::System final : public LinearSystem {
  public:
-  System(const Model& model, const Averaging& averaging, bool projects)
+  System(const Model& model, Averaging& averaging, bool projects)
       : model_(model), averaging_(averaging), projects_(projects) {
-    std::visit([&](auto& op) { op.projects = projects; }, averaging.kernels_->op);
+    averaging.op_.projects = projects;
   }
 
   int num_nodes() const override { return model_.mesh.num_nodes(); }
@@ -178,16 +22,13 @@ class Averaging::System final : public LinearSystem {
 
   void apply(ConstPoints p, Points Ap) const override {
     const Partition& partition = *model_.partition;
-    std::visit(
-        [&]<class T>(const AveragingOperator<T>& op) {
-          AlignedVector<T> from = slot_vector<T>(partition), to = slot_vector<T>(partition);
-          to_slots(partition, p, from);
-          for (int chunk = 0; chunk < partition.num_chunks; ++chunk) op.add_product(chunk, 1, from.data(), to.data());
-          for (int chunk = 0; chunk < partition.num_chunks; ++chunk) reduce_ghosts(partition, chunk, to.data());
-          for (int n = 0; n < num_nodes(); ++n)
-            for (int i = 0; i < 3; ++i) Ap(n, i) = to[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i];
-        },
-        averaging_.kernels_->op);
+    const AveragingOperator& op = averaging_.op_;
+    AlignedVector<double> from = slot_vector<double>(partition), to = slot_vector<double>(partition);
+    to_slots(partition, p, from);
+    for (int chunk = 0; chunk < partition.num_chunks; ++chunk) op.add_product(chunk, 1, from.data(), to.data());
+    for (int chunk = 0; chunk < partition.num_chunks; ++chunk) reduce_ghosts(partition, chunk, to.data());
+    for (int n = 0; n < num_nodes(); ++n)
+      for (int i = 0; i < 3; ++i) Ap(n, i) = to[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i];
   }
 
   // column by column through apply's own element product; the translations of each part are pinned at its first node
@@ -225,19 +66,11 @@ class Averaging::System final : public LinearSystem {
   }
 
   bool describe(MatrixFreeSystem& system) const override {
-    Kernels& kernels = *averaging_.kernels_;
-    if (system.diagonal_version != kernels.version) {
-      system.diagonal_version = kernels.version;
-      system.diagonal.setZero(num_nodes(), 3);
-      system.free.setOnes(num_nodes(), 3);
-    }
+    system.diagonal.setZero(num_nodes(), 3);
+    system.free.setOnes(num_nodes(), 3);
     KernelBody& body = system.bodies.emplace_back();
     body.factor = 1;
-    body.spectral_radius = kSpectralRadius;
-    body.double_operator = std::get_if<AveragingOperator<double>>(&kernels.op);
-    body.single_operator = std::get_if<AveragingOperator<float>>(&kernels.op);
-    if (system.wants_coarse) body.coarse = kernels.coarsen(model_, projects_);
-    if (body.double_operator && !body.coarse.empty()) body.cycle_operator = &kernels.narrow(projects_);
+    body.double_operator = &averaging_.op_;
     return true;
   }
 
@@ -255,33 +88,37 @@ Averaging::Averaging(const Model& model)
       gradient_(model.mesh.num_nodes(), 3),
       increment_(model.mesh.num_nodes(), 3),
       before_(model.mesh.num_nodes(), 3),
-      kernels_(std::make_unique<Kernels>(model)) {}
-Averaging::~Averaging() = default;
-Averaging::Averaging(const Averaging& other)
-    : parts_(other.parts_),
-      removed_(other.removed_),
-      node_weight_(other.node_weight_),
-      of_part_(other.of_part_),
-      part_moves_(other.part_moves_),
-      chosen_(other.chosen_),
-      gradient_(other.gradient_),
-      increment_(other.increment_),
-      before_(other.before_),
-      kernels_(std::make_unique<Kernels>(*other.kernels_)) {}
-Averaging::Averaging(Averaging&&) noexcept = default;
-SlotScratch& Averaging::slots() { return kernels_->slots; }
-Averaging& Averaging::operator=(Averaging other) noexcept {
-  std::swap(parts_, other.parts_);
-  std::swap(removed_, other.removed_);
-  std::swap(node_weight_, other.node_weight_);
-  std::swap(of_part_, other.of_part_);
-  std::swap(part_moves_, other.part_moves_);
-  std::swap(chosen_, other.chosen_);
-  std::swap(gradient_, other.gradient_);
-  std::swap(increment_, other.increment_);
-  std::swap(before_, other.before_);
-  std::swap(kernels_, other.kernels_);
-  return *this;
+      op_(model.partition),
+      present_(model.partition->num_blocks),
+      misfit_(model.partition->num_blocks),
+      size_(model.partition->num_blocks) {
+  slots_.resize(*model.partition);
+}
+
+double Averaging::fit(const Model& model, History& history, bool prepares) {
+  const Partition& partition = *model.partition;
+  slots_.resize(partition);
+  AlignedVector<double>&plastic_rest = slots_.first, &gradient = slots_.second;
+  to_slots(partition, history.plastic_rest_positions, plastic_rest);
+  if (prepares) std::fill(gradient.begin(), gradient.end(), 0.0);
+  const FitPass pass{.partition = partition,
+                     .plastic_rest = plastic_rest.data(),
+                     .present = present_.data(),
+                     .rest_shape = history.rest_shape.data(),
+                     .rotation_map = history.rotation_map.data(),
+                     .coef = prepares ? op_.coef.data() : nullptr,
+                     .gradient = prepares ? gradient.data() : nullptr,
+                     .misfit = misfit_.data(),
+                     .size = prepares ? size_.data() : nullptr};
+  parallel_for(partition.num_chunks, [&](int chunk) { fit_elements(pass, chunk); });
+  if (prepares) {
+    parallel_for(partition.num_chunks, [&](int chunk) { reduce_ghosts(partition, chunk, gradient.data()); });
+    parallel_for(model.mesh.num_nodes(), [&](int n) {
+      for (int i = 0; i < 3; ++i)
+        gradient_(n, i) = gradient[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i];
+    });
+  }
+  return std::accumulate(misfit_.begin(), misfit_.end(), 0.0);
 }
 
 const ConnectedParts& Averaging::parts(const Model& model, const History& history) {
@@ -360,16 +197,11 @@ void Averaging::remove_rotation(PointArray& field, ConstPoints positions) {
 }
 
 void Averaging::step(const Model& model, LinearSolver& solver, History& history, AveragingReport& report) {
-  const double E = kernels_->fit(model, history, true);
-  const double size = std::accumulate(kernels_->size.begin(), kernels_->size.end(), 0.0);
+  const double E = fit(model, history, true);
+  const double size = std::accumulate(size_.begin(), size_.end(), 0.0);
   if (!(E > kFitted * size)) return;
   report.skipped = false;
 
-  const Partition& partition = *model.partition;
-  parallel_for(model.mesh.num_nodes(), [&](int n) {
-    for (int i = 0; i < 3; ++i)
-      gradient_(n, i) = kernels_->gradient()[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i];
-  });
   remove_translation(gradient_);  // they are rounding, and outside the range of H and P
   before_ = history.plastic_rest_positions;
   const auto move = [&](bool leaves_rotation) {
@@ -391,11 +223,11 @@ void Averaging::step(const Model& model, LinearSolver& solver, History& history,
   };
 
   solve(System(model, *this, true));
-  if (kernels_->fit(model, history, false) > E) {
+  if (fit(model, history, false) > E) {
     // far from the fit the projected step may overshoot; the local/global step never raises E
     report.fell_back = true;
     history.plastic_rest_positions = before_;
-    kernels_->fit(model, history, false);  // the maps that it starts from, and keeps
+    fit(model, history, false);  // the maps that it starts from, and keeps
     solve(System(model, *this, false));
   }
 }
@@ -414,7 +246,17 @@ void Averaging::choose_elements(const Model& model, History& history, std::span<
       if (parts_.part_of_node[n] < 0 || !part_moves_[parts_.part_of_node[n]])
         history.averaging_increment.row(n).setZero();
   }
-  if (kernels_->chosen != chosen_) kernels_->setup(model, chosen_);
+  const Partition& partition = *model.partition;
+  for (int block = 0; block < partition.num_blocks; ++block) {
+    double* weight = op_.weights_of(block);
+    present_[block] = 0;
+    for (int place = 0; place < kBlock; ++place) {
+      const int e = partition.element(block, place);
+      const bool counts = e >= 0 && chosen_[e];
+      weight[place] = counts ? 1 : 0;
+      if (counts) present_[block] |= static_cast<std::uint16_t>(1u << place);
+    }
+  }
 }
 
 AveragingReport Averaging::advance(const Model& model, LinearSolver& solver, History& history,

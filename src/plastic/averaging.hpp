@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "hexaplast/layout/linear_system.hpp"
 #include "hexaplast/plastic/flow_report.hpp"
-#include "layout/partition.hpp"
-#include "state/history.hpp"
+#include "plastic/averaging_pass.hpp"
 
 namespace hexaplast {
 
 inline constexpr int kAveragingIterations = 10000;  ///< of the linear solver, after which it gives up
 inline constexpr double kFitted = 1e-26;            ///< E below this fraction of sum |t|^2 is rounding
-inline constexpr double kRegularisation = 1e-7;     ///< of P in eq. 31: keeps turns of a connected part definite
 
 /// Rest-shape averaging: the joined positions x that fit the isolated rest shapes y best (theory.md section 5.5).
 ///
@@ -31,10 +28,6 @@ inline constexpr double kRegularisation = 1e-7;     ///< of P in eq. 31: keeps t
 class Averaging {
  public:
   explicit Averaging(const Model& model);
-  ~Averaging();
-  Averaging(const Averaging&);
-  Averaging(Averaging&&) noexcept;
-  Averaging& operator=(Averaging) noexcept;
 
   /// Moves history.plastic_rest_positions by settings.averaging_steps steps. history.rotation_map becomes the best
   /// rotations at the new positions; a local/global step keeps those that it started from. changed: per element, not 0
@@ -47,11 +40,10 @@ class Averaging {
   const ConnectedParts& parts(const Model& model, const History& history);
 
   /// For others between two calls of `advance`.
-  SlotScratch& slots();
+  SlotScratch& slots() { return slots_; }
 
  private:
   class System;
-  struct Kernels;  // operators and vectors in slots
 
   /// Over the nodes of a connected part.
   struct Sums {
@@ -66,6 +58,9 @@ class Averaging {
     Vec3 turn = Vec3::Zero();    // that a field contains
   };
 
+  /// Best rotations of history.rest_shape at history.plastic_rest_positions into history.rotation_map; returns E. With
+  /// `prepares`: op_, gradient_ and size_ as well.
+  double fit(const Model& model, History& history, bool prepares);
   void step(const Model& model, LinearSolver& solver, History& history, AveragingReport& report);
   template <class Add>
   void sum_over_nodes(const Add& add);                             // add(node, its part, sums)
@@ -81,7 +76,10 @@ class Averaging {
   std::vector<unsigned char> part_moves_;     // per connected part
   std::vector<unsigned char> chosen_;         // per element: it is left, and its part moves
   PointArray gradient_, increment_, before_;  // gradient_ holds -g
-  std::unique_ptr<Kernels> kernels_;
+  AveragingOperator op_;
+  std::vector<std::uint16_t> present_;  // of chosen_: per block a bit per element
+  SlotScratch slots_;                   // positions of the latest fit, and their gradient [m]
+  std::vector<double> misfit_, size_;   // [m^2] per block
 };
 
 }  // namespace hexaplast

@@ -29,21 +29,20 @@ HWY_INLINE void cross(const V* a, const V* b, V* c) {
 }
 
 /// u <- (1 + r) P u - B (B^T B)^-1 B^T u, or P u.
-template <class T>
-void add_product(const AveragingOperator<T>& op, int chunk, T factor, const T* p, T* Ap) {
-  using V = Lanes<T>;
-  using Op = AveragingOperator<T>;
+void add_product(const AveragingOperator& op, int chunk, double factor, const double* p, double* Ap) {
+  using V = Lanes<double>;
+  using Op = AveragingOperator;
   const Partition& partition = op.partition();
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
-      const T* coef = op.coef.data() + static_cast<std::size_t>(block) * Op::kComponents * kBlock + lane;
+      const double* coef = op.coef.data() + static_cast<std::size_t>(block) * Op::kComponents * kBlock + lane;
       const V element_weight = load(coef + Op::kWeight * kBlock), weight = V(factor) * element_weight;
-      if (!bits<T>(element_weight > V(T(0)))) continue;
+      if (!bits<double>(element_weight > V(0.0))) continue;
       CornerLanes<V> u;
       gather(partition, block, lane, p, u);
       take_mean_out(u);
       if (op.projects) {
-        V moment[3] = {V(T(0)), V(T(0)), V(T(0))};
+        V moment[3] = {V(0.0), V(0.0), V(0.0)};
         for (int a = 0; a < kCorners; ++a) {
           V arm[3], c[3];
           for (int i = 0; i < 3; ++i) arm[i] = load(coef + (Op::kArm + 3 * a + i) * kBlock);
@@ -55,7 +54,7 @@ void add_product(const AveragingOperator<T>& op, int chunk, T factor, const T* p
         spin[0] = J[0] * moment[0] + J[5] * moment[1] + J[4] * moment[2];
         spin[1] = J[5] * moment[0] + J[1] * moment[1] + J[3] * moment[2];
         spin[2] = J[4] * moment[0] + J[3] * moment[1] + J[2] * moment[2];
-        const V definite(T(1 + kRegularisation));
+        const V definite(1 + kRegularisation);
         for (int a = 0; a < kCorners; ++a) {
           V arm[3], c[3];
           for (int i = 0; i < 3; ++i) arm[i] = load(coef + (Op::kArm + 3 * a + i) * kBlock);
@@ -71,16 +70,16 @@ void add_product(const AveragingOperator<T>& op, int chunk, T factor, const T* p
 }
 
 /// Of P, which is close enough for a preconditioner of both: 7/8 per element.
-template <class T>
-void add_diagonal(const AveragingOperator<T>& op, int chunk, T factor, T* diagonal) {
-  using V = Lanes<T>;
-  using Op = AveragingOperator<T>;
+void add_diagonal(const AveragingOperator& op, int chunk, double factor, double* diagonal) {
+  using V = Lanes<double>;
+  using Op = AveragingOperator;
   const Partition& partition = op.partition();
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
       CornerLanes<V> part;
-      const T* weight = op.coef.data() + (static_cast<std::size_t>(block) * Op::kComponents + Op::kWeight) * kBlock;
-      const V one = V(factor * T(1 - 1.0 / kCorners)) * load(weight + lane);
+      const double* weight =
+          op.coef.data() + (static_cast<std::size_t>(block) * Op::kComponents + Op::kWeight) * kBlock;
+      const V one = V(factor * (1 - 1.0 / kCorners)) * load(weight + lane);
       for (auto& corner : part.at)
         for (V& entry : corner) entry = one;
       scatter_add(part, partition, block, lane, diagonal);
@@ -89,11 +88,9 @@ void add_diagonal(const AveragingOperator<T>& op, int chunk, T factor, T* diagon
 
 /// Arms and (B^T B)^-1 = (sum |arm|^2 I - arm arm^T)^-1; a shape flattened to a line keeps its free turn out by the
 /// floor.
-template <class T>
-HWY_INLINE void store_arms(const CornerLanes<Lanes<double>>& arm, T* coef) {
+HWY_INLINE void store_arms(const CornerLanes<Lanes<double>>& arm, double* coef) {
   using V = Lanes<double>;
-  for (int k = 0; k < 3 * kCorners; ++k)
-    store_as(arm.at[k / 3][k % 3], coef + (AveragingOperator<T>::kArm + k) * kBlock);
+  for (int k = 0; k < 3 * kCorners; ++k) store(arm.at[k / 3][k % 3], coef + (AveragingOperator::kArm + k) * kBlock);
   const Mat<V> outer = outer_sum(arm, arm);
   const V squares = outer(0, 0) + outer(1, 1) + outer(2, 2);
   Mat<V> inertia;
@@ -103,28 +100,7 @@ HWY_INLINE void store_arms(const CornerLanes<Lanes<double>>& arm, T* coef) {
   V det;
   const Mat<V> inverse = reciprocal(inertia, det);
   const V J[6] = {inverse(0, 0), inverse(1, 1), inverse(2, 2), inverse(1, 2), inverse(2, 0), inverse(0, 1)};
-  for (int k = 0; k < 6; ++k) store_as(J[k], coef + (AveragingOperator<T>::kInertia + k) * kBlock);
-}
-
-void fit_coarse(const double* position, const float* weight, int chunk, AveragingOperator<float>& op) {
-  using V = Lanes<double>;
-  using Op = AveragingOperator<float>;
-  const Partition& partition = op.partition();
-  for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
-    for (int lane = 0; lane < kBlock; lane += V::kCount) {
-      float* coef = op.coef.data() + static_cast<std::size_t>(block) * Op::kComponents * kBlock + lane;
-      std::uint32_t present = 0;
-      for (int k = 0; k < V::kCount; ++k) {
-        const int cell = partition.element(block, lane + k);
-        coef[Op::kWeight * kBlock + k] = cell < 0 ? 0 : weight[cell];
-        present |= (cell < 0 ? 0u : 1u) << k;
-      }
-      CornerLanes<V> x;
-      gather(partition, block, lane, position, x);
-      replace_absent(present, x);
-      take_mean_out(x);
-      store_arms(x, coef);
-    }
+  for (int k = 0; k < 6; ++k) store(J[k], coef + (AveragingOperator::kInertia + k) * kBlock);
 }
 
 /// A rest shape for elements that are not there: [axis][corner].
@@ -134,8 +110,7 @@ constexpr std::array<double, 3 * kCorners> kCube = [] {
   return cube;
 }();
 
-template <class T>
-HWY_INLINE void fit_lanes(const FitPass<T>& pass, int block, int lane, double& misfit, double& size) {
+HWY_INLINE void fit_lanes(const FitPass& pass, int block, int lane, double& misfit, double& size) {
   using V = Lanes<double>;
   const std::uint32_t present = static_cast<std::uint32_t>(pass.present[block]) >> lane;
   const int* elements = pass.partition.element_of_place.data() + block * kBlock + lane;
@@ -174,12 +149,11 @@ HWY_INLINE void fit_lanes(const FitPass<T>& pass, int block, int lane, double& m
   if (pass.gradient) scatter_add(difference, pass.partition, block, lane, pass.gradient);
 
   if (pass.coef) {
-    store_arms(x, pass.coef + static_cast<std::size_t>(block) * AveragingOperator<T>::kComponents * kBlock + lane);
+    store_arms(x, pass.coef + static_cast<std::size_t>(block) * AveragingOperator::kComponents * kBlock + lane);
   }
 }
 
-template <class T>
-void fit(const FitPass<T>& pass, int chunk) {
+void fit(const FitPass& pass, int chunk) {
   for (int block = pass.partition.first_block[chunk]; block < pass.partition.first_block[chunk + 1]; ++block) {
     double misfit = 0, size = 0;
     for (int lane = 0; lane < kBlock && pass.present[block]; lane += Lanes<double>::kCount)
@@ -189,53 +163,28 @@ void fit(const FitPass<T>& pass, int chunk) {
   }
 }
 
-#define HEXAPLAST_AVERAGING_KERNELS(T)                                                           \
-  void add_product_##T(const AveragingOperator<T>& op, int chunk, T factor, const T* p, T* Ap) { \
-    add_product(op, chunk, factor, p, Ap);                                                       \
-  }                                                                                              \
-  void add_diagonal_##T(const AveragingOperator<T>& op, int chunk, T factor, T* d) {             \
-    add_diagonal(op, chunk, factor, d);                                                          \
-  }                                                                                              \
-  void fit_##T(const FitPass<T>& pass, int chunk) { fit(pass, chunk); }
-HEXAPLAST_AVERAGING_KERNELS(double)
-HEXAPLAST_AVERAGING_KERNELS(float)
-
 }  // namespace hexaplast::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace hexaplast {
 
-template <class T>
-AveragingOperator<T>::AveragingOperator(std::shared_ptr<const Partition> partition)
-    : coef(static_cast<std::size_t>(partition->num_blocks) * kComponents * kBlock, T(0)),
+AveragingOperator::AveragingOperator(std::shared_ptr<const Partition> partition)
+    : coef(static_cast<std::size_t>(partition->num_blocks) * kComponents * kBlock, 0),
       partition_(std::move(partition)) {}
-template class AveragingOperator<double>;
-template class AveragingOperator<float>;
 
-#define HEXAPLAST_EXPORT_AVERAGING_KERNELS(T)                                            \
-  HWY_EXPORT(add_product_##T);                                                           \
-  HWY_EXPORT(add_diagonal_##T);                                                          \
-  HWY_EXPORT(fit_##T);                                                                   \
-  template <>                                                                            \
-  void AveragingOperator<T>::add_product(int chunk, T factor, const T* p, T* Ap) const { \
-    HWY_DYNAMIC_DISPATCH(add_product_##T)(*this, chunk, factor, p, Ap);                  \
-  }                                                                                      \
-  template <>                                                                            \
-  void AveragingOperator<T>::add_diagonal(int chunk, T factor, T* diagonal) const {      \
-    HWY_DYNAMIC_DISPATCH(add_diagonal_##T)(*this, chunk, factor, diagonal);              \
-  }                                                                                      \
-  template <>                                                                            \
-  void fit_elements(const FitPass<T>& pass, int chunk) {                                 \
-    HWY_DYNAMIC_DISPATCH(fit_##T)(pass, chunk);                                          \
-  }
-HEXAPLAST_EXPORT_AVERAGING_KERNELS(double)
-HEXAPLAST_EXPORT_AVERAGING_KERNELS(float)
-
-HWY_EXPORT(fit_coarse);
-void fit_cells(const double* position, const float* weight, int chunk, AveragingOperator<float>& op) {
-  HWY_DYNAMIC_DISPATCH(fit_coarse)(position, weight, chunk, op);
+HWY_EXPORT(add_product);
+void AveragingOperator::add_product(int chunk, double factor, const double* p, double* Ap) const {
+  HWY_DYNAMIC_DISPATCH(add_product)(*this, chunk, factor, p, Ap);
 }
+
+HWY_EXPORT(add_diagonal);
+void AveragingOperator::add_diagonal(int chunk, double factor, double* diagonal) const {
+  HWY_DYNAMIC_DISPATCH(add_diagonal)(*this, chunk, factor, diagonal);
+}
+
+HWY_EXPORT(fit);
+void fit_elements(const FitPass& pass, int chunk) { HWY_DYNAMIC_DISPATCH(fit)(pass, chunk); }
 
 }  // namespace hexaplast
 #endif

@@ -120,24 +120,23 @@ HWY_INLINE void harden(const Model& model, const int* elements, const Lanes<T>* 
 }
 
 /// The elements of one register of which the bits of `wanted` are set: history -> trial, flows. Returns those that it
-/// cannot do. What is added to the history is found in T; the history itself is double. Rotation maps are left to the
-/// caller and to the averaging, which finds them for every element of a part that moves.
-template <class T>
+/// cannot do. Rotation maps are left to the caller and to the averaging, which finds them for every element of a part
+/// that moves.
 HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at, double dt, const History& history,
                                       int block, int lane, std::uint32_t wanted, History& trial, ElementFlow* flows) {
-  using V = Lanes<T>;
+  using V = D;
   const LaneElements<V> here(*model.partition, block, lane);
   const int* const elements = here.number;
   const auto y_of = [](auto& of) { return [&of](int e) { return of.rest_shape[e].data(); }; };
   const auto corners_of = [](auto& values) { return [&values](int e) { return values[e].data(); }; };
-  HistoryLanes<T, 3 * kCorners> rest_shape(elements, y_of(history));
-  const HistoryLanes<T, 9> map(elements, [&](int e) { return history.rotation_map[e].data(); });
-  HistoryLanes<T, kCorners> yield_stress(elements, corners_of(history.yield_stress));
+  HistoryLanes<double, 3 * kCorners> rest_shape(elements, y_of(history));
+  const HistoryLanes<double, 9> map(elements, [&](int e) { return history.rotation_map[e].data(); });
+  HistoryLanes<double, kCorners> yield_stress(elements, corners_of(history.yield_stress));
 
   const Settings& settings = model.settings;
   const Sampling sampling = sampling_of(settings);
   CornerLanes<V> x, u;
-  gather_elements<T>(model, at, block, lane, x, u);
+  gather_elements<double>(model, at, block, lane, x, u);
   SampleLanes<V> element;
   for_shape(
       at.is_general[block] != 0,
@@ -147,16 +146,16 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
         element = shape;
       });
   std::uint32_t fails = decompose_or_fail(element);
-  const MaterialLanes<V> of = material_lanes<T>(model, block, lane);
+  const MaterialLanes<V> of = material_lanes<double>(model, block, lane);
   ModeLanes<V> volume_gradient;
   const PressureLanes<V> pressure = pressures(of, element, u, volume_gradient);
-  const V rate = per_step<T>(model, elements, dt, &Material::flow_rate),
-          rotation_rate = per_step<T>(model, elements, dt, &Material::rotation_flow_rate);
+  const V rate = per_step<double>(model, elements, dt, &Material::flow_rate),
+          rotation_rate = per_step<double>(model, elements, dt, &Material::rotation_flow_rate);
 
   // near the guard of the plastic rest shape the exact ratios decide
-  const V largest_jacobian = gather_numbers<T>(elements, [&](int e) { return model.largest_jacobian[e]; });
-  const V guard(static_cast<T>(settings.inversion_threshold));
-  fails |= bits<T>(hn::Not(element.min_jacobian > V(T(1.01)) * guard * largest_jacobian));
+  const V largest_jacobian = gather_numbers(elements, [&](int e) { return model.largest_jacobian[e]; });
+  const V guard(settings.inversion_threshold);
+  fails |= bits<double>(hn::Not(element.min_jacobian > V(1.01) * guard * largest_jacobian));
   Mat<V> R_centre;
   set_zero(R_centre);
   if (model.can_rotate) {
@@ -167,7 +166,7 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
   Mat<V> Pi;
   for (int k = 0; k < 9; ++k) Pi(k % 3, k / 3) = map[k];
 
-  V dissipated(T(0)), flowing(T(0));
+  V dissipated(0.0), flowing(0.0);
   V fraction[kCorners], norm[kCorners], strain[kCorners];           // of the stretch
   V rotation_fraction[kCorners], angle[kCorners], dy[kCorners][3];  // dy: what is added to the rest shape
   const double increment_weight = sampling.increment_weight();
@@ -178,16 +177,16 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
     const PolarLanes<V>& FRS = element.polar[i];
     const Mat<V> cof = cofactor(F);
     const V det = F(0, 0) * cof(0, 0) + F(0, 1) * cof(0, 1) + F(0, 2) * cof(0, 2);
-    fails |= bits<T>(hn::Not(det > guard));
+    fails |= bits<double>(hn::Not(det > guard));
 
     Mat<V> increment;  // R^p S^p - 1
     set_zero(increment);
-    fraction[i] = rotation_fraction[i] = strain[i] = V(T(0));
+    fraction[i] = rotation_fraction[i] = strain[i] = V(0.0);
     if (model.can_stretch) {
       const Sym<V> sigma =
           stress(of.law, of.mooney_fraction, FRS.S, of.mu, pressure.in_stress_at(dilatation(of.law, FRS.S)));
       norm[i] = stress_norm_bound(sigma, settings.yield_norm);
-      fails |= bits<T>(hn::Not(norm[i] < V(std::numeric_limits<T>::infinity())));
+      fails |= bits<double>(hn::Not(norm[i] < V(std::numeric_limits<double>::infinity())));
       fraction[i] = flow_fraction(norm[i], yield_stress[i], rate, norm[i]);  // gamma
       if (any_positive(fraction[i]))
         increment =
@@ -196,18 +195,16 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
     }
     if (model.tracks_plastic_stretch) {
       const Mat<V> turned = transposed_product(Pi, increment * Pi);
-      HistoryLanes<T, 9> stretch(elements, [&](int e) { return history.plastic_stretch[e][i].data(); });
-      for (int part = 0; part < kParts<T>; ++part) {
-        const auto flows_here = widen(fraction[i], part) > D(0.0);
-        D before[9];
-        for (int k = 0; k < 9; ++k) before[k] = stretch.at[k][part];
-        for (int r = 0; r < 3; ++r)
-          for (int c = 0; c < 3; ++c) {
-            D more(0.0);
-            for (int k = 0; k < 3; ++k) more += widen(turned(r, k), part) * before[k + 3 * c];
-            stretch.at[r + 3 * c][part] = before[r + 3 * c] + select(flows_here, more, D(0.0));
-          }
-      }
+      HistoryLanes<double, 9> stretch(elements, [&](int e) { return history.plastic_stretch[e][i].data(); });
+      const auto flows_here = fraction[i] > V(0.0);
+      V before[9];
+      for (int k = 0; k < 9; ++k) before[k] = stretch.at[k][0];
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) {
+          V more(0.0);
+          for (int k = 0; k < 3; ++k) more += turned(r, k) * before[k + 3 * c];
+          stretch.at[r + 3 * c][0] = before[r + 3 * c] + select(flows_here, more, V(0.0));
+        }
       // those of elements that fail are written again
       stretch.store(elements, wanted, [&](int e) { return trial.plastic_stretch[e][i].data(); });
     }
@@ -215,7 +212,7 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
       const RotationVector<V> Q = rotation_log(transposed_product(R_centre, FRS.R));
       fails |= Q.near_half_turn;
       angle[i] = Q.angle;
-      const V threshold = gather_numbers<T>(elements, [&](int e) { return history.rotation_yield[e][i]; });
+      const V threshold = gather_numbers(elements, [&](int e) { return history.rotation_yield[e][i]; });
       rotation_fraction[i] = flow_fraction(Q.angle, threshold, rotation_rate, Q.angle);  // eta
       if (any_positive(rotation_fraction[i])) {
         const Mat<V> turn = rotation_expm1(Q, rotation_fraction[i]), both = turn * increment;  //           eq. 26
@@ -229,57 +226,49 @@ HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& a
       dy[i][a] = increment(a, 0) * rest_shape[i] + increment(a, 1) * rest_shape[kCorners + i] +
                  increment(a, 2) * rest_shape[2 * kCorners + i];
     if (increment_weight != 1)
-      for (int k = 0; k < 9; ++k)
-        mean_increment.m[k / 3][k % 3] += V(static_cast<T>(1.0 / kCorners)) * increment.m[k / 3][k % 3];
+      for (int k = 0; k < 9; ++k) mean_increment.m[k / 3][k % 3] += V(1.0 / kCorners) * increment.m[k / 3][k % 3];
   }
   if (increment_weight != 1)
     for (int i = 0; i < kCorners; ++i)
       for (int a = 0; a < 3; ++a) {
-        V alike(T(0));
+        V alike(0.0);
         for (int b = 0; b < 3; ++b) alike += mean_increment(a, b) * rest_shape[b * kCorners + i];
-        dy[i][a] = alike + V(static_cast<T>(increment_weight)) * (dy[i][a] - alike);
+        dy[i][a] = alike + V(increment_weight) * (dy[i][a] - alike);
       }
 
   const std::uint32_t done = wanted & ~fails;
-  for (int part = 0; part < kParts<T>; ++part) {
-    const int first = part * D::kCount;
-    const double* of_block = at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane + first;
-    const D volume = load(of_block);
-    const D beta = volume / gather_numbers(elements + first, [&](int e) { return model.volume[e]; });
-    const D scale = restitution_scale(beta, D(settings.volume_restitution * dt));
-    const auto has_flowed = widen(flowing, part) > D(0.0);  // what did not flow keeps its bits
-    for (int a = 0; a < 3; ++a) {
-      D mean(0.0);
-      for (int i = 0; i < kCorners; ++i)
-        mean += D(1.0 / kCorners) * (rest_shape.at[a * kCorners + i][part] + widen(dy[i][a], part));
-      for (int i = 0; i < kCorners; ++i) {
-        D& y = rest_shape.at[a * kCorners + i][part];
-        y = scale * select(has_flowed, y + widen(dy[i][a], part) - mean, y);
-      }
+  const V volume = load(at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane);
+  const V beta = volume / gather_numbers(elements, [&](int e) { return model.volume[e]; });
+  const V scale = restitution_scale(beta, V(settings.volume_restitution * dt));
+  const auto has_flowed = flowing > V(0.0);  // what did not flow keeps its bits
+  for (int a = 0; a < 3; ++a) {
+    V mean(0.0);
+    for (int i = 0; i < kCorners; ++i) mean += V(1.0 / kCorners) * (rest_shape.at[a * kCorners + i][0] + dy[i][a]);
+    for (int i = 0; i < kCorners; ++i) {
+      V& y = rest_shape.at[a * kCorners + i][0];
+      y = scale * select(has_flowed, y + dy[i][a] - mean, y);
     }
-
-    alignas(64) double volume_error[D::kCount], work[D::kCount];
-    store(abs(beta - D(1.0)), volume_error);
-    store(D(1.0 / kCorners) * volume * widen(dissipated, part), work);
-    const std::uint32_t yielded = bits<double>(has_flowed);
-    for (int k = 0; k < D::kCount; ++k)
-      if (done >> (first + k) & 1)
-        flows[elements[first + k]] = {
-            .yielded = (yielded >> k & 1) != 0, .volume_error = volume_error[k], .dissipated = work[k]};
   }
+
+  alignas(64) double volume_error[V::kCount], work[V::kCount];
+  store(abs(beta - V(1.0)), volume_error);
+  store(V(1.0 / kCorners) * volume * dissipated, work);
+  const std::uint32_t yielded = bits<double>(has_flowed);
+  for (int k = 0; k < V::kCount; ++k)
+    if (done >> k & 1)
+      flows[elements[k]] = {.yielded = (yielded >> k & 1) != 0, .volume_error = volume_error[k], .dissipated = work[k]};
   rest_shape.store(elements, done, y_of(trial));
 
-  HistoryLanes<T, kCorners> plastic_strain(elements, corners_of(history.plastic_strain));
+  HistoryLanes<double, kCorners> plastic_strain(elements, corners_of(history.plastic_strain));
   if (model.can_stretch) {
-    harden<T>(model, elements, fraction, norm, yield_stress);
-    for (int i = 0; i < kCorners; ++i)
-      for (int part = 0; part < kParts<T>; ++part) plastic_strain.at[i][part] += widen(strain[i], part);
+    harden<double>(model, elements, fraction, norm, yield_stress);
+    for (int i = 0; i < kCorners; ++i) plastic_strain.at[i][0] += strain[i];
   }
   yield_stress.store(elements, done, corners_of(trial.yield_stress));
   plastic_strain.store(elements, done, corners_of(trial.plastic_strain));
   if (model.can_rotate) {
-    HistoryLanes<T, kCorners> rotation_yield(elements, corners_of(history.rotation_yield));
-    harden<T>(model, elements, rotation_fraction, angle, rotation_yield);
+    HistoryLanes<double, kCorners> rotation_yield(elements, corners_of(history.rotation_yield));
+    harden<double>(model, elements, rotation_fraction, angle, rotation_yield);
     rotation_yield.store(elements, done, corners_of(trial.rotation_yield));
   }
   return wanted & fails;
@@ -536,33 +525,13 @@ HWY_NOINLINE std::uint32_t relax_lanes(const Model& model, const Linearization& 
   return left;
 }
 
-template <class T>
-std::uint32_t flow_of(const Model& model, const Linearization& at, double dt, const History& history, int block,
-                      std::uint32_t wanted, History& trial, ElementFlow* flows) {
+/// Of all registers of a block that hold some of the elements whose bits are set.
+template <class T, class Flow>
+std::uint32_t for_each_register(std::uint32_t wanted, const Flow& flow_register) {
   std::uint32_t left = 0;
-  for (int lane = 0; lane < kBlock; lane += Lanes<T>::kCount) {
-    const std::uint32_t here = wanted >> lane & ((1u << Lanes<T>::kCount) - 1);
-    if (!here) continue;
-    const bool is_isolated = model.settings.rest_shape == RestShape::kIsolated;
-    left |= (is_isolated ? flow_isolated_lanes<T>(model, at, dt, history, block, lane, here, trial, flows)
-                         : flow_lanes<T>(model, at, dt, history, block, lane, here, trial, flows))
-            << lane;
-  }
-  return left;
-}
-
-std::uint32_t relax_block(const Model& model, const Linearization& at, double dt, const History& history,
-                          const Branches& branches, int block, std::uint32_t wanted, History& trial,
-                          ElementFlow* flows) {
-  std::uint32_t left = 0;
-  for (int lane = 0; lane < kBlock; lane += D::kCount) {
-    const std::uint32_t here = wanted >> lane & ((1u << D::kCount) - 1);
-    if (!here) continue;
-    left |=
-        (at.is_general[block] ? relax_lanes<true>(model, at, dt, history, branches, block, lane, here, trial, flows)
-                              : relax_lanes<false>(model, at, dt, history, branches, block, lane, here, trial, flows))
-        << lane;
-  }
+  for (int lane = 0; lane < kBlock; lane += Lanes<T>::kCount)
+    if (const std::uint32_t here = wanted >> lane & ((1u << Lanes<T>::kCount) - 1))
+      left |= flow_register(lane, here) << lane;
   return left;
 }
 
@@ -574,11 +543,23 @@ std::uint32_t flow(const Model& model, const Linearization& at, double dt, const
     if (e >= 0 && !flows[e].idle && !flows[e].restores) wanted |= 1u << place;
   }
   if (model.settings.yield_norm == YieldNorm::kSpectral && model.can_flow()) return wanted;
-  if (branches.any()) return relax_block(model, at, dt, history, branches, block, wanted, trial, flows);
-
-  return model.settings.precision == Precision::kMixed
-             ? flow_of<float>(model, at, dt, history, block, wanted, trial, flows)
-             : flow_of<double>(model, at, dt, history, block, wanted, trial, flows);
+  if (branches.any())
+    return for_each_register<double>(wanted, [&](int lane, std::uint32_t here) {
+      return at.is_general[block]
+                 ? relax_lanes<true>(model, at, dt, history, branches, block, lane, here, trial, flows)
+                 : relax_lanes<false>(model, at, dt, history, branches, block, lane, here, trial, flows);
+    });
+  if (model.settings.rest_shape == RestShape::kJoined)
+    return for_each_register<double>(wanted, [&](int lane, std::uint32_t here) {
+      return flow_lanes(model, at, dt, history, block, lane, here, trial, flows);
+    });
+  const auto flow_in = [&]<class T>() {
+    return for_each_register<T>(wanted, [&](int lane, std::uint32_t here) {
+      return flow_isolated_lanes<T>(model, at, dt, history, block, lane, here, trial, flows);
+    });
+  };
+  return model.settings.precision == Precision::kMixed ? flow_in.template operator()<float>()
+                                                       : flow_in.template operator()<double>();
 }
 
 void restore(const Model& model, const Linearization& at, double dt, const History& history, int block, History& trial,

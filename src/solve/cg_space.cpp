@@ -155,12 +155,7 @@ void SlotCgSpace<T>::setup(const MatrixFreeSystem& system, bool scaled, SlotPrec
   const Partition& partition = *partition_;
   factor_ = static_cast<T>(body.factor);
   preconditioner_ = preconditioner;
-  const bool knows_diagonal =
-      system.diagonal_version != 0 && system.diagonal_version == diagonal_version_ && scaled == scaled_;
   scaled_ = scaled;
-  diagonal_version_ = system.diagonal_version;
-  if (knows_diagonal) return;
-
   const std::size_t size = 4 * static_cast<std::size_t>(partition.num_slots);
   for (AlignedVector<T>* vector : {&x_, &r_, &p_, &Ap_, &diagonal_}) vector->resize(size, T(0));
   partial_.resize(partition.num_chunks);

@@ -222,7 +222,6 @@ class SlotCgSpace final : public CgSpace {
   SlotPreconditioner<T>* preconditioner_ = nullptr;
   AlignedVector<T> x_, r_, p_, Ap_, z_, diagonal_, inverse_;
   ConstrainedDofs fixed_;
-  long diagonal_version_ = 0;     // MatrixFreeSystem::diagonal_version of the system that it refers to
   std::vector<Partial> partial_;  // per chunk
   std::vector<double> partial_norm_;
   PointArray field_, product_;  // num_nodes x 3, for the terms beside the body

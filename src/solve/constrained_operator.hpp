@@ -32,7 +32,6 @@ class ConstrainedOperator final : public LinearSystem {
 
   bool describe(MatrixFreeSystem& system) const override {
     system.diagonal.setZero(num_nodes(), 3);
-    system.diagonal_version = 0;
     if (!system_.describe(factors_, system)) return false;
     system.find_free(num_nodes(), [&](Points field) { system_.project(field); });
     return true;

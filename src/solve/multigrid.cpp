@@ -188,7 +188,7 @@ void Multigrid<T>::setup_operators(const KernelBody& body) {
   fine_.op = body.op<T>();
   if constexpr (std::is_same_v<T, float>)
     if (body.cycle_operator) fine_.op = body.cycle_operator;
-  if (coarse_.size() != operators_.size()) radii_of_.revision = diagonal_version_ = stiffness_of_.revision = 0;
+  if (coarse_.size() != operators_.size()) radii_of_.revision = stiffness_of_.revision = 0;
   coarse_.resize(operators_.size());
   for (std::size_t k = 0; k < coarse_.size(); ++k) coarse_[k].op = operators_[k].op;
 }
@@ -215,8 +215,6 @@ const AlignedVector<T>& Multigrid<T>::stiffness(const KernelBody& body) {
 template <class T>
 void Multigrid<T>::setup(const KernelBody& body, const NodalPart& rest, SpectralRadii* known) {
   setup_operators(body);
-  if (rest.version != 0 && rest.version == diagonal_version_) return;
-  diagonal_version_ = rest.version;
   stiffness(body);
   find_radii(body, rest, known);
   place(rest.diagonal, rest.free, rest.blocks);
@@ -230,12 +228,6 @@ void Multigrid<T>::find_radii(const KernelBody& body, const NodalPart& rest, Spe
     visit(fine_.radius, 0);
     for (std::size_t k = 0; k < coarse_.size(); ++k) visit(coarse_[k].radius, k + 1);
   };
-  if (body.spectral_radius > 0) {
-    radii_of_.revision = 0;
-    are_radii_known_ = false;
-    return for_each_radius([&](double& radius, std::size_t) { radius = body.spectral_radius; });
-  }
-
   const PointArray& own_diagonal = rest.own_diagonal ? *rest.own_diagonal : rest.diagonal;
   const bool are_of_this = body.revision != 0 && body.revision == radii_of_.revision &&
                            body.factor == radii_of_.factor && own_diagonal.rows() == radii_of_.diagonal.rows() &&

@@ -65,7 +65,6 @@ class Multigrid final : public SlotPreconditioner<T> {
   std::vector<MultigridLevel<float>> coarse_;
   std::span<const CoarseOperator> operators_;  // of the coarse meshes
   std::vector<int> block_of_slot_;             // of a finer mesh: index, or -1; scratch
-  long diagonal_version_ = 0;                  // MatrixFreeSystem::diagonal_version of the latest setup
   struct {
     long revision = 0;  // 0: of no system
     double factor = 0;

@@ -21,7 +21,6 @@ struct NodalPart {
   const PointArray& diagonal;                ///< num_nodes x 3
   const NodeMask& free;                      ///< num_nodes x 3: 1 where free, 0 where fixed
   std::span<const NodeBlock> blocks = {};    ///< beside the diagonal; ascending nodes, 0 where fixed
-  long version = 0;                          ///< MatrixFreeSystem::diagonal_version
   const PointArray* own_diagonal = nullptr;  ///< the part of the diagonal that is not of other terms; null: all of it
 };
 

@@ -185,7 +185,6 @@ struct PreconditionedConjugateGradients::Spaces {
     return {.diagonal = system.others.empty() ? system.diagonal : lumped.diagonal(),
             .free = system.free,
             .blocks = system.others.empty() ? std::span<const NodeBlock>() : std::span(lumped.blocks()),
-            .version = system.diagonal_version,
             .own_diagonal = system.others.empty() ? nullptr : &system.diagonal};
   }
 

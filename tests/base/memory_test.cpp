@@ -67,9 +67,8 @@ TEST(Memory, OfABodyCountsWhatNotEveryHistoryHas) {
   Material tears = yields, breaks = elastic;
   tears.fracture_stretch = breaks.fracture_stretch = 2;
   const Settings in_double{.rest_shape = RestShape::kJoined},
-      mixed{.rest_shape = RestShape::kJoined, .precision = Precision::kMixed},
       plain{.rest_shape = RestShape::kJoined, .implementation = Implementation::kPlain};
-  for (const Settings& settings : {in_double, mixed, plain}) {
+  for (const Settings& settings : {in_double, plain}) {
     const double still = bytes_per_hexahedron({elastic}, settings), flows = bytes_per_hexahedron({yields}, settings);
     EXPECT_EQ(bytes_per_hexahedron({breaks}, settings), still + 8 * 72);
     EXPECT_EQ(bytes_per_hexahedron({yields, tears}, settings), flows + 2 * 8 * 72);

@@ -180,12 +180,21 @@ TEST(BenchRun, MeasuresRestShapesOfOneElement) {
   const Outcome outcome = run(options, MachineLimits(options.threads), [](const std::vector<Record>&) {});
   set_num_threads(before);
   EXPECT_EQ(outcome.failures, std::vector<std::string>());
-  ASSERT_EQ(outcome.records.size(), 2u * 2 * 5);  // precisions, threads, bars
+  // by precisions, threads and bars; joined rest shapes flow in double precision alone
+  const std::vector<std::array<std::string, 2>> in_double = {{"elastic", ""},
+                                                             {"plastic_part", ""},
+                                                             {"plastic", ""},
+                                                             {"plastic_part", " isolated"},
+                                                             {"plastic", " isolated"}},
+                                                mixed = {in_double[0], in_double[3], in_double[4]};
+  ASSERT_EQ(outcome.records.size(), 2 * (in_double.size() + mixed.size()));
   for (std::size_t k = 0; k < outcome.records.size(); ++k) {
     const Record& record = outcome.records[k];
+    const auto& bars = record.precision == "double" ? in_double : mixed;
+    const auto& [mode, ending] = bars[(record.precision == "double" ? k : k - 2 * in_double.size()) % bars.size()];
     EXPECT_LE(record.velocity_error, .01);
-    EXPECT_EQ(record.element.ends_with(" isolated"), k % 5 > 2) << record.element;
-    EXPECT_EQ(record.mode, (std::array{"elastic", "plastic_part", "plastic", "plastic_part", "plastic"}[k % 5]));
+    EXPECT_EQ(record.element, "assumedCorner volumeRatio" + ending);
+    EXPECT_EQ(record.mode, mode);
   }
 }
 

@@ -141,7 +141,6 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"auto_mixed", Precision::kMixed, Does::kNothing, preconditioned<Preconditioner::kAuto>},
         Case{"tight_mixed", Precision::kMixed, Does::kNothing, tight},
         Case{"flowing_double", Precision::kDouble, Does::kFlows, plain, RestShape::kJoined},
-        Case{"flowing_mixed", Precision::kMixed, Does::kFlows, plain, RestShape::kJoined},
         Case{"isolated_double", Precision::kDouble, Does::kFlows, preconditioned<Preconditioner::kMultigrid>},
         Case{"isolated_mixed", Precision::kMixed, Does::kFlows, plain},
         Case{"relaxing_double", Precision::kDouble, Does::kNothing, preconditioned<Preconditioner::kMultigrid>,

@@ -36,15 +36,16 @@ void load(Body& body, const std::string& bytes) {
   EXPECT_EQ(rest, "next");
 }
 
-Material breaking() {
-  Material material = support::yielding(100, 0.01);
+Material breaking(RestShape rest_shape = RestShape::kJoined) {
+  Material material = rest_shape == RestShape::kJoined ? support::yielding(100, 0.01) : support::stretching(100);
   material.fracture_stretch = 1.02;
   return material;
 }
 
 Body make_body(Precision precision = Precision::kDouble, std::array<int, 3> cells = {2, 2, 3}) {
-  return Body(support::distorted_block(cells, kEdge, 0.15, 162), {breaking()},
-              {.rest_shape = RestShape::kJoined, .precision = precision});
+  const RestShape rest_shape = precision == Precision::kDouble ? RestShape::kJoined : RestShape::kIsolated;
+  return Body(support::distorted_block(cells, kEdge, 0.15, 162), {breaking(rest_shape)},
+              {.rest_shape = rest_shape, .precision = precision});
 }
 
 /// Several plastic steps at positions that wander away from the initial ones.

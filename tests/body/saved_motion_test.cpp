@@ -48,7 +48,7 @@ std::vector<SolverKind> solver_kinds() {
 class SavedMotion : public testing::TestWithParam<std::tuple<SolverKind, bool>> {
  protected:
   static bool tears() { return std::get<bool>(GetParam()); }
-  static std::unique_ptr<MovingBody> make(double averaging_tolerance = 0) {
+  static std::unique_ptr<MovingBody> make(double averaging_tolerance = 1e-6) {
     const auto& [name, make_solver, precision] = std::get<SolverKind>(GetParam());
     Material material{.young_modulus = 5000, .poisson_ratio = .45, .yield_stress = 100, .flow_rate = 4};
     if (tears()) material.fracture_stretch = 1.004;

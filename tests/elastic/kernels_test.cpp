@@ -84,6 +84,11 @@ TEST_P(OnEverySet, RotationsAreThoseOfTheSingularValueDecomposition) {
   EXPECT_GT(num_unique, count / 100);
 }
 
+/// Joined ones flow in double precision alone.
+RestShape rest_shape_in(Precision precision) {
+  return precision == Precision::kDouble ? RestShape::kJoined : RestShape::kIsolated;
+}
+
 /// One plastic step of a body of `cells` whose every corner yields, in stretch and in rotation; `size` is that of the
 /// displacements, in edges.
 Body flown(std::array<int, 3> cells, double distortion, YieldNorm norm, double size = 0.1,
@@ -92,9 +97,9 @@ Body flown(std::array<int, 3> cells, double distortion, YieldNorm norm, double s
   material.yield_stress = 500 * size;
   material.flow_rate = 5;
   material.rotation_yield = 0.02 * size;
-  material.rotation_flow_rate = 5;
+  material.rotation_flow_rate = precision == Precision::kDouble ? 5 : 0;
   material.hardening = 0.3;
-  Settings settings{.rest_shape = RestShape::kJoined};
+  Settings settings{.rest_shape = rest_shape_in(precision)};
   settings.yield_norm = norm;
   settings.precision = precision;
   Body body(support::distorted_block(cells, kEdge, distortion, 93), {material}, settings);
@@ -113,6 +118,7 @@ void expect_the_same_flow(const History& found, const History& expected, const M
     EXPECT_LE(support::max_abs(one.rest_shape - plainly.rest_shape), rounding * kEdge);
     for (int i = 0; i < kCorners; ++i) {
       EXPECT_LE(support::max_abs(one.plastic_stretch[i] - plainly.plastic_stretch[i]), rounding);
+      EXPECT_LE(support::max_abs(one.plastic_inverse[i] - plainly.plastic_inverse[i]), rounding);
       EXPECT_NEAR(one.yield_stress[i], plainly.yield_stress[i], 0.1 * rounding * (3 * lame.lambda + 2 * lame.mu));
       EXPECT_NEAR(one.rotation_yield[i], plainly.rotation_yield[i], 10 * rounding);
       EXPECT_NEAR(one.plastic_strain[i], plainly.plastic_strain[i], rounding);
@@ -139,12 +145,10 @@ TEST_P(OnEverySet, FlowIsThatOfTheElements) {
 }
 
 /// Whether flow_block does all elements of a bar of constant volume with this stretch, to the result of the plain way.
-bool flows_in_lanes(double stretch, Precision precision) {
+bool flows_in_lanes(double stretch) {
   const HexMesh mesh = support::distorted_block({4, 4, 2}, kEdge, 0.1, 95);
   Settings settings{.rest_shape = RestShape::kJoined};
   settings.yield_norm = YieldNorm::kVonMises;
-  settings.precision = precision;
-  const double rounding = (precision == Precision::kDouble ? 1 : 4) * rounding_of_flow(precision);
   const Model model(mesh, {Material{.yield_stress = 10, .flow_rate = 20, .fracture_stretch = 3}}, settings);
   History history(model), trial = history;
   Random random(96);
@@ -162,16 +166,13 @@ bool flows_in_lanes(double stretch, Precision precision) {
   History expected = history;
   PreconditionedConjugateGradients solver(1e-6, 10000);
   EXPECT_EQ(plain::flow(model, x, 0.01, solver, expected).yielded, mesh.num_elements());
-  expect_the_same_flow(trial, expected, model, rounding);
+  expect_the_same_flow(trial, expected, model, rounding_of_flow(Precision::kDouble));
   return true;
 }
 
 TEST_P(OnEverySet, LargeStretchesFlowInLanes) {
-  for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
-    for (const double stretch : {0.35, 0.6, 1.05, 1.6, 2.5, 3.8})
-      EXPECT_TRUE(flows_in_lanes(stretch, precision)) << stretch;
-    EXPECT_FALSE(flows_in_lanes(7, precision));
-  }
+  for (const double stretch : {0.35, 0.6, 1.05, 1.6, 2.5, 3.8}) EXPECT_TRUE(flows_in_lanes(stretch)) << stretch;
+  EXPECT_FALSE(flows_in_lanes(7));
 }
 
 /// Plastic strain of sixteen separate cubes that are stretched alike, but for one of them, which is pushed through
@@ -190,7 +191,7 @@ std::vector<double> strains_beside(int pushed, Precision precision) {
     }
   }
   Body body(HexMesh(X, cubes), {{.young_modulus = 1000, .poisson_ratio = 0.3, .yield_stress = 1, .flow_rate = 50}},
-            {.rest_shape = RestShape::kJoined, .precision = precision, .volume_restitution = 0});
+            {.rest_shape = rest_shape_in(precision), .precision = precision, .volume_restitution = 0});
   body.flow(x, 0.01);
   std::vector<double> strains;
   for (int e = 0; e < 16; ++e) strains.push_back(body.plastic_strain()[e][0]);

@@ -558,6 +558,11 @@ TEST(IsolatedRestShapes, RefuseWhatTheyDoNotHaveAndWarnOfWhatDoesNothing) {
             "yieldStressMeasure = cauchy needs restShape = isolated");
   EXPECT_EQ(refusal([&](Settings& s) { cauchy(s), s.volumetric = Volumetric::kSample; }),
             "yieldStressMeasure = cauchy needs volumetric = volumeRatio");
+  const auto joined_mixed = [&](Settings& s) {
+    by_kernels(s), s.rest_shape = RestShape::kJoined, s.precision = Precision::kMixed;
+  };
+  EXPECT_EQ(refusal(joined_mixed), "restShape = joined of a body that flows needs precision = double");
+  EXPECT_EQ(refusal(joined_mixed, 0), "");
   const HexMesh mesh = support::block({1, 1, 1}, kEdge);
   EXPECT_TRUE(support::refuses<InputError>(
       [&] { Body(mesh, {Material{.rotation_flow_rate = 2}}, isolated()); },

@@ -187,6 +187,7 @@ void compare_elasticity(Body& body, const PointArray& x, const PointArray& dx, d
   body.add_stiffness_blocks(3, blocks);
   EXPECT_TRUE(agrees(support::dense(blocks), support::dense(K), tolerance));
 
+  if (body.settings().rest_shape == RestShape::kJoined && body.can_flow()) return;  // in double precision alone
   Body single = in_mixed_precision(body);
   EXPECT_TRUE(agrees(force_at(single, x), force, tolerance));
   product.setZero();

@@ -65,7 +65,6 @@ class Slab final : public LinearSystem {
 
   bool describe(MatrixFreeSystem& system) const override {
     system.diagonal = diagonal;
-    system.diagonal_version = 0;
     system.couples_coordinates = slides;
     system.free.setOnes(num_nodes(), 3);
     for (const int n : held) system.free.row(n).setZero();

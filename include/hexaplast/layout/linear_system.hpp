@@ -42,7 +42,6 @@ struct KernelBody {
   long revision = 0;               ///< not 0: L and what stands for it are those of every other body of this number
   int first_node = 0;              ///< of the system's: where the body's nodes begin
   SlotScratch* scratch = nullptr;  ///< that the body lends to solvers; without it they do not check their residuals
-  double spectral_radius = 0;      ///< bound of the eigenvalues of diag(A)^-1 A where one is known, otherwise 0
   std::span<const CoarseOperator> coarse = {};  ///< from fine to coarse; empty where the mesh has no lattice
 
   /// That of the two which works on numbers T.
@@ -105,7 +104,6 @@ struct MatrixFreeSystem {
   NodeMask free;                     ///< num_nodes x 3: 1 where free, 0 where fixed
   bool couples_coordinates = false;  ///< P does more than zero entries: LinearSystem::project is to be used
 
-  long diagonal_version = 0;  ///< not 0: diagonal, free and diag(L) are those of every other system of this version
   bool wants_coarse = false;  ///< asks for the operators on coarser meshes as well
 
   PointArray scratch;            ///< of whoever fills the system, and then of whoever solves it
@@ -172,8 +170,8 @@ class LinearSystem {
   virtual void precondition(ConstPoints r, Points z) const { z = r; }
 
   /// Writes the system down for the kernels; false where it does not have that form. `system` arrives cleared
-  /// (MatrixFreeSystem::clear), with what else was in it: diagonal, free and diagonal_version are to be set.
-  /// Allocates nothing when it was filled before.
+  /// (MatrixFreeSystem::clear), with what else was in it: diagonal and free are to be set. Allocates nothing when it
+  /// was filled before.
   virtual bool describe(MatrixFreeSystem& /*system*/) const { return false; }
 
   /// field = P field, where MatrixFreeSystem::couples_coordinates.

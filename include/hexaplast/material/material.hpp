@@ -100,7 +100,7 @@ enum class AveragingMethod {
 };
 
 /// Numbers that the stiffness product, what follows from it, and what a plastic step adds are computed with. Positions,
-/// forces, rotations of the elastic forces and the history are always double.                    theory.md section 9.7
+/// forces, rotations of the elastic forces and the history are always double.                    theory.md section 9.6
 enum class Precision {
   kDouble,
   kMixed  ///< products and the vectors of solvers in single precision, coefficients in half where the machine has it
@@ -132,7 +132,7 @@ struct Settings {
   AveragingMethod averaging =
       AveragingMethod::kGaussNewton;  ///< kVertex and kCentre hold their rotation maps fixed in it
   int averaging_steps = 1;            ///< per time step, in [1, 1000]
-  double averaging_tolerance = 0;     ///< relative residual of its linear systems; 0: 1e-6, in mixed precision 1e-2
+  double averaging_tolerance = 1e-6;  ///< relative residual of its linear systems, > 0
   Precision precision = Precision::kDouble;
   Implementation implementation = Implementation::kFast;
   double volume_restitution = 1;     ///< c [1/s], >= 0; c dt < 2/3
@@ -140,12 +140,6 @@ struct Settings {
 
   /// Of viscoelasticity.
   int num_branches() const { return static_cast<int>(relaxation.size() / 2); }
-
-  /// The tolerance itself: what a step leaves is in the next one's right-hand side.
-  double averaging_residual() const {
-    if (averaging_tolerance > 0) return averaging_tolerance;
-    return precision == Precision::kDouble ? 1e-6 : 1e-2;
-  }
 
   bool operator==(const Settings&) const = default;
 };

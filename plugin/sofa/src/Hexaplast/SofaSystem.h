@@ -137,7 +137,6 @@ public:
 
     bool describe(MatrixFreeSystem& system) const override
     {
-        system.diagonal_version = 0;
         system.find_free(num_nodes(), [&](Points field) { project(field); });
         m_mass_of_others = masses_are_lumped() ? 0 : m_A.mparams.mFactor();
         if (m_mass_of_others == 0)
