@@ -169,7 +169,7 @@ double bytes_per_hexahedron(const std::vector<Material>& materials, const Settin
 void validate(const std::vector<Material>& materials, Names names = Names::kMembers);
 void validate(const Settings& settings, Names names = Names::kMembers);
 /// Throws InputError where something flows with RestShape::kIsolated and settings that it has not, a flow of rotation
-/// among them, or without it beside Settings::relaxation.
+/// among them, or with RestShape::kJoined beside Settings::relaxation or Precision::kMixed.
 void validate(const std::vector<Material>& materials, const Settings& settings, Names names = Names::kMembers);
 
 /// Of Settings::relaxation.
