@@ -26,6 +26,12 @@ inline constexpr Attribute kBodyAttributes[] = {
      .unit = "Pa",
      .access = Access::kOutput,
      .help = "Yield stress of each hexahedron after hardening: maximum of its corners."},
+    {.name = "stressNorm",
+     .type = Type::kReals,
+     .unit = "Pa",
+     .access = Access::kOutput,
+     .help = "Norm of the present stress of each hexahedron, as yieldNorm says: maximum of its corners; 0 after its "
+             "removal. Without load and supports that is residual stress."},
     {.name = "volumeRatio",
      .type = Type::kReals,
      .access = Access::kOutput,

@@ -93,6 +93,8 @@ class HexahedronElastoplasticFEMForceField final : public BodyField, public scen
       output.set(plastic_strains(*body()));
     } else if (name == "presentYieldStress") {
       output.set(present_yield_stresses(*body()));
+    } else if (name == "stressNorm") {
+      output.set(body()->fields(state_->positions()).stress_norm);
     } else if (name == "volumeRatio") {
       output.set(plastic_volume_ratios(*body()));
     } else if (name == "volume") {

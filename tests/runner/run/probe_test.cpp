@@ -207,6 +207,28 @@ TEST_F(Probes, FollowPointsWithinTheBodyAndVolumesOfRegions) {
             std::string::npos);
 }
 
+// Nothing contracts sideways: the stress is everywhere that of the end, 7 N on 0.01 m^2.
+TEST_F(Probes, TellTheStressOfAPulledBar) {
+  write("pulled.scn", R"xml(<Node dt="1" gravity="0 0 0">
+  <RunSettings steps="2"/>
+  <DefaultAnimationLoop/>
+  <StaticSolver newtonSolver="@newton"/>
+  <NewtonRaphsonSolver name="newton" maxNbIterationsNewton="20" relativeSuccessiveStoppingThreshold="0"
+      relativeInitialStoppingThreshold="0" absoluteResidualStoppingThreshold="1e-10"/>
+  <SparseLDLSolver/>
+  <RegularGridTopology name="grid" n="3 3 9" max="0.1 0.1 0.4"/>
+  <MechanicalObject name="nodes"/>
+  <HexahedronElastoplasticFEMForceField name="body" youngModulus="5e4" poissonRatio="0"/>
+  <FixedProjectiveConstraint indices="0-8"/>
+  <ConstantForceField indices="72-80" forces="0 0 .4375  0 0 .875  0 0 .4375  0 0 .875  0 0 1.75  0 0 .875
+      0 0 .4375  0 0 .875  0 0 .4375"/>
+  <Probe name="least" value="@body.stressNorm" statistic="min"/>
+  <Probe name="greatest" value="@body.stressNorm" statistic="max"/></Node>)xml");
+  succeeds("run pulled.scn --out run --frames 0 --quiet");
+  EXPECT_NEAR(last("least"), 700, 1e-6);
+  EXPECT_NEAR(last("greatest"), 700, 1e-6);
+}
+
 TEST_F(Probes, AreComparedSideBySide) {
   write_scene("  <Probe name='pull' value='@forceps.force'/>\n");
   succeeds("run bar.scn --out a --frames 0 --quiet");

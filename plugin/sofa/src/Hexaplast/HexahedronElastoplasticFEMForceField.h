@@ -59,6 +59,7 @@ public:
 
     Data<VecReal> d_plasticStrain{this->fromTable(d_plasticStrain, "plasticStrain")};
     Data<VecReal> d_presentYieldStress{this->fromTable(d_presentYieldStress, "presentYieldStress")};
+    Data<VecReal> d_stressNorm{this->fromTable(d_stressNorm, "stressNorm")};
     Data<VecReal> d_volumeRatio{this->fromTable(d_volumeRatio, "volumeRatio")};
     Data<VecReal> d_volume{this->fromTable(d_volume, "volume")};
     Data<VecReal> d_plasticVolume{this->fromTable(d_plasticVolume, "plasticVolume")};

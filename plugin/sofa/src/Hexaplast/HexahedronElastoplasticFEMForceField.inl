@@ -28,6 +28,7 @@ HexahedronElastoplasticFEMForceField<TDataTypes>::HexahedronElastoplasticFEMForc
 {
     m_outputs.addOutput(&d_plasticStrain);
     m_outputs.addOutput(&d_presentYieldStress);
+    m_outputs.addOutput(&d_stressNorm);
     m_outputs.addOutput(&d_volumeRatio);
     m_outputs.addOutput(&d_volume);
     m_outputs.addOutput(&d_plasticVolume);
@@ -204,6 +205,7 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::computeOutputs()
     };
     show(plastic_strains(*body()), d_plasticStrain);
     show(present_yield_stresses(*body()), d_presentYieldStress);
+    show(body()->fields(view(this->mstate->readPositions().ref())).stress_norm, d_stressNorm);
     show(plastic_volume_ratios(*body()), d_volumeRatio);
     show(element_volumes(*body(), view(this->mstate->readPositions().ref())), d_volume);
     show(element_volumes(*body(), body()->plastic_rest_positions()), d_plasticVolume);
