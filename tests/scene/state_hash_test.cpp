@@ -49,6 +49,7 @@ constexpr PinnedScene kScenes[] = {
     {"liver_cage", 30},
     {"liver_tumour", 40},
     {"peritoneum_tear", 32},
+    {"pressed_ring", 30},
     {"probe_liver", 50},
     {"slope", 110, Comes::kElastic},
     {"springback", 20},
