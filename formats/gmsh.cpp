@@ -98,10 +98,10 @@ class GmshFile {
     is_version_4_ = version == "4.1";
     if (!is_version_4_ && version != "2" && version != "2.0" && version != "2.1" && version != "2.2")
       source_.refuse(fmt::format("version '{}' of the format, must be 2.0 to 2.2 or 4.1", version.substr(0, 20)));
-    is_binary_ = source_.integer("the file type", 0, 1) == 1;
+    source_.is_binary = source_.integer("the file type", 0, 1) == 1;
     source_.integer("the size of numbers", 8, 8);
     source_.line();
-    if (is_binary_) {
+    if (source_.is_binary) {
       const auto one = source_.binary<std::int32_t>();
       source_.swaps_bytes = one != 1;
       if (one != 1 && one != 0x01000000) source_.refuse_at_byte("neither byte order gives the 1 that must stand here");
@@ -114,10 +114,10 @@ class GmshFile {
   // -----------------------------------------------------------------------------------------------------------------
 
   void read_nodes_2() {
-    const std::size_t count = begin_nodes(source_.count("the number of nodes", is_binary_ ? 28 : 8));
+    const std::size_t count = begin_nodes(source_.count("the number of nodes", source_.is_binary ? 28 : 8));
     source_.line();
     for (std::size_t n = 0; n < count; ++n) {
-      add_tag(is_binary_ ? source_.binary<std::int32_t>() : tag("a node"), n);
+      add_tag(source_.number(kInt32, "a node"), n);
       read_position(n, 0);
     }
     source_.expect("$EndNodes");
@@ -125,129 +125,114 @@ class GmshFile {
 
   void read_elements_2() {
     begin_elements();
-    const std::size_t count = source_.count("the number of elements", is_binary_ ? 8 : 6);
+    const std::size_t count = source_.count("the number of elements", source_.is_binary ? 8 : 6);
     source_.line();
-    if (is_binary_) {
-      for (std::size_t e = 0; e < count;) {
-        const auto type = source_.binary<std::int32_t>();
-        const auto in_block = source_.binary<std::int32_t>();
-        const auto num_tags = source_.binary<std::int32_t>();
-        const int num_nodes = nodes_of(type);
+    for (std::size_t e = 0; e < count;) {
+      if (source_.is_binary) {
+        const auto type = source_.binary<std::int32_t>(), in_block = source_.binary<std::int32_t>(),
+                   num_tags = source_.binary<std::int32_t>();
+        require_type(type);
         if (in_block < 1 || static_cast<std::size_t>(in_block) > count - e)
-          source_.refuse_at_byte(fmt::format("a block of {} elements, there are {} left", in_block, count - e));
+          refuse_block(in_block, "elements", count - e);
         if (num_tags < 0) source_.refuse_at_byte(fmt::format("{} tags, must be at least 0", num_tags));
         source_.checked_count(static_cast<std::uint64_t>(num_tags) + 1, "the number of tags", 4);
         for (int i = 0; i < in_block; ++i, ++e) {
-          std::int64_t group = 0;
-          for (int t = 0; t <= num_tags; ++t) {  // the element's own tag, its group, then the others
-            const auto next = source_.binary<std::int32_t>();
-            if (t == 1) group = next;
-          }
-          add_element(type, num_nodes, {&group, 1}, [&] { return std::int64_t{source_.binary<std::int32_t>()}; });
+          source_.number(kInt32, "an element");
+          add_element_2(type, num_tags);
         }
-      }
-    } else {
-      for (std::size_t e = 0; e < count; ++e) {
-        tag("an element");
+      } else {
+        source_.number(kInt32, "an element");
         const std::int64_t type = source_.integer("an element type", 1, kMaxNodes);
-        const std::int64_t num_tags = source_.integer("the number of tags", 0, kMaxNodes);
-        const int num_nodes = nodes_of(type);
-        std::int64_t group = 0;
-        for (std::int64_t t = 0; t < num_tags; ++t) {
-          const std::int64_t next = tag("a tag");
-          if (t == 0) group = next;
-        }
-        add_element(type, num_nodes, {&group, 1}, [&] { return tag("a node"); });
+        add_element_2(type, source_.integer("the number of tags", 0, kMaxNodes));
+        ++e;
       }
     }
     source_.expect("$EndElements");
+  }
+
+  /// From its tags on, of which the first is its group.
+  void add_element_2(std::int64_t type, std::int64_t num_tags) {
+    require_type(type);
+    std::int64_t group = 0;
+    for (std::int64_t t = 0; t < num_tags; ++t)
+      if (const std::int64_t tag = source_.number(kInt32, "a tag"); t == 0) group = tag;
+    add_element(type, {&group, 1}, kInt32, "a node");
   }
 
   // Version 4
   // -----------------------------------------------------------------------------------------------------------------
 
   void read_nodes_4() {
-    if (is_binary_) source_.line();  // data begin on the line after the section's name
-    const std::size_t num_blocks = number("the number of blocks", is_binary_ ? 20 : 8);
-    const std::size_t count = begin_nodes(number("the number of nodes", is_binary_ ? 32 : 8));
-    for (int i = 0; i < 2; ++i) number_of_any_size("a node tag");  // smallest and greatest
+    if (source_.is_binary) source_.line();  // data begin on the line after the section's name
+    const std::size_t num_blocks = count("the number of blocks", source_.is_binary ? 20 : 8);
+    const std::size_t num_nodes = begin_nodes(count("the number of nodes", source_.is_binary ? 32 : 8));
+    for (int i = 0; i < 2; ++i) source_.number(kInt64, "a node tag");  // smallest and greatest
     std::size_t n = 0;
     for (std::size_t block = 0; block < num_blocks; ++block) {
-      const std::int64_t dimension = small_number("a dimension", 0, 3);
-      small_number("an entity", std::numeric_limits<int>::min(), std::numeric_limits<int>::max());
-      const bool has_parameters = small_number("whether there are parameters", 0, 1) == 1;
-      const std::size_t in_block = number("the number of nodes of a block", is_binary_ ? 32 : 8);
-      if (in_block > count - n) refuse(fmt::format("a block of {} nodes, there are {} left", in_block, count - n));
-      for (std::size_t i = 0; i < in_block; ++i) add_tag(number_of_any_size("a node tag"), n + i);
+      const std::int64_t dimension = source_.number(kInt32, "a dimension", 0, 3);
+      any_int("an entity");
+      const bool has_parameters = source_.number(kInt32, "whether there are parameters", 0, 1) == 1;
+      const std::size_t in_block = count("the number of nodes of a block", source_.is_binary ? 32 : 8);
+      if (in_block > num_nodes - n) refuse_block(in_block, "nodes", num_nodes - n);
+      for (std::size_t i = 0; i < in_block; ++i) add_tag(source_.number(kInt64, "a node tag"), n + i);
       for (std::size_t i = 0; i < in_block; ++i) read_position(n + i, has_parameters ? dimension : 0);
       n += in_block;
     }
-    if (n != count) refuse(fmt::format("{} nodes in the blocks, there must be {}", n, count));
+    if (n != num_nodes) source_.refuse_data(fmt::format("{} nodes in the blocks, there must be {}", n, num_nodes));
     source_.expect("$EndNodes");
   }
 
   void read_elements_4() {
     begin_elements();
-    if (is_binary_) source_.line();
-    const std::size_t num_blocks = number("the number of blocks", is_binary_ ? 20 : 8);
-    const std::size_t count = number("the number of elements", is_binary_ ? 16 : 4);
-    for (int i = 0; i < 2; ++i) number_of_any_size("an element tag");
+    if (source_.is_binary) source_.line();
+    const std::size_t num_blocks = count("the number of blocks", source_.is_binary ? 20 : 8);
+    const std::size_t num_elements = count("the number of elements", source_.is_binary ? 16 : 4);
+    for (int i = 0; i < 2; ++i) source_.number(kInt64, "an element tag");
     std::size_t e = 0;
     for (std::size_t block = 0; block < num_blocks; ++block) {
-      const std::int64_t dimension = small_number("a dimension", 0, 3);
-      const std::int64_t entity = any_small_number("an entity");
+      const std::int64_t dimension = source_.number(kInt32, "a dimension", 0, 3);
+      const std::int64_t entity = any_int("an entity");
       const std::vector<std::int64_t>& groups = groups_of_volume_[dimension == 3 ? entity : kNoVolume];
-      const std::int64_t type = small_number("an element type", 1, std::numeric_limits<int>::max());
-      const int num_nodes = nodes_of(type);
-      const std::size_t in_block = number("the number of elements of a block", is_binary_ ? 16 : 4);
-      if (in_block > count - e) refuse(fmt::format("a block of {} elements, there are {} left", in_block, count - e));
+      const std::int64_t type = source_.number(kInt32, "an element type", 1, std::numeric_limits<int>::max());
+      require_type(type);
+      const std::size_t in_block = count("the number of elements of a block", source_.is_binary ? 16 : 4);
+      if (in_block > num_elements - e) refuse_block(in_block, "elements", num_elements - e);
       for (std::size_t i = 0; i < in_block; ++i) {
-        number_of_any_size("an element tag");
-        add_element(type, num_nodes, groups, [&] { return number_of_any_size("a node tag"); });
+        source_.number(kInt64, "an element tag");
+        add_element(type, groups, kInt64, "a node tag");
       }
       e += in_block;
     }
-    if (e != count) refuse(fmt::format("{} elements in the blocks, there must be {}", e, count));
+    if (e != num_elements)
+      source_.refuse_data(fmt::format("{} elements in the blocks, there must be {}", e, num_elements));
     source_.expect("$EndElements");
   }
 
   /// Version 4 writes sizes and tags as 64 bits, the rest as 32.
-  std::size_t number(const char* what, std::size_t bytes) {
-    if (!is_binary_) return source_.count(what, bytes);
+  std::size_t count(const char* what, std::size_t bytes) {
+    if (!source_.is_binary) return source_.count(what, bytes);
     return source_.checked_count(source_.binary<std::uint64_t>(), what, bytes);
   }
-  std::int64_t number_of_any_size(const char* what) {
-    return is_binary_ ? static_cast<std::int64_t>(source_.binary<std::uint64_t>()) : tag(what);
-  }
-  std::int64_t small_number(const char* what, std::int64_t min, std::int64_t max) {
-    if (!is_binary_) return source_.integer(what, min, max);
-    const auto value = source_.binary<std::int32_t>();
-    if (value < min || value > max)
-      source_.refuse_at_byte(fmt::format("{} is not {}: must lie in [{}, {}]", value, what, min, max));
-    return value;
-  }
-
-  std::int64_t any_small_number(const char* what) {
-    return small_number(what, std::numeric_limits<int>::min(), std::numeric_limits<int>::max());
+  std::int64_t any_int(const char* what) {
+    return source_.number(kInt32, what, std::numeric_limits<int>::min(), std::numeric_limits<int>::max());
   }
 
   /// Of which only the groups of volumes matter.
   void read_entities() {
-    if (is_binary_) source_.line();
+    if (source_.is_binary) source_.line();
     std::array<std::size_t, 4> counts;  // by dimension
-    for (std::size_t& count : counts) count = number("the number of entities", is_binary_ ? 36 : 8);
+    for (std::size_t& size : counts) size = count("the number of entities", source_.is_binary ? 36 : 8);
     for (std::size_t dimension = 0; dimension < counts.size(); ++dimension)
       for (std::size_t i = 0; i < counts[dimension]; ++i) {
-        const std::int64_t entity = any_small_number("an entity");
-        for (int d = 0; d < (dimension == 0 ? 3 : 6); ++d)
-          is_binary_ ? source_.binary<double>() : source_.real("a coordinate");
-        for (std::size_t left = number("the number of groups", is_binary_ ? 4 : 2); left > 0; --left) {
-          const std::int64_t group = any_small_number("a group");
+        const std::int64_t entity = any_int("an entity");
+        for (int d = 0; d < (dimension == 0 ? 3 : 6); ++d) real("a coordinate");
+        for (std::size_t left = count("the number of groups", source_.is_binary ? 4 : 2); left > 0; --left) {
+          const std::int64_t group = any_int("a group");
           if (dimension == 3) groups_of_volume_[entity].push_back(group);
         }
         if (dimension == 0) continue;
-        for (std::size_t left = number("the number of boundaries", is_binary_ ? 4 : 2); left > 0; --left)
-          any_small_number("a boundary");
+        for (std::size_t left = count("the number of boundaries", source_.is_binary ? 4 : 2); left > 0; --left)
+          any_int("a boundary");
       }
     source_.expect("$EndEntities");
   }
@@ -255,19 +240,16 @@ class GmshFile {
   // Both
   // -----------------------------------------------------------------------------------------------------------------
 
-  [[noreturn]] void refuse(const std::string& what) const {
-    if (is_binary_) source_.refuse_at_byte(what);
-    source_.refuse(what);
+  [[noreturn]] void refuse_block(auto size, const char* what, std::size_t left) const {
+    source_.refuse_data(fmt::format("a block of {} {}, there are {} left", size, what, left));
   }
 
-  std::int64_t tag(const char* what) {
-    return source_.integer(what, std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max());
-  }
+  double real(const char* what) { return source_.is_binary ? source_.binary<double>() : source_.real(what); }
 
   std::size_t begin_nodes(std::size_t count) {
-    if (std::exchange(has_nodes_, true)) refuse("a second $Nodes, there must be one");
+    if (std::exchange(has_nodes_, true)) source_.refuse_data("a second $Nodes, there must be one");
     if (count > static_cast<std::size_t>(kMaxNodes))
-      refuse(fmt::format("{} nodes, must be at most {}", count, kMaxNodes));
+      source_.refuse_data(fmt::format("{} nodes, must be at most {}", count, kMaxNodes));
     mesh_.positions.resize(static_cast<Eigen::Index>(count), 3);
     number_of_.reserve(count);
     return count;
@@ -278,23 +260,23 @@ class GmshFile {
   }
 
   void add_tag(std::int64_t node, std::size_t n) {
-    if (!number_of_.emplace(node, static_cast<int>(n)).second) refuse(fmt::format("a second node {}", node));
+    if (!number_of_.emplace(node, static_cast<int>(n)).second)
+      source_.refuse_data(fmt::format("a second node {}", node));
   }
 
   void read_position(std::size_t n, std::int64_t num_parameters) {
     for (int d = 0; d < 3; ++d) {
-      const double x = is_binary_ ? source_.binary<double>() : source_.real("a coordinate");
-      if (!std::isfinite(x)) refuse(fmt::format("{} is not a coordinate: must be a finite number", x));
+      const double x = real("a coordinate");
+      if (!std::isfinite(x)) source_.refuse_data(fmt::format("{} is not a coordinate: must be a finite number", x));
       mesh_.positions(static_cast<Eigen::Index>(n), d) = x;
     }
-    for (std::int64_t i = 0; i < num_parameters; ++i)
-      is_binary_ ? source_.binary<double>() : source_.real("a parameter");
+    for (std::int64_t i = 0; i < num_parameters; ++i) real("a parameter");
   }
 
-  int nodes_of(std::int64_t type) {
+  void require_type(std::int64_t type) const {
     const bool is_known = type > 0 && type < static_cast<std::int64_t>(kNodesOfType.size());
-    if (!is_known) refuse(fmt::format("element type {}, must lie in [1, {}]", type, kNodesOfType.size() - 1));
-    return kNodesOfType[static_cast<std::size_t>(type)];
+    if (!is_known)
+      source_.refuse_data(fmt::format("element type {}, must lie in [1, {}]", type, kNodesOfType.size() - 1));
   }
 
   /// Text in binary files too.
@@ -302,7 +284,7 @@ class GmshFile {
     const std::size_t count = source_.count("the number of names", 5);
     source_.line();
     for (std::size_t i = 0; i < count; ++i) {
-      const std::int64_t dimension = source_.integer("a dimension", 0, 3), group = tag("a group");
+      const std::int64_t dimension = source_.integer("a dimension", 0, 3), group = source_.integer("a group");
       const std::string_view rest = source_.line();
       const std::size_t begin = rest.find('"'), end = rest.rfind('"');
       if (begin == end) source_.refuse("a group without a name, must have one in quotes");
@@ -312,13 +294,13 @@ class GmshFile {
   }
 
   /// groups: that it belongs to; 0 is none, and a sign tells of a direction.
-  template <class NextTag>
-  void add_element(std::int64_t type, int num_nodes, std::span<const std::int64_t> groups, const NextTag& next_tag) {
+  void add_element(std::int64_t type, std::span<const std::int64_t> groups, const NumberType& tags, const char* what) {
+    const int num_nodes = kNodesOfType[static_cast<std::size_t>(type)];
     std::array<std::int64_t, 64> nodes;
     for (int a = 0; a < num_nodes; ++a) {
-      const std::int64_t node = next_tag();
+      const std::int64_t node = source_.number(tags, what);
       const auto found = number_of_.find(node);
-      if (found == number_of_.end()) refuse(fmt::format("node {}, which is not among the nodes", node));
+      if (found == number_of_.end()) source_.refuse_data(fmt::format("node {}, which is not among the nodes", node));
       nodes[a] = found->second;
     }
     const std::size_t num_hexahedra = mesh_.hexahedra.size();
@@ -336,7 +318,7 @@ class GmshFile {
   MeshSource source_;
   ImportedMesh mesh_;
   std::unordered_map<std::int64_t, int> number_of_;  // of the node with a tag
-  bool is_version_4_ = false, is_binary_ = false;
+  bool is_version_4_ = false;
   bool has_nodes_ = false, has_elements_ = false;
 
   static constexpr std::int64_t kNoVolume = std::numeric_limits<std::int64_t>::max();

@@ -87,6 +87,8 @@ void MeshSource::refuse_at_byte(const std::string& what) const {
   throw InputError(fmt::format("{}: byte {}: {}", name_, at_, what));
 }
 
+void MeshSource::refuse_data(const std::string& what) const { is_binary ? refuse_at_byte(what) : refuse(what); }
+
 std::string_view MeshSource::line() {
   latest_ = at_;
   const std::size_t end = std::min(content_.find('\n', at_), content_.size());
@@ -129,30 +131,31 @@ std::int64_t MeshSource::integer(const char* what, std::int64_t min, std::int64_
 }
 
 std::size_t MeshSource::count(const char* what, std::size_t bytes) {
-  const std::int64_t number = integer(what, 0, std::numeric_limits<std::int64_t>::max());
-  if (static_cast<std::uint64_t>(number) > remaining() / bytes)
-    refuse(fmt::format("{} is {}: the rest of the file has room for {} at most", what, number, remaining() / bytes));
-  return static_cast<std::size_t>(number);
+  return checked_count(static_cast<std::uint64_t>(integer(what, 0, kMost)), what, bytes, false);
 }
 
-std::size_t MeshSource::checked_count(std::uint64_t number, const char* what, std::size_t bytes) const {
-  if (number > remaining() / bytes)
-    refuse_at_byte(
-        fmt::format("{} is {}: the rest of the file has room for {} at most", what, number, remaining() / bytes));
-  return static_cast<std::size_t>(number);
-}
-
-std::int64_t MeshSource::binary_integer(const NumberType& type) {
-  switch (type.bytes) {
-    case 8:
-      return binary<std::int64_t>();
-    case 4:
-      return type.is_signed ? binary<std::int32_t>() : std::int64_t{binary<std::uint32_t>()};
-    case 2:
-      return type.is_signed ? binary<std::int16_t>() : binary<std::uint16_t>();
-    default:
-      return type.is_signed ? binary<std::int8_t>() : binary<std::uint8_t>();
+std::size_t MeshSource::checked_count(std::uint64_t number, const char* what, std::size_t bytes,
+                                      bool is_in_data) const {
+  if (const std::size_t max = remaining() / bytes; number > max) {
+    const std::string reason = fmt::format("{} is {}: the rest of the file has room for {} at most", what, number, max);
+    is_in_data ? refuse_data(reason) : refuse(reason);
   }
+  return static_cast<std::size_t>(number);
+}
+
+std::int64_t MeshSource::number(const NumberType& type, const char* what, std::int64_t min, std::int64_t max) {
+  if (!is_binary) return integer(what, min, max);
+  if (type.is_real) refuse_at_byte("real numbers stand where whole ones must be");
+  const auto number = binary<std::int64_t>(type);
+  if (number < min || number > max)
+    refuse_at_byte(fmt::format("{} is not {}: must lie in [{}, {}]", number, what, min, max));
+  return number;
+}
+
+const char* MeshSource::skip(std::size_t bytes) {
+  if (remaining() < bytes) refuse_at_byte("the file ends in the middle of binary data");
+  at_ += bytes;
+  return content_.data() + at_ - bytes;
 }
 
 void MeshSource::skip_past_line(std::string_view wanted) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -20,6 +21,7 @@ struct NumberType {
   bool is_signed = false, is_real = false;
   bool swaps_bytes = false;  ///< of voxels; a MeshSource has its own
 };
+inline constexpr NumberType kInt32{4, true}, kInt64{8, true};
 
 /// A number from its bytes, which may have the order of another machine.
 template <class T>
@@ -32,13 +34,28 @@ T number_at(const char* bytes, bool swaps_bytes) {
   return number;
 }
 
+/// The same of a type that is known when the file has been read. Unsigned ones of 64 bits are taken as they are.
+template <class Number>
+Number number_at(const char* bytes, const NumberType& type, bool swaps_bytes) {
+  const auto as = [&]<class T>(T) { return static_cast<Number>(number_at<T>(bytes, swaps_bytes)); };
+  if (type.is_real) return type.bytes == 8 ? as(double()) : as(float());
+  if (type.bytes == 8) return type.is_signed ? as(std::int64_t()) : as(std::uint64_t());
+  if (type.bytes == 4) return type.is_signed ? as(std::int32_t()) : as(std::uint32_t());
+  if (type.bytes == 2) return type.is_signed ? as(std::int16_t()) : as(std::uint16_t());
+  return type.is_signed ? as(std::int8_t()) : as(std::uint8_t());
+}
+
 /// Reads a mesh file from its beginning to its end, and knows where it is.
 class MeshSource {
+  static constexpr std::int64_t kLeast = std::numeric_limits<std::int64_t>::min(),
+                                kMost = std::numeric_limits<std::int64_t>::max();
+
  public:
   MeshSource(std::string_view content, std::string name) : content_(content), name_(std::move(name)) {}
 
   [[noreturn]] void refuse(const std::string& what) const;          ///< at the line of the latest word
   [[noreturn]] void refuse_at_byte(const std::string& what) const;  ///< at the present byte, in binary data
+  [[noreturn]] void refuse_data(const std::string& what) const;     ///< whichever of the two data are
 
   std::size_t remaining() const { return content_.size() - at_; }
   bool at_end() const { return at_ == content_.size(); }
@@ -51,11 +68,14 @@ class MeshSource {
   void expect(std::string_view wanted);  ///< refuses any other word
 
   double real(const char* what);
-  std::int64_t integer(const char* what, std::int64_t min, std::int64_t max);
+  std::int64_t integer(const char* what, std::int64_t min = kLeast, std::int64_t max = kMost);
 
   /// A count of things of which each takes at least `bytes` of the rest of the file.
   std::size_t count(const char* what, std::size_t bytes);
-  std::size_t checked_count(std::uint64_t number, const char* what, std::size_t bytes) const;
+  std::size_t checked_count(std::uint64_t number, const char* what, std::size_t bytes, bool is_in_data = true) const;
+
+  /// A whole number of the data: text, or binary of this type.
+  std::int64_t number(const NumberType& type, const char* what, std::int64_t min = kLeast, std::int64_t max = kMost);
 
   /// Goes to the beginning of the line after the next one that is `wanted`, and nothing else.
   void skip_past_line(std::string_view wanted);
@@ -63,13 +83,15 @@ class MeshSource {
   /// A number as bytes. Its bytes are swapped when `swaps_bytes` is set.
   template <class T>
   T binary() {
-    if (remaining() < sizeof(T)) refuse_at_byte("the file ends in the middle of binary data");
-    at_ += sizeof(T);
-    return number_at<T>(content_.data() + at_ - sizeof(T), swaps_bytes);
+    return number_at<T>(skip(sizeof(T)), swaps_bytes);
   }
-  std::int64_t binary_integer(const NumberType& type);  ///< of 64 bits: also unsigned ones as they are
-  double binary_real(const NumberType& type) { return type.bytes == 8 ? binary<double>() : binary<float>(); }
+  template <class Number>
+  Number binary(const NumberType& type) {
+    return number_at<Number>(skip(type.bytes), type, swaps_bytes);
+  }
+  const char* skip(std::size_t bytes);  ///< of binary data; returns where they begin
 
+  bool is_binary = false;  ///< whether data are
   bool swaps_bytes = false;
 
  private:

@@ -26,21 +26,6 @@ std::string quoted_value(std::string_view value) {
   return fmt::format("'{}{}'", printable_line(value.substr(0, kLongestValue)), is_long ? "..." : "");
 }
 
-template <class Number>
-double label_at(const char* bytes, bool swaps_bytes) {
-  return static_cast<double>(number_at<Number>(bytes, swaps_bytes));
-}
-
-using LabelAt = double (*)(const char*, bool);
-
-LabelAt reader_of(const NumberType& type) {
-  if (type.bytes == 1) return type.is_signed ? label_at<std::int8_t> : label_at<std::uint8_t>;
-  if (type.bytes == 2) return type.is_signed ? label_at<std::int16_t> : label_at<std::uint16_t>;
-  if (type.is_real) return type.bytes == 4 ? label_at<float> : label_at<double>;
-  if (type.bytes == 4) return type.is_signed ? label_at<std::int32_t> : label_at<std::uint32_t>;
-  return type.is_signed ? label_at<std::int64_t> : label_at<std::uint64_t>;
-}
-
 }  // namespace
 
 struct ByteSource::Inflater {
@@ -123,12 +108,11 @@ bool is_gzip(std::string_view content) { return content.starts_with("\x1f\x8b");
 
 void read_voxels(ByteSource& source, const NumberType& type, const std::string& name, const VoxelCells& planned,
                  LabelledVolume& volume) {
-  const LabelAt label_at = reader_of(type);
   std::vector<char> buffer(kBuffer);
   const std::vector<char> zeros(kBuffer, 0);
   const auto set_labels = [&](std::size_t first, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
-      const double label = label_at(buffer.data() + i * type.bytes, type.swaps_bytes);
+      const auto label = number_at<double>(buffer.data() + i * type.bytes, type, type.swaps_bytes);
       if (label == 0) continue;
       constexpr int kMin = std::numeric_limits<int>::min(), kMax = std::numeric_limits<int>::max();
       if (!(label >= kMin && label <= kMax && label == std::floor(label)))

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <map>
 #include <utility>
 
 #include "mesh_source.hpp"
@@ -13,20 +13,6 @@
 
 namespace hexaplast {
 namespace {
-
-/// The type of numbers of that name.
-std::optional<NumberType> number_type(std::string_view name) {
-  if (name == "double") return NumberType{8, true, true};
-  if (name == "float") return NumberType{4, true, true};
-  if (name == "vtktypeint64" || name == "long") return NumberType{8, true, false};
-  if (name == "int" || name == "vtktypeint32") return NumberType{4, true, false};
-  if (name == "unsigned_int") return NumberType{4, false, false};
-  if (name == "short") return NumberType{2, true, false};
-  if (name == "unsigned_short") return NumberType{2, false, false};
-  if (name == "char") return NumberType{1, true, false};
-  if (name == "unsigned_char") return NumberType{1, false, false};
-  return std::nullopt;
-}
 
 class LegacyVtkFile {
  public:
@@ -66,16 +52,16 @@ class LegacyVtkFile {
       source_.refuse("the file does not begin with '# vtk DataFile Version' and is no XML");
     source_.line();  // title
     const std::string_view form = source_.word();
-    is_binary_ = form == "BINARY";
-    if (!is_binary_ && form != "ASCII") source_.refuse("the third line is neither ASCII nor BINARY");
+    source_.is_binary = form == "BINARY";
+    if (!source_.is_binary && form != "ASCII") source_.refuse("the third line is neither ASCII nor BINARY");
     source_.expect("DATASET");
     if (source_.word() != "UNSTRUCTURED_GRID") source_.refuse("the data set must be an UNSTRUCTURED_GRID");
   }
 
   void read_points() {
     if (std::exchange(has_points_, true)) source_.refuse("a second POINTS, there must be one");
-    const std::size_t count = source_.count("the number of points", is_binary_ ? 3 : 5);
-    const NumberType type = next_type();
+    const std::size_t count = source_.count("the number of points", source_.is_binary ? 3 : 5);
+    const NumberType type = next_type("of numbers is not known");
     begin_data(3 * count, type, "the number of points");
     if (count > static_cast<std::size_t>(std::numeric_limits<int>::max()))
       source_.refuse(fmt::format("{} points, must be at most {}", count, std::numeric_limits<int>::max()));
@@ -86,8 +72,8 @@ class LegacyVtkFile {
   // Up to version 5: for each cell how many points, and which. From then on: where each cell begins, and all points.
   void read_cells() {
     if (std::exchange(has_cells_, true)) source_.refuse("a second CELLS, there must be one");
-    const std::size_t count = source_.count("the number of cells", is_binary_ ? 4 : 2);
-    const std::size_t size = source_.count("the size of the cells", is_binary_ ? 4 : 2);
+    const std::size_t bytes = source_.is_binary ? 4 : 2, count = source_.count("the number of cells", bytes),
+                      size = source_.count("the size of the cells", bytes);
     MeshSource ahead = source_;
     if (ahead.word() == "OFFSETS") {
       source_.word();
@@ -96,29 +82,30 @@ class LegacyVtkFile {
       connectivity_ = integers(size);
       if (offsets_.empty()) offsets_ = {0};
     } else {
-      begin_data(size, {4, true, false}, "the size of the cells");
+      begin_data(size, kInt32, "the size of the cells");
       offsets_ = {0};
       std::size_t left = size;
       for (std::size_t e = 0; e < count; ++e) {
-        const std::int64_t num_points = left == 0 ? -1 : integer({4, true, false});
+        const std::int64_t num_points = left == 0 ? -1 : integer(kInt32);
         if (num_points < 0 || static_cast<std::size_t>(num_points) > --left)
-          refuse(fmt::format("cell {} does not fit into the size of the cells, which is {}", e, size));
-        for (std::int64_t a = 0; a < num_points; ++a) connectivity_.push_back(integer({4, true, false}));
+          source_.refuse_data(fmt::format("cell {} does not fit into the size of the cells, which is {}", e, size));
+        for (std::int64_t a = 0; a < num_points; ++a) connectivity_.push_back(integer(kInt32));
         left -= static_cast<std::size_t>(num_points);
         offsets_.push_back(static_cast<std::int64_t>(connectivity_.size()));
       }
-      if (left != 0) refuse(fmt::format("{} cells leave {} numbers of the size of the cells over", count, left));
+      if (left != 0)
+        source_.refuse_data(fmt::format("{} cells leave {} numbers of the size of the cells over", count, left));
     }
   }
 
   void read_cell_types() {
-    const std::size_t count = source_.count("the number of cell types", is_binary_ ? 4 : 1);
-    begin_data(count, {4, true, false}, "the number of cell types");
-    for (std::size_t e = 0; e < count; ++e) types_.push_back(integer({4, true, false}));
+    const std::size_t count = source_.count("the number of cell types", source_.is_binary ? 4 : 1);
+    begin_data(count, kInt32, "the number of cell types");
+    for (std::size_t e = 0; e < count; ++e) types_.push_back(integer(kInt32));
   }
 
   std::vector<std::int64_t> integers(std::size_t count) {
-    const NumberType type = next_type();
+    const NumberType type = next_type("of numbers is not known");
     begin_data(count, type, "the number of entries");
     std::vector<std::int64_t> numbers(count);
     for (std::int64_t& number : numbers) number = integer(type);
@@ -133,14 +120,15 @@ class LegacyVtkFile {
       source_.word();
       const std::size_t components = source_.count("the number of components", 1);
       const std::size_t tuples = source_.count("the number of tuples", 1);
-      const std::string_view name = source_.word();
-      const auto type = number_type(name);
-      if (!type) source_.refuse(fmt::format("type '{}' cannot be read here", name.substr(0, 20)));
+      const NumberType type = next_type("cannot be read here");
       if (components != 0 && tuples > source_.remaining() / components)
         source_.refuse(fmt::format("{} x {} values, the rest of the file has room for {}", components, tuples,
                                    source_.remaining()));
-      begin_data(components * tuples, *type, "the number of values");
-      for (std::size_t k = 0; k < components * tuples; ++k) is_binary_ ? skip_bytes(type->bytes) : void(source_.word());
+      begin_data(components * tuples, type, "the number of values");
+      if (source_.is_binary)
+        source_.skip(components * tuples * type.bytes);
+      else
+        for (std::size_t k = 0; k < components * tuples; ++k) source_.word();
     }
   }
 
@@ -154,63 +142,58 @@ class LegacyVtkFile {
   void add_cells() {
     const std::size_t num_cells = offsets_.empty() ? 0 : offsets_.size() - 1;
     if (types_.size() != num_cells)
-      refuse(fmt::format("{} cell types for {} cells, must be as many", types_.size(), num_cells));
+      source_.refuse_data(fmt::format("{} cell types for {} cells, must be as many", types_.size(), num_cells));
     for (std::size_t e = 0; e < num_cells; ++e) {
       const std::int64_t begin = offsets_[e], end = offsets_[e + 1];
       if (begin < 0 || end < begin || end > static_cast<std::int64_t>(connectivity_.size()))
-        refuse(fmt::format("cell {} lies between {} and {} of {} entries", e, begin, end, connectivity_.size()));
+        source_.refuse_data(
+            fmt::format("cell {} lies between {} and {} of {} entries", e, begin, end, connectivity_.size()));
       for (std::int64_t a = begin; a < end; ++a)
         if (connectivity_[a] < 0 || connectivity_[a] >= mesh_.positions.rows())
-          refuse(fmt::format("cell {} has point {}, must lie in [0, {})", e, connectivity_[a], mesh_.positions.rows()));
+          source_.refuse_data(
+              fmt::format("cell {} has point {}, must lie in [0, {})", e, connectivity_[a], mesh_.positions.rows()));
       if (!add_vtk_cell(static_cast<int>(types_[e]), connectivity_.data() + begin,
                         static_cast<std::size_t>(end - begin), mesh_))
-        refuse(fmt::format("cell {} is of type {} and has {} points", e, types_[e], end - begin));
+        source_.refuse_data(fmt::format("cell {} is of type {} and has {} points", e, types_[e], end - begin));
     }
   }
 
-  NumberType next_type() {
+  NumberType next_type(const char* otherwise) {
+    static const std::map<std::string_view, NumberType> kTypes{{"double", {8, true, true}},
+                                                               {"float", {4, true, true}},
+                                                               {"long", kInt64},
+                                                               {"vtktypeint64", kInt64},
+                                                               {"int", kInt32},
+                                                               {"vtktypeint32", kInt32},
+                                                               {"unsigned_int", {4}},
+                                                               {"short", {2, true}},
+                                                               {"unsigned_short", {2}},
+                                                               {"char", {1, true}},
+                                                               {"unsigned_char", {1}}};
     const std::string_view name = source_.word();
-    const auto type = number_type(name);
-    if (!type) source_.refuse(fmt::format("type '{}' of numbers is not known", name.substr(0, 20)));
-    return *type;
+    if (const auto known = kTypes.find(name); known != kTypes.end()) return known->second;
+    source_.refuse(fmt::format("type '{}' {}", name.substr(0, 20), otherwise));
   }
 
   /// Binary numbers begin on the next line, and must be there in full.
   void begin_data(std::size_t count, const NumberType& type, const char* what) {
-    if (is_binary_) {
-      source_.line();
-      source_.checked_count(count, what, type.bytes);
-    }
+    if (!source_.is_binary) return;
+    source_.line();
+    source_.checked_count(count, what, type.bytes);
   }
 
   double real(const NumberType& type) {
-    if (!is_binary_) return source_.real("a coordinate");
-    if (!type.is_real) return static_cast<double>(integer(type));
-    const double number = source_.binary_real(type);
+    if (!source_.is_binary) return source_.real("a coordinate");
+    const auto number = source_.binary<double>(type);
     if (!std::isfinite(number)) source_.refuse_at_byte(fmt::format("{} is not a coordinate: must be finite", number));
     return number;
   }
 
-  std::int64_t integer(const NumberType& type) {
-    if (!is_binary_)
-      return source_.integer("a whole number", std::numeric_limits<std::int64_t>::min(),
-                             std::numeric_limits<std::int64_t>::max());
-    if (type.is_real) source_.refuse_at_byte("real numbers stand where whole ones must be");
-    return source_.binary_integer(type);
-  }
-
-  void skip_bytes(std::size_t bytes) {
-    for (std::size_t i = 0; i < bytes; ++i) source_.binary<char>();
-  }
-
-  [[noreturn]] void refuse(const std::string& what) const {
-    if (is_binary_) source_.refuse_at_byte(what);
-    source_.refuse(what);
-  }
+  std::int64_t integer(const NumberType& type) { return source_.number(type, "a whole number"); }
 
   MeshSource source_;
   ImportedMesh mesh_;
-  bool is_binary_ = false, has_points_ = false, has_cells_ = false;
+  bool has_points_ = false, has_cells_ = false;
   std::vector<std::int64_t> offsets_, connectivity_,
       types_;  // cell e has the entries from offsets_[e] to offsets_[e + 1]
 };

@@ -240,12 +240,7 @@ class VtuFile {
     std::vector<Number> all(bytes.size() / type.bytes);
     MeshSource source(bytes, name_);
     source.swaps_bytes = swaps_bytes_;
-    for (Number& number : all) {
-      if constexpr (std::is_floating_point_v<Number>)
-        number = source.binary_real(type);
-      else
-        number = source.binary_integer(type);
-    }
+    for (Number& number : all) number = source.binary<Number>(type);
     return all;
   }
 
