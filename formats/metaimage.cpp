@@ -11,28 +11,14 @@
 namespace hexaplast {
 namespace {
 
-const std::map<std::string, NumberType>& metaimage_types() {
-  static const std::map<std::string, NumberType> all{{"met_char", {1, true}},        {"met_uchar", {1, false}},
-                                                     {"met_short", {2, true}},       {"met_ushort", {2, false}},
-                                                     {"met_int", {4, true}},         {"met_uint", {4, false}},
-                                                     {"met_long_long", {8, true}},   {"met_ulong_long", {8, false}},
-                                                     {"met_float", {4, true, true}}, {"met_double", {8, true, true}}};
-  return all;
-}
-
-const std::map<std::string, bool>& truth() {
-  static const std::map<std::string, bool> all{{"true", true}, {"false", false}};
-  return all;
-}
-
 const char* const kLast = "ElementDataFile";
 
 class MetaImageFile {
  public:
-  MetaImageFile(std::string_view content, const std::string& name) : content_(content), name_(name), header_(name) {}
+  MetaImageFile(std::string_view content, const std::string& name) : name_(name), header_(content, name) {}
 
   ImportedVolume read(const ReadBeside& beside, const VoxelCells& planned) {
-    const std::string_view attached = read_header();
+    read_header();
     header_.value("NDims");
     header_.expect("ObjectType", "Image");
     header_.expect("NDims", "3");
@@ -41,7 +27,16 @@ class MetaImageFile {
     header_.expect("ElementNumberOfChannels", "1");
     header_.expect("DistanceUnits", "mm");
     const VolumeGeometry geometry = read_geometry();
-    NumberType type = header_.one_of("ElementType", metaimage_types());
+    NumberType type = header_.one_of<NumberType>("ElementType", {{"met_char", {1, true}},
+                                                                 {"met_uchar", {1}},
+                                                                 {"met_short", {2, true}},
+                                                                 {"met_ushort", {2}},
+                                                                 {"met_int", kInt32},
+                                                                 {"met_uint", {4}},
+                                                                 {"met_long_long", kInt64},
+                                                                 {"met_ulong_long", {8}},
+                                                                 {"met_float", {4, true, true}},
+                                                                 {"met_double", {8, true, true}}});
     const bool is_big = is_true("BinaryDataByteOrderMSB", is_true("ElementByteOrderMSB", false));
     if (header_.find("ElementByteOrderMSB") && is_big != is_true("ElementByteOrderMSB", false))
       header_.refuse("ElementByteOrderMSB", "must agree with BinaryDataByteOrderMSB");
@@ -50,26 +45,18 @@ class MetaImageFile {
     std::string data;
     const bool is_detached = in_small_letters(header_.value(kLast)) != "local";
     if (is_detached) data = header_.data_beside(kLast, beside);
-    ByteSource source(is_detached ? std::string_view(data) : attached, is_true("CompressedData", false), name_);
-    ImportedVolume found{.volume = volume_of(geometry, type, source, name_)};
-    read_voxels(source, type, name_, planned, found.volume);
-    return found;
+    ByteSource source(is_detached ? data : header_.rest(), is_true("CompressedData", false), name_);
+    return {.volume = read_voxels(geometry, type, source, name_, planned)};
   }
 
  private:
-  /// Returns what is behind the header.
-  std::string_view read_header() {
-    MeshSource source(content_.substr(0, kMaxHeader), name_);
-    for (long line = 1;; ++line) {
-      if (source.at_end()) header_.refuse_line(line, fmt::format("the file ends in its header: {} must follow", kLast));
-      const std::string_view text = source.line();
-      if (source.at_end() && content_.size() > kMaxHeader) header_.refuse_length(line);
+  void read_header() {
+    for (std::string_view text; !header_.find(kLast);) {
+      if (!header_.next_line(text))
+        header_.refuse_line(fmt::format("the file ends in its header: {} must follow", kLast));
       const std::size_t equals = text.find('=');
-      if (equals == text.npos) header_.refuse_line(line, "must be 'Field = value'");
-      const std::string_view field = without_blanks(text.substr(0, equals));
-      header_.add(field, without_blanks(text.substr(equals + 1)), line);
-      if (in_small_letters(field) == in_small_letters(kLast))
-        return content_.substr(std::min(content_.size(), kMaxHeader) - source.remaining());
+      if (equals == text.npos) header_.refuse_line("must be 'Field = value'");
+      header_.add(without_blanks(text.substr(0, equals)), without_blanks(text.substr(equals + 1)));
     }
   }
 
@@ -106,12 +93,11 @@ class MetaImageFile {
   }
 
   bool is_true(const char* field, bool otherwise) const {
-    return header_.find(field) ? header_.one_of(field, truth()) : otherwise;
+    return header_.find(field) ? header_.one_of<bool>(field, {{"true", true}, {"false", false}}) : otherwise;
   }
 
   static constexpr double kMaxErrorOfLength = 1e-4;
 
-  std::string_view content_;
   std::string name_;
   TextHeader header_;
 };

@@ -34,9 +34,7 @@ class NiftiFile {
     const NumberType type = read_type();
     const bool has_frame = read_axes(geometry);
     skip_extensions();
-    ImportedVolume found{.volume = volume_of(geometry, type, source_, name_), .has_frame = has_frame};
-    read_voxels(source_, type, name_, planned, found.volume);
-    return found;
+    return {.volume = read_voxels(geometry, type, source_, name_, planned), .has_frame = has_frame};
   }
 
  private:
@@ -141,18 +139,10 @@ class NiftiFile {
   }
 
   double millimetres() const {
-    switch (header_[123] & 7) {
-      case 0:  // not said, and by custom mm
-      case 2:
-        return 1;
-      case 1:
-        return 1000;
-      case 3:
-        return 1e-3;
-      default:
-        refuse("xyzt_units",
-               fmt::format("{}, must be 0, 1, 2 or 3: not given, m, mm or micrometres", header_[123] & 7));
-    }
+    constexpr double kUnits[] = {1, 1000, 1, 1e-3};  // 0 is not said, and by custom mm
+    const int unit = header_[123] & 7;
+    if (unit > 3) refuse("xyzt_units", fmt::format("{}, must be 0, 1, 2 or 3: not given, m, mm or micrometres", unit));
+    return kUnits[unit];
   }
 
   void skip_extensions() {

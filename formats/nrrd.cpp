@@ -13,37 +13,23 @@
 namespace hexaplast {
 namespace {
 
-const std::map<std::string, NumberType>& nrrd_types() {
-  static const auto all = [] {
-    std::map<std::string, NumberType> types;
-    const auto add = [&](const NumberType& type, std::initializer_list<const char*> names) {
-      for (const char* name : names) types[name] = type;
-    };
-    add({1, true}, {"signed char", "int8", "int8_t"});
-    add({1, false}, {"uchar", "unsigned char", "uint8", "uint8_t"});
-    add({2, true}, {"short", "short int", "signed short", "signed short int", "int16", "int16_t"});
-    add({2, false}, {"ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"});
-    add({4, true}, {"int", "signed int", "int32", "int32_t"});
-    add({4, false}, {"uint", "unsigned int", "uint32", "uint32_t"});
-    add({8, true},
-        {"longlong", "long long", "long long int", "signed long long", "signed long long int", "int64", "int64_t"});
-    add({8, false}, {"ulonglong", "unsigned long long", "unsigned long long int", "uint64", "uint64_t"});
-    add({4, true, true}, {"float"});
-    add({8, true, true}, {"double"});
-    return types;
-  }();
-  return all;
-}
-
-const std::map<std::string, bool>& encodings() {
-  static const std::map<std::string, bool> all{{"raw", false}, {"gzip", true}, {"gz", true}};
-  return all;
-}
-
-const std::map<std::string, double>& millimetres_of_units() {
-  static const std::map<std::string, double> all{{"mm", 1},    {"millimeter", 1}, {"cm", 10},  {"m", 1000},
-                                                 {"um", 1e-3}, {"micron", 1e-3},  {"nm", 1e-6}};
-  return all;
+std::map<std::string, NumberType> nrrd_types() {
+  std::map<std::string, NumberType> types;
+  const auto add = [&](const NumberType& type, std::initializer_list<const char*> names) {
+    for (const char* name : names) types[name] = type;
+  };
+  add({1, true}, {"signed char", "int8", "int8_t"});
+  add({1, false}, {"uchar", "unsigned char", "uint8", "uint8_t"});
+  add({2, true}, {"short", "short int", "signed short", "signed short int", "int16", "int16_t"});
+  add({2, false}, {"ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"});
+  add({4, true}, {"int", "signed int", "int32", "int32_t"});
+  add({4, false}, {"uint", "unsigned int", "uint32", "uint32_t"});
+  add({8, true},
+      {"longlong", "long long", "long long int", "signed long long", "signed long long int", "int64", "int64_t"});
+  add({8, false}, {"ulonglong", "unsigned long long", "unsigned long long int", "uint64", "uint64_t"});
+  add({4, true, true}, {"float"});
+  add({8, true, true}, {"double"});
+  return types;
 }
 
 /// A space of patients, as the signs by which its coordinates become LPS, or one that names no patient.
@@ -51,18 +37,6 @@ struct NrrdSpace {
   Vec3 signs = Vec3::Ones();
   bool is_of_patient = true;
 };
-
-const std::map<std::string, NrrdSpace>& nrrd_spaces() {
-  static const std::map<std::string, NrrdSpace> all{{"left-posterior-superior", {}},
-                                                    {"lps", {}},
-                                                    {"right-anterior-superior", {Vec3(-1, -1, 1)}},
-                                                    {"ras", {Vec3(-1, -1, 1)}},
-                                                    {"left-anterior-superior", {Vec3(1, -1, 1)}},
-                                                    {"las", {Vec3(1, -1, 1)}},
-                                                    {"scanner-xyz", {Vec3::Ones(), false}},
-                                                    {"3d-right-handed", {Vec3::Ones(), false}}};
-  return all;
-}
 
 // Fields that do not change what a label is or where it lies.
 constexpr std::string_view kWithoutEffect[] = {
@@ -76,66 +50,59 @@ constexpr std::string_view kNrrdFields[] = {
 
 class NrrdFile {
  public:
-  NrrdFile(std::string_view content, const std::string& name)
-      : content_(content), name_(name), header_(name), keys_(name) {}
+  NrrdFile(std::string_view content, const std::string& name) : name_(name), header_(content, name) {}
 
   ImportedVolume read(const ReadBeside& beside, const VoxelCells& planned) {
-    const std::string_view attached = read_header();
+    read_header();
     require_one_layer();
     for (const char* skip : {"byte skip", "byteskip", "line skip", "lineskip"}) header_.expect(skip, "0");
 
     NumberType type = header_.one_of("type", nrrd_types());
     if (type.bytes > 1) {
       header_.value("endian");
-      static const std::map<std::string, std::endian> kOrders{{"little", std::endian::little},
-                                                              {"big", std::endian::big}};
-      type.swaps_bytes = header_.one_of("endian", kOrders) != std::endian::native;
+      type.swaps_bytes = header_.one_of<std::endian>("endian", {{"little", std::endian::little},
+                                                                {"big", std::endian::big}}) != std::endian::native;
     }
-    const bool is_compressed = header_.one_of("encoding", encodings());
+    const bool is_compressed = header_.one_of<bool>("encoding", {{"raw", false}, {"gzip", true}, {"gz", true}});
     const NrrdSpace space = read_space();
 
     std::string data;
     const std::string file_field = header_.find("datafile") ? "datafile" : "data file";
     const bool is_detached = header_.find(file_field) != nullptr;
     if (is_detached) data = header_.data_beside(file_field, beside);
-    ByteSource source(is_detached ? std::string_view(data) : attached, is_compressed, name_);
-    ImportedVolume found{.volume = volume_of(geometry_, type, source, name_), .has_frame = space.is_of_patient};
-    found.volume.names = names();
-    read_voxels(source, type, name_, planned, found.volume);
+    ByteSource source(is_detached ? data : header_.rest(), is_compressed, name_);
+    std::map<int, std::string> label_names = names();
+    ImportedVolume found{.volume = read_voxels(geometry_, type, source, name_, planned),
+                         .has_frame = space.is_of_patient};
+    found.volume.names = std::move(label_names);
     return found;
   }
 
  private:
-  /// Returns what is behind the header.
-  std::string_view read_header() {
-    MeshSource source(content_.substr(0, kMaxHeader), name_);
-    const std::string_view magic = source.line();
-    if (magic.size() != 8 || !magic.starts_with("NRRD000") || magic[7] < '1' || magic[7] > '5')
-      header_.refuse_line(1, "the file must begin with NRRD0001 to NRRD0005");
-    for (long line = 2;; ++line) {
-      if (source.at_end()) {
-        if (header_.find("data file") || header_.find("datafile")) return {};
-        header_.refuse_line(line, "the file ends in its header: an empty line and the data must follow");
-      }
-      const std::string_view text = source.line();
-      if (source.at_end() && content_.size() > kMaxHeader) header_.refuse_length(line);
-      if (text.empty()) return content_.substr(std::min(content_.size(), kMaxHeader) - source.remaining());
-      if (text.starts_with('#')) continue;
-      add(text, line);
+  void read_header() {
+    std::string_view text;
+    header_.next_line(text);
+    if (text.size() != 8 || !text.starts_with("NRRD000") || text[7] < '1' || text[7] > '5')
+      header_.refuse_line("the file must begin with NRRD0001 to NRRD0005");
+    while (header_.next_line(text)) {
+      if (text.empty()) return;
+      if (!text.starts_with('#')) add(text);
     }
+    if (!header_.find("data file") && !header_.find("datafile"))
+      header_.refuse_line("the file ends in its header: an empty line and the data must follow");
   }
 
-  void add(std::string_view text, long line) {
+  void add(std::string_view text) {
     const std::size_t colon = text.find(':');
     if (colon == text.npos)
-      header_.refuse_line(line, "must be 'field: value', 'key:=value', or a comment that begins with #");
+      header_.refuse_line("must be 'field: value', 'key:=value', or a comment that begins with #");
     const std::string field(without_blanks(text.substr(0, colon)));
     if (text.substr(colon).starts_with(":=")) {
-      if (field.starts_with("Segment")) keys_.add(field, without_blanks(text.substr(colon + 2)), line);
+      if (field.starts_with("Segment")) header_.add(field, without_blanks(text.substr(colon + 2)));
       return;
     }
     const std::string known = in_small_letters(field);
-    header_.add(field, without_blanks(text.substr(colon + 1)), line);
+    header_.add(field, without_blanks(text.substr(colon + 1)));
     if (std::ranges::count(kNrrdFields, known) == 0 && std::ranges::count(kWithoutEffect, known) == 0)
       header_.refuse(field, "this field is not known, or not read");
   }
@@ -157,7 +124,15 @@ class NrrdFile {
   /// Size, axes and origin [mm], in LPS where the file knows a patient.
   NrrdSpace read_space() {
     NrrdSpace space{Vec3::Ones(), false};
-    if (header_.find("space")) space = header_.one_of("space", nrrd_spaces());
+    if (header_.find("space"))
+      space = header_.one_of<NrrdSpace>("space", {{"left-posterior-superior", {}},
+                                                  {"lps", {}},
+                                                  {"right-anterior-superior", {Vec3(-1, -1, 1)}},
+                                                  {"ras", {Vec3(-1, -1, 1)}},
+                                                  {"left-anterior-superior", {Vec3(1, -1, 1)}},
+                                                  {"las", {Vec3(1, -1, 1)}},
+                                                  {"scanner-xyz", {Vec3::Ones(), false}},
+                                                  {"3d-right-handed", {Vec3::Ones(), false}}});
     if (header_.find("space directions")) {
       if (!header_.find("space") && !header_.find("space dimension"))
         header_.refuse("space directions", "'space' must be given too");
@@ -188,8 +163,10 @@ class NrrdFile {
     const std::vector<std::string_view> words = header_.words(field);
     const std::string_view first = words.empty() ? std::string_view() : words.front();
     const bool is_quoted = first.size() > 2 && first.starts_with('"') && first.ends_with('"');
-    const auto found = millimetres_of_units().find(std::string(is_quoted ? first.substr(1, first.size() - 2) : first));
-    if (words.size() != 3 || words[1] != first || words[2] != first || found == millimetres_of_units().end())
+    static const std::map<std::string_view, double> kUnits{{"mm", 1},    {"millimeter", 1}, {"cm", 10},  {"m", 1000},
+                                                           {"um", 1e-3}, {"micron", 1e-3},  {"nm", 1e-6}};
+    const auto found = kUnits.find(is_quoted ? first.substr(1, first.size() - 2) : first);
+    if (words.size() != 3 || words[1] != first || words[2] != first || found == kUnits.end())
       header_.refuse(field, "must be three times the same of \"mm\", \"cm\", \"m\", \"um\", \"micron\" and \"nm\"");
     return found->second;
   }
@@ -222,21 +199,20 @@ class NrrdFile {
     std::map<int, std::string> names;
     for (int s = 0;; ++s) {
       const std::string segment = fmt::format("Segment{}_", s);
-      const std::string *name = keys_.find(segment + "Name"), *label = keys_.find(segment + "LabelValue");
+      const std::string *name = header_.find(segment + "Name"), *label = header_.find(segment + "LabelValue");
       if (!name && !label) return names;
-      keys_.expect(segment + "Layer", "0");
+      header_.expect(segment + "Layer", "0");
       if (!name || !label) continue;
       std::int64_t value = 0;
       if (!read_number(*label, value) || value != static_cast<int>(value))
-        keys_.refuse(segment + "LabelValue", "must be a whole number");
+        header_.refuse(segment + "LabelValue", "must be a whole number");
       if (!names.try_emplace(static_cast<int>(value), *name).second)
-        keys_.refuse(segment + "LabelValue", "belongs to another segment, too");
+        header_.refuse(segment + "LabelValue", "belongs to another segment, too");
     }
   }
 
-  std::string_view content_;
   std::string name_;
-  TextHeader header_, keys_;
+  TextHeader header_;
   VolumeGeometry geometry_;
 };
 

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,6 +17,7 @@ namespace {
 
 constexpr double kMaxInflation = 1032;       // no byte of zlib's stands for more than this many
 constexpr std::size_t kBuffer = 1 << 16;     // [byte]
+constexpr std::size_t kMaxHeader = 1 << 20;  // [byte] of a text header
 constexpr std::size_t kLongestValue = 60;    // bytes of a file that a message repeats
 constexpr int kGzipOrZlib = MAX_WBITS + 32;  // for zlib: the header tells which of the two it is
 
@@ -26,69 +26,62 @@ std::string quoted_value(std::string_view value) {
   return fmt::format("'{}{}'", printable_line(value.substr(0, kLongestValue)), is_long ? "..." : "");
 }
 
-}  // namespace
-
-struct ByteSource::Inflater {
-  explicit Inflater(std::string_view content) {
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(content.data()));  // which zlib only reads
-    is_ready = inflateInit2(&stream, kGzipOrZlib) == Z_OK;
+/// What make() returns. Its refusals begin with the name.
+template <class Make>
+auto named(const std::string& name, const Make& make) {
+  try {
+    return make();
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", name, error.what()));
   }
-  ~Inflater() { inflateEnd(&stream); }
-  z_stream stream{};
-  std::size_t num_left = 0;  // bytes that zlib has not been told of
-  bool is_ready = false, is_at_end = false;
-};
-
-ByteSource::ByteSource(std::string_view content, bool is_compressed, std::string name)
-    : content_(content), name_(std::move(name)) {
-  if (!is_compressed) return;
-  inflater_ = std::make_unique<Inflater>(content);
-  inflater_->num_left = content.size();
-  if (!inflater_->is_ready) throw std::bad_alloc();
 }
 
-ByteSource::~ByteSource() = default;
+}  // namespace
+
+ByteSource::ByteSource(std::string_view content, bool is_compressed, std::string name)
+    : content_(content), name_(std::move(name)), is_compressed_(is_compressed), num_left_(content.size()) {
+  stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(content.data()));  // which zlib only reads
+  if (is_compressed && inflateInit2(&stream_, kGzipOrZlib) != Z_OK) throw std::bad_alloc();
+}
+
+ByteSource::~ByteSource() { inflateEnd(&stream_); }
 
 void ByteSource::refuse(const std::string& what) const { throw InputError(fmt::format("{}: {}", name_, what)); }
 
 void ByteSource::require_room_for(double bytes) const {
-  const std::size_t rest = content_.size() - (inflater_ ? 0 : num_read_);
-  const double max = static_cast<double>(rest) * (inflater_ ? kMaxInflation : 1);
+  const std::size_t rest = content_.size() - (is_compressed_ ? 0 : num_read_);
+  const double max = static_cast<double>(rest) * (is_compressed_ ? kMaxInflation : 1);
   if (bytes > max)
     refuse(fmt::format("{:.10g} bytes of voxels cannot come from {} bytes of {}data", bytes, rest,
-                       inflater_ ? "compressed " : ""));
+                       is_compressed_ ? "compressed " : ""));
 }
 
 std::size_t ByteSource::read_some(char* to, std::size_t bytes) {
-  if (!inflater_) {
+  if (!is_compressed_) {
     const std::size_t count = std::min(bytes, content_.size() - num_read_);
     std::memcpy(to, content_.data() + num_read_, count);
     num_read_ += count;
     return count;
   }
-  z_stream& stream = inflater_->stream;
-  stream.next_out = reinterpret_cast<Bytef*>(to);
-  stream.avail_out = static_cast<uInt>(bytes);
-  while (stream.avail_out > 0 && !inflater_->is_at_end) {
-    if (stream.avail_in == 0) {
-      stream.avail_in = static_cast<uInt>(std::min<std::size_t>(inflater_->num_left, 1 << 30));
-      inflater_->num_left -= stream.avail_in;
+  stream_.next_out = reinterpret_cast<Bytef*>(to);
+  stream_.avail_out = static_cast<uInt>(bytes);
+  while (stream_.avail_out > 0 && !is_at_end_) {
+    if (stream_.avail_in == 0) {
+      stream_.avail_in = static_cast<uInt>(std::min<std::size_t>(num_left_, 1 << 30));
+      num_left_ -= stream_.avail_in;
     }
-    const int status = inflate(&stream, Z_NO_FLUSH);
-    if (status == Z_STREAM_END) {
-      // a gzip file may be several, one after the other
-      const bool goes_on = stream.avail_in > 0 || inflater_->num_left > 0;
-      inflater_->is_at_end = !goes_on || inflateReset(&stream) != Z_OK;
-    } else if (status == Z_BUF_ERROR && stream.avail_in == 0 && inflater_->num_left == 0) {
+    const int status = inflate(&stream_, Z_NO_FLUSH);
+    const std::size_t rest = num_left_ + stream_.avail_in;
+    if (status == Z_STREAM_END)  // a gzip file may be several, one after the other
+      is_at_end_ = rest == 0 || inflateReset(&stream_) != Z_OK;
+    else if (status == Z_BUF_ERROR && rest == 0)
       refuse(fmt::format("the compressed data are cut off after byte {} of the voxels and what is before them",
-                         num_read_ + bytes - stream.avail_out));
-    } else if (status != Z_OK && status != Z_BUF_ERROR) {
-      refuse(fmt::format("the compressed data are damaged after {} bytes: {}",
-                         content_.size() - inflater_->num_left - stream.avail_in,
-                         stream.msg ? stream.msg : "no reason given"));
-    }
+                         num_read_ + bytes - stream_.avail_out));
+    else if (status != Z_OK && status != Z_BUF_ERROR)
+      refuse(fmt::format("the compressed data are damaged after {} bytes: {}", content_.size() - rest,
+                         stream_.msg ? stream_.msg : "no reason given"));
   }
-  const std::size_t count = bytes - stream.avail_out;
+  const std::size_t count = bytes - stream_.avail_out;
   num_read_ += count;
   return count;
 }
@@ -106,8 +99,19 @@ void ByteSource::expect_end() {
 
 bool is_gzip(std::string_view content) { return content.starts_with("\x1f\x8b"); }
 
-void read_voxels(ByteSource& source, const NumberType& type, const std::string& name, const VoxelCells& planned,
-                 LabelledVolume& volume) {
+LabelledVolume read_voxels(const VolumeGeometry& geometry, const NumberType& type, ByteSource& source,
+                           const std::string& name, const VoxelCells& planned) {
+  const auto& [nx, ny, nz] = geometry.size;
+  const double size = static_cast<double>(nx) * static_cast<double>(ny) * static_cast<double>(nz);
+  source.require_room_for(std::min(size, kMaxVoxels + 1) * static_cast<double>(type.bytes));
+  if (size > kMaxVoxels)
+    throw InputError(
+        fmt::format("{}: {} x {} x {} voxels: must be at most {:.10g} in all", name, nx, ny, nz, kMaxVoxels));
+  LabelledVolume volume = named(name + ": " + geometry.axes_field, [&] {
+    return LabelledVolume({static_cast<int>(nx), static_cast<int>(ny), static_cast<int>(nz)}, geometry.axes,
+                          geometry.origin);
+  });
+
   std::vector<char> buffer(kBuffer);
   const std::vector<char> zeros(kBuffer, 0);
   const auto set_labels = [&](std::size_t first, std::size_t count) {
@@ -125,30 +129,12 @@ void read_voxels(ByteSource& source, const NumberType& type, const std::string& 
   for (std::size_t voxel = 0; voxel < volume.num_voxels();) {
     const std::size_t count = std::min(kBuffer / type.bytes, volume.num_voxels() - voxel);
     source.read(buffer.data(), count * type.bytes);
-    try {
-      if (std::memcmp(buffer.data(), zeros.data(), count * type.bytes) != 0) set_labels(voxel, count);
-    } catch (const InputError& error) {
-      throw InputError(fmt::format("{}: {}", name, error.what()));
-    }
+    if (std::memcmp(buffer.data(), zeros.data(), count * type.bytes) != 0)
+      named(name, [&] { set_labels(voxel, count); });
     voxel += count;
   }
   source.expect_end();
-}
-
-LabelledVolume volume_of(const VolumeGeometry& geometry, const NumberType& type, const ByteSource& source,
-                         const std::string& name) {
-  const auto& [nx, ny, nz] = geometry.size;
-  const double count = static_cast<double>(nx) * static_cast<double>(ny) * static_cast<double>(nz);
-  source.require_room_for(std::min(count, kMaxVoxels + 1) * static_cast<double>(type.bytes));
-  if (count > kMaxVoxels)
-    throw InputError(
-        fmt::format("{}: {} x {} x {} voxels: must be at most {:.10g} in all", name, nx, ny, nz, kMaxVoxels));
-  try {
-    return LabelledVolume({static_cast<int>(nx), static_cast<int>(ny), static_cast<int>(nz)}, geometry.axes,
-                          geometry.origin);
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}: {}", name, geometry.axes_field, error.what()));
-  }
+  return volume;
 }
 
 void flip(VolumeGeometry& geometry, const Vec3& signs) {
@@ -168,11 +154,26 @@ std::string_view without_blanks(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") + 1 - first);
 }
 
-void TextHeader::add(std::string_view field, std::string_view value, long line) {
-  const auto [found, is_new] = values_.try_emplace(in_small_letters(field), Value{std::string(value), line});
+TextHeader::TextHeader(std::string_view content, std::string name)
+    : content_(content), name_(std::move(name)), lines_(content.substr(0, kMaxHeader), name_) {}
+
+bool TextHeader::next_line(std::string_view& text) {
+  ++line_;
+  if (lines_.at_end()) return false;
+  text = lines_.line();
+  if (lines_.at_end() && content_.size() > kMaxHeader)
+    refuse_line(fmt::format("the header is longer than {} bytes", kMaxHeader));
+  return true;
+}
+
+std::string_view TextHeader::rest() const {
+  return content_.substr(std::min(content_.size(), kMaxHeader) - lines_.remaining());
+}
+
+void TextHeader::add(std::string_view field, std::string_view value) {
+  const auto [found, is_new] = values_.try_emplace(in_small_letters(field), Value{std::string(value), line_});
   if (!is_new)
-    refuse_line(line,
-                fmt::format("{} is given again, the first time in line {}", quoted_value(field), found->second.line));
+    refuse_line(fmt::format("{} is given again, the first time in line {}", quoted_value(field), found->second.line));
 }
 
 const std::string* TextHeader::find(const std::string& field) const {
@@ -225,19 +226,16 @@ std::array<std::int64_t, 3> TextHeader::size(const std::string& field) const {
 void TextHeader::refuse(const std::string& field, const std::string& what) const {
   const auto found = values_.find(in_small_letters(field));
   if (found == values_.end()) throw InputError(fmt::format("{}: {}: {}", name_, field, what));
-  refuse_line(found->second.line, fmt::format("{} {}: {}", field, quoted_value(found->second.text), what));
+  const auto& [text, line] = found->second;
+  throw InputError(fmt::format("{}:{}: {} {}: {}", name_, line, field, quoted_value(text), what));
 }
 
 void TextHeader::refuse_word(const std::string& field, const std::vector<std::string>& known) const {
   refuse(field, fmt::format("must be one of {}", fmt::join(known, ", ")));
 }
 
-void TextHeader::refuse_line(long line, const std::string& what) const {
-  throw InputError(fmt::format("{}:{}: {}", name_, line, what));
-}
-
-void TextHeader::refuse_length(long line) const {
-  refuse_line(line, fmt::format("the header is longer than {} bytes", kMaxHeader));
+void TextHeader::refuse_line(const std::string& what) const {
+  throw InputError(fmt::format("{}:{}: {}", name_, line_, what));
 }
 
 std::string TextHeader::data_beside(const std::string& field, const ReadBeside& beside) const {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <zlib.h>
+
 #include <array>
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,21 +29,18 @@ class ByteSource {
   void expect_end();                       ///< refuses data that go on, or whose checksum is wrong
 
  private:
-  struct Inflater;
   [[noreturn]] void refuse(const std::string& what) const;
   std::size_t read_some(char* to, std::size_t bytes);  // less where the data end
 
   std::string_view content_;
   std::string name_;
-  std::size_t num_read_ = 0;            // bytes given so far
-  std::unique_ptr<Inflater> inflater_;  // null: the content is not compressed
+  bool is_compressed_, is_at_end_ = false;
+  std::size_t num_read_ = 0;  // bytes given so far
+  std::size_t num_left_ = 0;  // bytes that zlib has not been told of
+  z_stream stream_{};
 };
 
 bool is_gzip(std::string_view content);
-
-/// All voxels of the volume, and then the end of the data.
-void read_voxels(ByteSource& source, const NumberType& type, const std::string& name, const VoxelCells& planned,
-                 LabelledVolume& volume);
 
 /// Size, axes and origin of a volume, as a header describes them [mm].
 struct VolumeGeometry {
@@ -52,22 +50,23 @@ struct VolumeGeometry {
   Vec3 origin = Vec3::Zero();
 };
 
-/// The volume of a header, whose voxels are still to be read. The source must have room for them.
-LabelledVolume volume_of(const VolumeGeometry& geometry, const NumberType& type, const ByteSource& source,
-                         const std::string& name);
+/// The volume of a header with all voxels, behind which the data must end.
+LabelledVolume read_voxels(const VolumeGeometry& geometry, const NumberType& type, ByteSource& source,
+                           const std::string& name, const VoxelCells& planned);
 
 /// Changes coordinates to LPS: some of x, y and z change their sign.
 void flip(VolumeGeometry& geometry, const Vec3& signs);
 
-inline constexpr std::size_t kMaxHeader = 1 << 20;  // [byte] of a text header
-
-/// The fields of a text header, each with its line.
+/// The text at the beginning of a file, and its fields, each with its line.
 class TextHeader {
  public:
-  explicit TextHeader(std::string name) : name_(std::move(name)) {}
+  TextHeader(std::string_view content, std::string name);
 
-  /// The fields may be named in any case. Refuses one that is there already.
-  void add(std::string_view field, std::string_view value, long line);
+  bool next_line(std::string_view& text);  ///< false at the end of the file; refuses a header that is too long
+  std::string_view rest() const;           ///< what is behind the present line
+
+  /// A field of the present line, which may be named in any case. Refuses one that is there already.
+  void add(std::string_view field, std::string_view value);
 
   const std::string* find(const std::string& field) const;          ///< null: it is not there
   const std::string& value(const std::string& field) const;         ///< refuses a header without it
@@ -76,13 +75,12 @@ class TextHeader {
   std::vector<double> reals(const std::string& field, std::size_t count) const;
   std::array<std::int64_t, 3> size(const std::string& field) const;  ///< three whole numbers from 1
   Vec3 spacing(const std::string& field) const;                      ///< three numbers greater than 0
-  template <class Known>
-  const typename Known::mapped_type& one_of(const std::string& field, const Known& known) const;
+  template <class Meaning>
+  Meaning one_of(const std::string& field, const std::map<std::string, Meaning>& known) const;
 
   /// "FILE:LINE: field 'value': what"
   [[noreturn]] void refuse(const std::string& field, const std::string& what) const;
-  [[noreturn]] void refuse_line(long line, const std::string& what) const;
-  [[noreturn]] void refuse_length(long line) const;  ///< of the header
+  [[noreturn]] void refuse_line(const std::string& what) const;  ///< the present one
 
   /// The data of a header that names a file beside it.
   std::string data_beside(const std::string& field, const ReadBeside& beside) const;
@@ -94,15 +92,18 @@ class TextHeader {
   };
   [[noreturn]] void refuse_word(const std::string& field, const std::vector<std::string>& known) const;
 
+  std::string_view content_;
   std::string name_;
+  MeshSource lines_;
+  long line_ = 0;
   std::map<std::string, Value> values_;  // by the name in small letters
 };
 
 std::string in_small_letters(std::string_view text);
 std::string_view without_blanks(std::string_view text);  ///< at its ends
 
-template <class Known>
-const typename Known::mapped_type& TextHeader::one_of(const std::string& field, const Known& known) const {
+template <class Meaning>
+Meaning TextHeader::one_of(const std::string& field, const std::map<std::string, Meaning>& known) const {
   const auto found = known.find(in_small_letters(value(field)));
   if (found != known.end()) return found->second;
   std::vector<std::string> names;
