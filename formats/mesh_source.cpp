@@ -78,6 +78,22 @@ bool read_number(std::string_view word, double& number) { return read_whole(word
 bool read_value(std::string_view word, double& number) { return read_whole(word, number); }
 bool read_number(std::string_view word, std::int64_t& number) { return read_whole(word, number); }
 
+std::string in_small_letters(std::string_view text) {
+  std::string small(text);
+  for (char& c : small)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return small;
+}
+
+std::string_view without_blanks(std::string_view text) {
+  const std::size_t first = std::min(text.find_first_not_of(" \t\r\n"), text.size());
+  return text.substr(first, text.find_last_not_of(" \t\r\n") + 1 - first);
+}
+
+PointArray points_of(const std::vector<double>& coordinates) {
+  return Eigen::Map<const PointArray>(coordinates.data(), static_cast<Eigen::Index>(coordinates.size() / 3), 3);
+}
+
 void MeshSource::refuse(const std::string& what) const {
   const auto line = 1 + std::count(content_.begin(), content_.begin() + static_cast<std::ptrdiff_t>(latest_), '\n');
   throw InputError(fmt::format("{}:{}: {}", name_, line, what));
@@ -106,25 +122,27 @@ std::string_view MeshSource::word() {
   return content_.substr(first, end - first);
 }
 
-void MeshSource::expect(std::string_view wanted) {
+std::string_view MeshSource::expected_word(std::string_view what) {
   const std::string_view found = word();
-  if (found == wanted) return;
-  refuse(found.empty() ? fmt::format("the file ends where {} is expected", wanted)
-                       : fmt::format("{} stands where {} is expected", quoted(found), wanted));
+  if (found.empty()) refuse(fmt::format("the file ends where {} is expected", what));
+  return found;
+}
+
+void MeshSource::expect(std::string_view wanted) {
+  const std::string_view found = expected_word(wanted);
+  if (found != wanted) refuse(fmt::format("{} stands where {} is expected", quoted(found), wanted));
 }
 
 double MeshSource::real(const char* what) {
-  const std::string_view text = word();
+  const std::string_view text = expected_word(what);
   double number = 0;
-  if (text.empty()) refuse(fmt::format("the file ends where {} is expected", what));
   if (!read_number(text, number)) refuse(fmt::format("{} is not {}: must be a finite number", quoted(text), what));
   return number;
 }
 
 std::int64_t MeshSource::integer(const char* what, std::int64_t min, std::int64_t max) {
-  const std::string_view text = word();
+  const std::string_view text = expected_word(what);
   std::int64_t number = 0;
-  if (text.empty()) refuse(fmt::format("the file ends where {} is expected", what));
   if (!read_number(text, number) || number < min || number > max)
     refuse(fmt::format("{} is not {}: must be a whole number in [{}, {}]", quoted(text), what, min, max));
   return number;

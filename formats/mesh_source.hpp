@@ -95,6 +95,8 @@ class MeshSource {
   bool swaps_bytes = false;
 
  private:
+  std::string_view expected_word(std::string_view what);
+
   std::string_view content_;
   std::string name_;
   std::size_t at_ = 0;
@@ -108,6 +110,12 @@ bool read_number(std::string_view word, std::int64_t& number);
 /// The same for data, which need not be finite: a yield stress may be inf.
 bool read_value(std::string_view word, double& number);
 inline bool read_value(std::string_view word, std::int64_t& number) { return read_number(word, number); }
+
+std::string in_small_letters(std::string_view text);
+std::string_view without_blanks(std::string_view text);  ///< at its ends
+
+/// Points from their coordinates, three each.
+PointArray points_of(const std::vector<double>& coordinates);
 
 /// How many nodes a cell of VTK's numbering has; 0: it is none of those below.
 std::size_t corners_of_vtk_cell(int kind);

@@ -53,7 +53,7 @@ ImportedMesh parse_obj(std::string_view content, const std::string& name) {
       }
     }
   }
-  mesh.positions = Eigen::Map<const PointArray>(vertices.data(), static_cast<Eigen::Index>(vertices.size() / 3), 3);
+  mesh.positions = points_of(vertices);
   if (mesh.positions.rows() == 0) source.refuse("the file holds no vertex");
   merge_copies(mesh);
   return mesh;

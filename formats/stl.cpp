@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -35,7 +33,7 @@ class JoinedTriangles {
   }
 
   ImportedMesh take() {
-    mesh_.positions = Eigen::Map<const PointArray>(points_.data(), static_cast<Eigen::Index>(points_.size() / 3), 3);
+    mesh_.positions = points_of(points_);
     merge_copies(mesh_);
     return std::move(mesh_);
   }
@@ -46,10 +44,7 @@ class JoinedTriangles {
   std::map<std::array<double, 3>, int> nodes_;
 };
 
-bool is_word(std::string_view word, std::string_view wanted) {
-  return std::ranges::equal(
-      word, wanted, [](char one, char other) { return std::tolower(static_cast<unsigned char>(one)) == other; });
-}
+bool is_word(std::string_view word, std::string_view wanted) { return in_small_letters(word) == wanted; }
 
 void expect_word(MeshSource& source, std::string_view wanted) {
   const std::string_view word = source.word();
@@ -70,11 +65,11 @@ bool is_binary_stl(std::string_view content, const std::string& name) {
 ImportedMesh parse_binary_stl(std::string_view content, const std::string& name) {
   MeshSource source(content, name);
   source.swaps_bytes = std::endian::native == std::endian::big;
-  for (std::size_t i = 0; i < kHeaderBytes; ++i) source.binary<char>();
+  source.skip(kHeaderBytes);
   const auto count = source.binary<std::uint32_t>();
   JoinedTriangles triangles;
   for (std::uint32_t i = 0; i < count; ++i) {
-    for (int d = 0; d < 3; ++d) source.binary<float>();  // the normal: the order of the corners tells it too
+    source.skip(3 * sizeof(float));  // the normal: the order of the corners tells it too
     std::array<std::array<double, 3>, 3> corners;
     for (auto& corner : corners)
       for (double& coordinate : corner) {
@@ -82,7 +77,7 @@ ImportedMesh parse_binary_stl(std::string_view content, const std::string& name)
         if (!std::isfinite(coordinate))
           source.refuse_at_byte(fmt::format("a coordinate of triangle {} is {}, must be finite", i, coordinate));
       }
-    source.binary<std::uint16_t>();
+    source.skip(2);
     triangles.add(corners);
   }
   return triangles.take();

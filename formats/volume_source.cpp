@@ -142,18 +142,6 @@ void flip(VolumeGeometry& geometry, const Vec3& signs) {
   geometry.origin = signs.cwiseProduct(geometry.origin);
 }
 
-std::string in_small_letters(std::string_view text) {
-  std::string small(text);
-  for (char& c : small)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return small;
-}
-
-std::string_view without_blanks(std::string_view text) {
-  const std::size_t first = std::min(text.find_first_not_of(" \t\r"), text.size());
-  return text.substr(first, text.find_last_not_of(" \t\r") + 1 - first);
-}
-
 TextHeader::TextHeader(std::string_view content, std::string name)
     : content_(content), name_(std::move(name)), lines_(content.substr(0, kMaxHeader), name_) {}
 

@@ -99,9 +99,6 @@ class TextHeader {
   std::map<std::string, Value> values_;  // by the name in small letters
 };
 
-std::string in_small_letters(std::string_view text);
-std::string_view without_blanks(std::string_view text);  ///< at its ends
-
 template <class Meaning>
 Meaning TextHeader::one_of(const std::string& field, const std::map<std::string, Meaning>& known) const {
   const auto found = known.find(in_small_letters(value(field)));

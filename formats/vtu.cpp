@@ -35,24 +35,14 @@ std::string attribute(const XMLElement& element, const char* name) {
   const char* value = element.Attribute(name);
   return value ? value : "";
 }
+std::string_view content_of(const XMLElement& element) { return element.GetText() ? element.GetText() : ""; }
 
 class VtuFile {
  public:
   VtuFile(std::string_view content, std::string name) : content_(content), name_(std::move(name)) {}
 
-  ImportedMesh read() {
-    read_grid();
-    return std::move(state_.mesh);
-  }
-
-  ImportedState read_with_data() {
-    reads_data_ = true;
-    read_grid();
-    return std::move(state_);
-  }
-
- private:
-  void read_grid() {
+  ImportedState read(bool with_data) {
+    reads_data_ = with_data;
     // raw appended bytes are no XML: what is parsed ends before them
     std::string_view xml = content_;
     std::string before_appended;
@@ -85,19 +75,15 @@ class VtuFile {
     if (!grid->FirstChildElement("Piece")) refuse(*grid, "holds no Piece");
     for (const XMLElement* piece = grid->FirstChildElement("Piece"); piece; piece = piece->NextSiblingElement("Piece"))
       add_piece(*piece);
-    merge_copies();
-    state_.mesh.positions =
-        Eigen::Map<const PointArray>(coordinates_.data(), static_cast<Eigen::Index>(coordinates_.size() / 3), 3);
-  }
-
-  void merge_copies() {
-    const std::vector<int> number = hexaplast::merge_copies(state_.mesh);
-    if (!reads_data_) return;
+    const std::vector<int> number = merge_copies(state_.mesh);
     std::vector<int> cells(state_.mesh.hexahedra.size());
     for (std::size_t e = number.size(); e-- > 0;) cells[number[e]] = state_.hexahedron_cells[e];
     state_.hexahedron_cells = std::move(cells);
+    state_.mesh.positions = points_of(coordinates_);
+    return std::move(state_);
   }
 
+ private:
   void read_conventions(const XMLElement& root) {
     const std::string order = attribute(root, "byte_order"), header = attribute(root, "header_type"),
                       compressor = attribute(root, "compressor");
@@ -183,8 +169,7 @@ class VtuFile {
       const std::int64_t begin = e == 0 ? 0 : ends[e - 1];
       const std::size_t num_hexahedra = state_.mesh.hexahedra.size();
       add_vtk_cell(kind_of(types[e]), nodes.data() + begin, static_cast<std::size_t>(ends[e] - begin), state_.mesh);
-      if (reads_data_ && state_.mesh.hexahedra.size() > num_hexahedra)
-        state_.hexahedron_cells.push_back(static_cast<int>(e));
+      if (state_.mesh.hexahedra.size() > num_hexahedra) state_.hexahedron_cells.push_back(static_cast<int>(e));
     }
   }
 
@@ -212,7 +197,7 @@ class VtuFile {
         refuse(at, fmt::format("offset '{}', must lie in [0, {}]", attribute(at, "offset"), appended_.size()));
       bytes = decoded(at, appended_.substr(static_cast<std::size_t>(offset)), appended_is_raw_, size);
     } else if (format == "binary") {
-      bytes = decoded(at, trimmed(at.GetText()), false, size);
+      bytes = decoded(at, without_blanks(content_of(at)), false, size);
     } else {
       refuse(at, fmt::format("format '{}', must be ascii, binary or appended", format));
     }
@@ -221,7 +206,7 @@ class VtuFile {
 
   template <class Number>
   std::vector<Number> numbers_of_text(const XMLElement& at, std::size_t count) {
-    MeshSource text(at.GetText() ? at.GetText() : "", name_);
+    MeshSource text(content_of(at), name_);
     take(at, text.remaining());
     if (count > (text.remaining() + 1) / 2) refuse(at, fmt::format("holds less than {} numbers", count));
     std::vector<Number> all(count);
@@ -327,13 +312,7 @@ class VtuFile {
 
   std::uint64_t header(std::string_view bytes, std::size_t entry) const {
     const char* at = bytes.data() + entry * header_bytes_;
-    return header_bytes_ == 8 ? number_at<std::uint64_t>(at, swaps_bytes_) : number_at<std::uint32_t>(at, swaps_bytes_);
-  }
-
-  static std::string_view trimmed(const char* text) {
-    std::string_view data = text ? text : "";
-    const std::size_t first = std::min(data.find_first_not_of(" \t\r\n"), data.size());
-    return data.substr(first, data.find_last_not_of(" \t\r\n") + 1 - first);
+    return number_at<std::uint64_t>(at, {header_bytes_}, swaps_bytes_);
   }
 
   // Elements
@@ -398,10 +377,12 @@ class VtuFile {
 
 }  // namespace
 
-ImportedMesh parse_vtu(std::string_view content, const std::string& name) { return VtuFile(content, name).read(); }
+ImportedMesh parse_vtu(std::string_view content, const std::string& name) {
+  return VtuFile(content, name).read(false).mesh;
+}
 
 ImportedState parse_vtu_state(std::string_view content, const std::string& name) {
-  return VtuFile(content, name).read_with_data();
+  return VtuFile(content, name).read(true);
 }
 
 ImportedState read_vtu_state(const std::filesystem::path& file) {

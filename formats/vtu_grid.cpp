@@ -65,23 +65,6 @@ std::string xml_of(const VtuGrid& grid, const Groups& groups, const Describe& de
   return xml + "    </Piece>\n  </UnstructuredGrid>\n";
 }
 
-/// Hands out the offsets of the appended blocks: 8 bytes of length, then the data. The blocks lie backwards, the last
-/// array first: meshio looks arrays up by their offsets while it replaces these one by one in the order of the blocks,
-/// and would take one array for another where an old offset and a new one are equal.
-class Offsets {
- public:
-  explicit Offsets(const Groups& groups) {
-    for (const std::vector<VtuArray>& group : groups)
-      for (const VtuArray& array : group) rest_ += block_size(array);
-  }
-  std::uint64_t next(const VtuArray& array) { return rest_ -= block_size(array); }
-
- private:
-  static std::uint64_t block_size(const VtuArray& array) { return sizeof(std::uint64_t) + array.bytes.size(); }
-
-  std::uint64_t rest_ = 0;  // size of the blocks of arrays that have not been described
-};
-
 // The connectivity is on one line, with one blank between two numbers: SOFA's MeshVTKLoader counts its blanks.
 template <class Number>
 std::string numbers_in_text(const VtuArray& array) {
@@ -124,10 +107,16 @@ void VtuGrid::add_cells(std::size_t count, std::uint8_t type, int corners) {
 
 void VtuGrid::write(const std::filesystem::path& file) const {
   const Groups groups = groups_of(*this);
-  Offsets offsets(groups);
+  // Appended blocks are 8 bytes of length, then the data. They lie backwards, the last array first: meshio looks arrays
+  // up by their offsets while it replaces these one by one in the order of the blocks, and would take one array for
+  // another where an old offset and a new one are equal.
+  const auto block_size = [](const VtuArray& array) { return sizeof(std::uint64_t) + array.bytes.size(); };
+  std::uint64_t rest = 0;  // size of the blocks of arrays that have not been described
+  for (const std::vector<VtuArray>& group : groups)
+    for (const VtuArray& array : group) rest += block_size(array);
   WholeFile out(file);
   out.write(xml_of(*this, groups, [&](const VtuArray& array) {
-    return fmt::format("format=\"appended\" offset=\"{}\"/>", offsets.next(array));
+    return fmt::format("format=\"appended\" offset=\"{}\"/>", rest -= block_size(array));
   }));
   out.write("  <AppendedData encoding=\"raw\">\n_");
   for (auto group = groups.rbegin(); group != groups.rend(); ++group)
