@@ -5,6 +5,7 @@
 #include <pybind11/pybind11.h>
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "hexaplast/base/types.hpp"
@@ -42,8 +43,19 @@ inline py::array view(const PointArray& field, py::handle owner) {
   return view(field.data(), {field.rows(), field.cols()}, owner);
 }
 
-inline py::array view(const std::vector<double>& values, py::handle owner) {
+template <class T>
+py::array view(const std::vector<T>& values, py::handle owner) {
   return view(values.data(), {static_cast<py::ssize_t>(values.size())}, owner);
+}
+template <class T>
+py::array view(const std::vector<std::array<T, kCorners>>& values, py::handle owner) {
+  return view(reinterpret_cast<const T*>(values.data()), {static_cast<py::ssize_t>(values.size()), kCorners}, owner);
+}
+
+/// A property: the read-only array on what `get` finds in an object, which it keeps alive.
+template <class Self, class Get>
+auto view_of(Get get) {
+  return [get](py::object self) { return view(std::invoke(get, self.cast<Self&>()), self); };
 }
 
 /// An array that takes over what a function returned.

@@ -24,7 +24,8 @@ void copy(std::span<const T> from, std::vector<T>& to) {
 }
 
 template <class T, class View>
-const T& kept(std::optional<T>& place, const View& present) {
+const T& kept(std::atomic_flag& taken, std::optional<T>& place, const View& present) {
+  const Turn turn(taken);
   if (!place) copy(present, place.emplace());
   return *place;
 }
@@ -34,9 +35,9 @@ void fill(std::optional<T>& place, const View& present) {
   if (place) copy(present, *place);
 }
 
-py::array corner_view(const std::vector<CornerValues>& values, py::handle owner) {
-  return view(reinterpret_cast<const double*>(values.data()), {static_cast<py::ssize_t>(values.size()), kCorners},
-              owner);
+/// Nodal positions [m] of a body, from Python.
+RealArray positions_of(const BodyState& b, py::handle given) {
+  return points("positions", given, b.body().mesh().num_nodes());
 }
 
 std::vector<Material> materials_from(const std::variant<Material, std::vector<Material>>& given) {
@@ -142,21 +143,16 @@ void add_reports(py::module_& module) {
 
   py::class_<ElementFields>(module, "Fields",
                             "One value per hexahedron, shape (m,). Removed ones: 0 but for the first two.")
-      .def_property_readonly(
-          "plastic_strain", [](py::object self) { return view(self.cast<ElementFields&>().plastic_strain, self); },
-          "[-] mean over the corners of the accumulated plastic strain")
-      .def_property_readonly(
-          "yield_stress", [](py::object self) { return view(self.cast<ElementFields&>().yield_stress, self); },
-          "[Pa] maximum of the corners; infinite if it never yields")
-      .def_property_readonly(
-          "volume_ratio", [](py::object self) { return view(self.cast<ElementFields&>().volume_ratio, self); },
-          "[-] volume without load / initial volume")
-      .def_property_readonly(
-          "stress_norm", [](py::object self) { return view(self.cast<ElementFields&>().stress_norm, self); },
-          "[Pa] maximum of the corners, in the body's yield norm")
-      .def_property_readonly(
-          "strain", [](py::object self) { return view(self.cast<ElementFields&>().strain, self); },
-          "[-] max |D - 1| of the corners");
+      .def_property_readonly("plastic_strain", view_of<ElementFields>(&ElementFields::plastic_strain),
+                             "[-] mean over the corners of the accumulated plastic strain")
+      .def_property_readonly("yield_stress", view_of<ElementFields>(&ElementFields::yield_stress),
+                             "[Pa] maximum of the corners; infinite if it never yields")
+      .def_property_readonly("volume_ratio", view_of<ElementFields>(&ElementFields::volume_ratio),
+                             "[-] volume without load / initial volume")
+      .def_property_readonly("stress_norm", view_of<ElementFields>(&ElementFields::stress_norm),
+                             "[Pa] maximum of the corners, in the body's yield norm")
+      .def_property_readonly("strain", view_of<ElementFields>(&ElementFields::strain),
+                             "[-] max |D - 1| of the corners");
 }
 
 void add_body_state(py::module_& module) {
@@ -170,97 +166,48 @@ void add_body_state(py::module_& module) {
           "initial_positions", [](const BodyState& b) { return view(b.body().mesh().positions(), b.keeper()); },
           "(n, 3) [m]")
       .def_property_readonly(
-          "hexahedra",
-          [](const BodyState& b) {
-            const std::vector<Hexahedron>& hexahedra = b.body().mesh().hexahedra();
-            return view(reinterpret_cast<const int*>(hexahedra.data()),
-                        {static_cast<py::ssize_t>(hexahedra.size()), kCorners}, b.keeper());
-          },
+          "hexahedra", [](const BodyState& b) { return view(b.body().mesh().hexahedra(), b.keeper()); },
           "(m, 8) node numbers, in the corner order of VTK's hexahedron")
       .def_property_readonly(
-          "plastic_rest_positions",
-          [](py::object self) {
-            auto& state = self.cast<BodyState&>();
-            const Turn turn(state.taken());
-            return view(state.material(), self);
-          },
+          "plastic_rest_positions", view_of<BodyState>(&BodyState::material),
           "(n, 3) [m]: the shape that the body would take when nothing pulled at it, as far as its pieces agree")
-      .def_property_readonly(
-          "corner_plastic_strain",
-          [](py::object self) {
-            auto& state = self.cast<BodyState&>();
-            const Turn turn(state.taken());
-            return corner_view(state.plastic_strain(), self);
-          },
-          "(m, 8) [-] accumulated, at the corners")
-      .def_property_readonly(
-          "corner_yield_stress",
-          [](py::object self) {
-            auto& state = self.cast<BodyState&>();
-            const Turn turn(state.taken());
-            return corner_view(state.yield_stress(), self);
-          },
-          "(m, 8) [Pa] at the corners, hardened; infinite where it never yields")
+      .def_property_readonly("corner_plastic_strain", view_of<BodyState>(&BodyState::plastic_strain),
+                             "(m, 8) [-] accumulated, at the corners")
+      .def_property_readonly("corner_yield_stress", view_of<BodyState>(&BodyState::yield_stress),
+                             "(m, 8) [Pa] at the corners, hardened; infinite where it never yields")
       .def_property_readonly(
           "alive",
           [](py::object self) {
-            auto& state = self.cast<BodyState&>();
-            const Turn turn(state.taken());
-            const std::vector<unsigned char>& alive = state.alive();
+            const std::vector<unsigned char>& alive = self.cast<BodyState&>().alive();
             return view(reinterpret_cast<const bool*>(alive.data()), {static_cast<py::ssize_t>(alive.size())}, self);
           },
           "(m,) bool: False where a hexahedron is gone")
-      .def_property_readonly(
-          "removed",
-          [](BodyState& b) {
-            const Turn turn(b.taken());
-            return std::vector<int>(b.body().removed().begin(), b.body().removed().end());
-          },
-          "hexahedra that are gone, in the order of their removal")
-      .def_property_readonly(
-          "dissipated_energy",
-          [](BodyState& b) {
-            const Turn turn(b.taken());
-            return b.body().dissipated_energy();
-          },
-          "[J] plastic work and loss by relaxation so far")
-      .def_property_readonly(
-          "initial_volume",
-          [](BodyState& b) {
-            const Turn turn(b.taken());
-            return b.body().initial_volume();
-          },
-          "[m^3] of the hexahedra that are left")
-      .def(
-          "volume",
-          [](BodyState& b, py::handle positions) {
-            const Turn turn(b.taken());
-            return b.body().volume(as_points(points("positions", positions, b.body().mesh().num_nodes())));
-          },
-          py::arg("positions"), "[m^3] of the hexahedra that are left, at nodal positions (n, 3) [m]")
-      .def(
-          "energy",
-          [](BodyState& b, py::handle positions) {
-            const Turn turn(b.taken());
-            return b.body().energy(as_points(points("positions", positions, b.body().mesh().num_nodes())));
-          },
-          py::arg("positions"), "Elastic energy [J] at nodal positions (n, 3) [m]")
-      .def(
-          "fields",
-          [](BodyState& b, py::handle positions) {
-            const Turn turn(b.taken());
-            return b.body().fields(as_points(points("positions", positions, b.body().mesh().num_nodes())));
-          },
-          py::arg("positions"), "One value per hexahedron of several quantities, at nodal positions (n, 3) [m]")
-      .def(
-          "history_hash",
-          [](BodyState& b) {
-            const Turn turn(b.taken());
-            StateHash hash;
-            b.body().add_to(hash);
-            return hash.text();
-          },
-          "16 hexadecimal digits: equal where the plastic histories are equal to the last bit");
+      .def_property_readonly("removed", in_turn([](BodyState& b) {
+                               return std::vector<int>(b.body().removed().begin(), b.body().removed().end());
+                             }),
+                             "hexahedra that are gone, in the order of their removal")
+      .def_property_readonly("dissipated_energy", in_turn([](BodyState& b) { return b.body().dissipated_energy(); }),
+                             "[J] plastic work and loss by relaxation so far")
+      .def_property_readonly("initial_volume", in_turn([](BodyState& b) { return b.body().initial_volume(); }),
+                             "[m^3] of the hexahedra that are left")
+      .def("volume", in_turn([](BodyState& b, py::handle positions) {
+             return b.body().volume(as_points(positions_of(b, positions)));
+           }),
+           py::arg("positions"), "[m^3] of the hexahedra that are left, at nodal positions (n, 3) [m]")
+      .def("energy", in_turn([](BodyState& b, py::handle positions) {
+             return b.body().energy(as_points(positions_of(b, positions)));
+           }),
+           py::arg("positions"), "Elastic energy [J] at nodal positions (n, 3) [m]")
+      .def("fields", in_turn([](BodyState& b, py::handle positions) {
+             return b.body().fields(as_points(positions_of(b, positions)));
+           }),
+           py::arg("positions"), "One value per hexahedron of several quantities, at nodal positions (n, 3) [m]")
+      .def("history_hash", in_turn([](BodyState& b) {
+             StateHash hash;
+             b.body().add_to(hash);
+             return hash.text();
+           }),
+           "16 hexadecimal digits: equal where the plastic histories are equal to the last bit");
 }
 
 void add_owned_body(py::module_& module) {
@@ -275,100 +222,68 @@ void add_owned_body(py::module_& module) {
            py::arg("positions"), py::arg("hexahedra"), py::arg("material") = Material(),
            py::arg("settings") = Settings(),
            "positions (n, 3) [m]; hexahedra (m, 8), in the corner order of VTK; one Material, or one per hexahedron")
-      .def(
-          "set_time_step",
-          [](Body& b, double dt) {
-            const Turn turn(b.taken());
-            b.body().set_time_step(dt);
-          },
-          py::arg("dt"),
-          "What follows is of a step of dt [s]; inf: of an equilibrium; 0: of a sudden change. A body whose settings "
-          "have\n"
-          "`relaxation` needs it before `force`, `energy` and `flow`; to others it does nothing")
-      .def(
-          "force",
-          [](Body& b, py::handle positions) {
-            const RealArray x = points("positions", positions, b.body().mesh().num_nodes());
-            const Turn turn(b.taken());
-            PointArray f = PointArray::Zero(x.shape(0), 3);
-            b.body().linearize(as_points(x));
-            b.body().add_force(f);
-            return taken(std::move(f));
-          },
-          py::arg("positions"), "Elastic nodal forces (n, 3) [N] at nodal positions (n, 3) [m]")
-      .def(
-          "stiffness_product",
-          [](Body& b, py::handle positions, py::handle dx) {
-            const Eigen::Index n = b.body().mesh().num_nodes();
-            const RealArray x = points("positions", positions, n), direction = points("dx", dx, n);
-            const Turn turn(b.taken());
-            PointArray df = PointArray::Zero(n, 3);
-            b.body().linearize(as_points(x));
-            b.body().add_stiffness_product(1, as_points(direction), df);
-            return taken(std::move(df));
-          },
-          py::arg("positions"), py::arg("dx"),
-          "(df/dx) dx (n, 3) [N] at nodal positions [m], rotations held fixed: negative semi-definite")
-      .def(
-          "flow",
-          [](Body& b, py::handle positions, double dt) {
-            const RealArray x = points("positions", positions, b.body().mesh().num_nodes());
-            const Turn turn(b.taken());
-            const py::gil_scoped_release others_may_run;
-            const FlowReport report = b.body().flow(as_points(x), dt);
-            b.refresh();
-            return report;
-          },
-          py::arg("positions"), py::arg("dt"),
-          "Plastic flow over dt [s] at accepted positions (n, 3) [m]: once per time step")
-      .def(
-          "remove",
-          [](Body& b, py::handle numbers) {
-            const std::vector<int> elements = indices("hexahedra", numbers, b.body().mesh().num_elements());
-            const Turn turn(b.taken());
-            b.body().remove(elements);
-            b.refresh();
-          },
-          py::arg("hexahedra"), "Takes hexahedra out, as if they had broken: their numbers, or a mask")
-      .def(
-          "reset",
-          [](Body& b) {
-            const Turn turn(b.taken());
-            b.body().reset();
-            b.refresh();
-          },
-          "Returns to the initial state")
-      .def(
-          "save",
-          [](Body& b) {
-            const Turn turn(b.taken());
-            std::ostringstream out(std::ios::binary);
-            b.body().save(out);
-            return py::bytes(out.str());
-          },
-          "Plastic history and materials, with a checksum: load() of a body with the same mesh and settings continues "
-          "from "
-          "them, bit for bit. Positions and velocities are not included")
-      .def(
-          "load",
-          [](Body& b, const py::bytes& data) {
-            const Turn turn(b.taken());
-            std::istringstream in(data, std::ios::binary);
-            b.body().load(in);
-            b.refresh();
-          },
-          py::arg("data"), "Takes over what save() returned. What is damaged or another body's is a ValueError")
-      .def(
-          "set_material",
-          [](Body& b, const std::variant<Material, std::vector<Material>>& material) {
-            const Turn turn(b.taken());
-            b.body().set_materials(materials_from(material));
-            b.refresh();
-          },
-          py::arg("material"),
-          "Makes the body of something else, one Material or one per hexahedron: what has flowed stays, thresholds "
-          "move "
-          "by as much as those of the material");
+      .def("set_time_step", in_turn([](Body& b, double dt) { b.body().set_time_step(dt); }), py::arg("dt"),
+           "What follows is of a step of dt [s]; inf: of an equilibrium; 0: of a sudden change. A body whose settings "
+           "have\n"
+           "`relaxation` needs it before `force`, `energy` and `flow`; to others it does nothing")
+      .def("force", in_turn([](Body& b, py::handle positions) {
+             const RealArray x = positions_of(b, positions);
+             PointArray f = PointArray::Zero(x.shape(0), 3);
+             b.body().linearize(as_points(x));
+             b.body().add_force(f);
+             return taken(std::move(f));
+           }),
+           py::arg("positions"), "Elastic nodal forces (n, 3) [N] at nodal positions (n, 3) [m]")
+      .def("stiffness_product", in_turn([](Body& b, py::handle positions, py::handle dx) {
+             const Eigen::Index n = b.body().mesh().num_nodes();
+             const RealArray x = points("positions", positions, n), direction = points("dx", dx, n);
+             PointArray df = PointArray::Zero(n, 3);
+             b.body().linearize(as_points(x));
+             b.body().add_stiffness_product(1, as_points(direction), df);
+             return taken(std::move(df));
+           }),
+           py::arg("positions"), py::arg("dx"),
+           "(df/dx) dx (n, 3) [N] at nodal positions [m], rotations held fixed: negative semi-definite")
+      .def("flow", in_turn([](Body& b, py::handle positions, double dt) {
+             const RealArray x = positions_of(b, positions);
+             const py::gil_scoped_release others_may_run;
+             const FlowReport report = b.body().flow(as_points(x), dt);
+             b.refresh();
+             return report;
+           }),
+           py::arg("positions"), py::arg("dt"),
+           "Plastic flow over dt [s] at accepted positions (n, 3) [m]: once per time step")
+      .def("remove", in_turn([](Body& b, py::handle numbers) {
+             const std::vector<int> elements = indices("hexahedra", numbers, b.body().mesh().num_elements());
+             b.body().remove(elements);
+             b.refresh();
+           }),
+           py::arg("hexahedra"), "Takes hexahedra out, as if they had broken: their numbers, or a mask")
+      .def("reset", in_turn([](Body& b) {
+             b.body().reset();
+             b.refresh();
+           }),
+           "Returns to the initial state")
+      .def("save", in_turn([](Body& b) {
+             std::ostringstream out(std::ios::binary);
+             b.body().save(out);
+             return py::bytes(out.str());
+           }),
+           "Plastic history and materials, with a checksum: load() of a body with the same mesh and settings continues "
+           "from them, bit for bit. Positions and velocities are not included")
+      .def("load", in_turn([](Body& b, const py::bytes& data) {
+             std::istringstream in(data, std::ios::binary);
+             b.body().load(in);
+             b.refresh();
+           }),
+           py::arg("data"), "Takes over what save() returned. What is damaged or another body's is a ValueError")
+      .def("set_material", in_turn([](Body& b, const std::variant<Material, std::vector<Material>>& material) {
+             b.body().set_materials(materials_from(material));
+             b.refresh();
+           }),
+           py::arg("material"),
+           "Makes the body of something else, one Material or one per hexahedron: what has flowed stays, thresholds "
+           "move by as much as those of the material");
 }
 
 }  // namespace
@@ -378,10 +293,14 @@ py::capsule BodyState::keeper() const {
   return py::capsule(new Kept(body_), [](void* memory) { delete static_cast<Kept*>(memory); });
 }
 
-const PointArray& BodyState::material() { return kept(material_, body_->plastic_rest_positions()); }
-const std::vector<CornerValues>& BodyState::plastic_strain() { return kept(plastic_strain_, body_->plastic_strain()); }
-const std::vector<CornerValues>& BodyState::yield_stress() { return kept(yield_stress_, body_->yield_stress()); }
-const std::vector<unsigned char>& BodyState::alive() { return kept(alive_, body_->alive()); }
+const PointArray& BodyState::material() { return kept(taken(), material_, body_->plastic_rest_positions()); }
+const std::vector<CornerValues>& BodyState::plastic_strain() {
+  return kept(taken(), plastic_strain_, body_->plastic_strain());
+}
+const std::vector<CornerValues>& BodyState::yield_stress() {
+  return kept(taken(), yield_stress_, body_->yield_stress());
+}
+const std::vector<unsigned char>& BodyState::alive() { return kept(taken(), alive_, body_->alive()); }
 
 void BodyState::refresh() {
   fill(material_, body_->plastic_rest_positions());

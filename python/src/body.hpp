@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "arrays.hpp"
 #include "hexaplast/body.hpp"
@@ -24,6 +25,19 @@ class Turn {
  private:
   std::atomic_flag& taken_;
 };
+
+/// A function that has its first argument to itself while it runs.
+template <class Call, class Lambda, class Result, class Self, class... Arguments>
+auto in_turn(Call call, Result (Lambda::*)(Self&, Arguments...) const) {
+  return [call](Self& self, Arguments... arguments) -> Result {
+    const Turn turn(self.taken());
+    return call(self, std::forward<Arguments>(arguments)...);
+  };
+}
+template <class Call>
+auto in_turn(Call call) {
+  return in_turn(call, &Call::operator());
+}
 
 /// What can be read of a body. A step replaces the arrays of a body's history; those that somebody looks at are kept
 /// here, in places that stay, and are filled anew after every change.

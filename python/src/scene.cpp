@@ -256,11 +256,8 @@ void add_scene(py::module_& module) {
   py::class_<SceneBody, BodyState, std::shared_ptr<SceneBody>>(
       module, "SceneBody", "One of the bodies of a Scene. positions and velocities are read-only views that follow it.")
       .def_property_readonly("name", &SceneBody::name, "that of its node, or body_2 where that is no name or another's")
-      .def_property_readonly(
-          "positions", [](py::object self) { return view(self.cast<SceneBody&>().positions(), self); }, "(n, 3) [m]")
-      .def_property_readonly(
-          "velocities", [](py::object self) { return view(self.cast<SceneBody&>().velocities(), self); },
-          "(n, 3) [m/s]");
+      .def_property_readonly("positions", view_of<SceneBody>(&SceneBody::positions), "(n, 3) [m]")
+      .def_property_readonly("velocities", view_of<SceneBody>(&SceneBody::velocities), "(n, 3) [m/s]");
 
   py::class_<Scene>(module, "Scene",
                     "A scene file in motion, step by step: the same bits as `hexaplast run` computes. positions and\n"
@@ -274,30 +271,15 @@ void add_scene(py::module_& module) {
       .def_property_readonly(
           "body", &Scene::body,
           "The only SceneBody; None where the scene has only masses. ValueError where it has several")
-      .def_property_readonly(
-          "positions", [](py::object self) { return view(self.cast<Scene&>().positions(), self); },
-          "(n, 3) [m]; of several bodies the nodes of one behind those of another")
-      .def_property_readonly(
-          "velocities", [](py::object self) { return view(self.cast<Scene&>().velocities(), self); },
-          "(n, 3) [m/s], as positions")
+      .def_property_readonly("positions", view_of<Scene>(&Scene::positions),
+                             "(n, 3) [m]; of several bodies the nodes of one behind those of another")
+      .def_property_readonly("velocities", view_of<Scene>(&Scene::velocities), "(n, 3) [m/s], as positions")
       .def_property_readonly("dt", &Scene::dt, "[s]")
       .def_property_readonly("time", &Scene::time, "[s]")
       .def_property_readonly("num_steps", &Scene::num_steps, "steps so far")
       .def_property_readonly("planned_steps", &Scene::planned_steps, "those of RunSettings; None where it says none")
-      .def_property_readonly(
-          "kinetic_energy",
-          [](Scene& s) {
-            const Turn turn(s.taken());
-            return s.kinetic_energy();
-          },
-          "[J]")
-      .def_property_readonly(
-          "elastic_energy",
-          [](Scene& s) {
-            const Turn turn(s.taken());
-            return s.elastic_energy();
-          },
-          "[J]")
+      .def_property_readonly("kinetic_energy", in_turn([](Scene& s) { return s.kinetic_energy(); }), "[J]")
+      .def_property_readonly("elastic_energy", in_turn([](Scene& s) { return s.elastic_energy(); }), "[J]")
       .def("step", &Scene::step, "One time step")
       .def("run", &Scene::run, py::arg("steps") = py::none(),
            "Several steps; without a number, up to those that the scene's RunSettings say. Reports the worst of them")
@@ -305,13 +287,8 @@ void add_scene(py::module_& module) {
            "From now on, states are kept for show(): of all steps at most 60, at equal distances. reset begins anew")
       .def("_page", &Scene::page)
       .def("reset", &Scene::reset, "Back to the beginning")
-      .def(
-          "state_hash",
-          [](Scene& s) {
-            const Turn turn(s.taken());
-            return s.state_hash();
-          },
-          "16 hexadecimal digits, as `hexaplast run` prints them");
+      .def("state_hash", in_turn([](Scene& s) { return s.state_hash(); }),
+           "16 hexadecimal digits, as `hexaplast run` prints them");
 
   module.def(
       "run",

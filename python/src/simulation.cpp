@@ -35,6 +35,9 @@ class Simulation {
   }
 
   MovingBody& get() { return *moving_; }
+  const PointArray& positions() const { return moving_->x; }
+  const PointArray& velocities() const { return moving_->v; }
+  const std::vector<double>& masses() const { return moving_->mass(); }
   const std::shared_ptr<Body>& body() const { return body_; }
   std::atomic_flag& taken() { return body_->taken(); }
   int num_nodes() const { return moving_->body.mesh().num_nodes(); }
@@ -160,35 +163,23 @@ void add_simulation(py::module_& module) {
            "density [kg/m^3], dt [s], gravity [m/s^2], rayleigh_mass [1/s], rayleigh_stiffness [s]; solver: direct\n"
            "(sparse Cholesky), or cg (conjugate gradients to a relative residual of tolerance)")
       .def_property_readonly("body", &Simulation::body)
-      .def_property_readonly(
-          "positions", [](py::object self) { return view(self.cast<Simulation&>().get().x, self); }, "(n, 3) [m]")
-      .def_property_readonly(
-          "velocities", [](py::object self) { return view(self.cast<Simulation&>().get().v, self); }, "(n, 3) [m/s]")
-      .def_property_readonly(
-          "masses", [](py::object self) { return view(self.cast<Simulation&>().get().mass(), self); },
-          "(n,) [kg] of the nodes")
+      .def_property_readonly("positions", view_of<Simulation>(&Simulation::positions), "(n, 3) [m]")
+      .def_property_readonly("velocities", view_of<Simulation>(&Simulation::velocities), "(n, 3) [m/s]")
+      .def_property_readonly("masses", view_of<Simulation>(&Simulation::masses), "(n,) [kg] of the nodes")
       .def_property_readonly(
           "dt", [](Simulation& s) { return s.get().dt(); }, "[s]")
       .def_property_readonly(
           "time", [](Simulation& s) { return s.get().time(); }, "[s]")
       .def_property_readonly(
           "num_steps", [](Simulation& s) { return s.get().steps(); }, "steps so far")
-      .def_property_readonly(
-          "kinetic_energy",
-          [](Simulation& s) {
-            const Turn turn(s.taken());
-            const std::vector<double>& mass = s.get().mass();
-            const auto size = static_cast<Eigen::Index>(mass.size());
-            return kinetic_energy(Eigen::Map<const Eigen::VectorXd>(mass.data(), size), s.get().v);
-          },
-          "[J]")
-      .def_property_readonly(
-          "elastic_energy",
-          [](Simulation& s) {
-            const Turn turn(s.taken());
-            return s.get().body.energy(s.get().x);
-          },
-          "[J]")
+      .def_property_readonly("kinetic_energy", in_turn([](Simulation& s) {
+                               const std::vector<double>& mass = s.get().mass();
+                               const auto size = static_cast<Eigen::Index>(mass.size());
+                               return kinetic_energy(Eigen::Map<const Eigen::VectorXd>(mass.data(), size), s.get().v);
+                             }),
+                             "[J]")
+      .def_property_readonly("elastic_energy", in_turn([](Simulation& s) { return s.get().body.energy(s.get().x); }),
+                             "[J]")
       .def(
           "step", [](Simulation& s, py::object forces) { return s.run(1, std::move(forces)); },
           py::arg("forces") = py::none(), "One time step under nodal forces (n, 3) [N]; without, under none")
@@ -200,36 +191,28 @@ void add_simulation(py::module_& module) {
           },
           py::arg("steps"), py::arg("forces") = py::none(),
           "Several steps under constant nodal forces (n, 3) [N]; reports the worst of them")
+      .def("fix", in_turn([](Simulation& s, py::handle nodes) {
+             const std::vector<int> numbers = indices("nodes", nodes, s.num_nodes());
+             s.get().fix(numbers);
+             s.mark_fixed(numbers, true);
+           }),
+           py::arg("nodes"), "Nodes (numbers, or a mask) keep their positions from now on")
       .def(
-          "fix",
-          [](Simulation& s, py::handle nodes) {
-            const std::vector<int> numbers = indices("nodes", nodes, s.num_nodes());
-            const Turn turn(s.taken());
-            s.get().fix(numbers);
-            s.mark_fixed(numbers, true);
-          },
-          py::arg("nodes"), "Nodes (numbers, or a mask) keep their positions from now on")
-      .def(
-          "prescribe",
-          [](Simulation& s, py::handle nodes, py::handle positions) {
+          "prescribe", in_turn([](Simulation& s, py::handle nodes, py::handle positions) {
             const std::vector<int> numbers = indices("nodes", nodes, s.num_nodes());
             const RealArray to = points("positions", positions, static_cast<Eigen::Index>(numbers.size()));
-            const Turn turn(s.taken());
             s.get().prescribe(numbers, as_points(to));
             s.mark_fixed(numbers, true);
-          },
+          }),
           py::arg("nodes"), py::arg("positions"),
           "Nodes (numbers, or a mask) move to positions (one row [m] per node) in the next step, and stand still after "
           "it")
-      .def(
-          "release",
-          [](Simulation& s, py::handle nodes) {
-            const std::vector<int> numbers = indices("nodes", nodes, s.num_nodes());
-            const Turn turn(s.taken());
-            s.get().release(numbers);
-            s.mark_fixed(numbers, false);
-          },
-          py::arg("nodes"), "Nodes (numbers, or a mask) move freely again")
+      .def("release", in_turn([](Simulation& s, py::handle nodes) {
+             const std::vector<int> numbers = indices("nodes", nodes, s.num_nodes());
+             s.get().release(numbers);
+             s.mark_fixed(numbers, false);
+           }),
+           py::arg("nodes"), "Nodes (numbers, or a mask) move freely again")
       .def("set_state", &Simulation::set_state, py::arg("positions"), py::arg("velocities"),
            "Replaces positions (n, 3) [m] and velocities (n, 3) [m/s]")
       .def("record", &Simulation::record,
@@ -237,20 +220,10 @@ void add_simulation(py::module_& module) {
            "begin anew")
       .def("_page", &Simulation::page)
       .def("reset", &Simulation::reset, "Back to the beginning; fixed nodes stay fixed")
-      .def(
-          "fields",
-          [](Simulation& s) {
-            const Turn turn(s.taken());
-            return s.get().body.fields(s.get().x);
-          },
-          "Fields at the present positions")
-      .def(
-          "state_hash",
-          [](Simulation& s) {
-            const Turn turn(s.taken());
-            return s.get().state_hash();
-          },
-          "16 hexadecimal digits over positions, velocities and everything plastic");
+      .def("fields", in_turn([](Simulation& s) { return s.get().body.fields(s.get().x); }),
+           "Fields at the present positions")
+      .def("state_hash", in_turn([](Simulation& s) { return s.get().state_hash(); }),
+           "16 hexadecimal digits over positions, velocities and everything plastic");
 }
 
 }  // namespace hexaplast::python
