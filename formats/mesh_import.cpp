@@ -5,31 +5,21 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "hexaplast/base/error.hpp"
 
 namespace hexaplast {
 namespace {
 
-/// Adds cells that are not there yet, whatever the order of their nodes.
+/// A function that adds a cell which is not there yet, whatever the order of its nodes.
 template <class Cell>
-class WithoutTwins {
- public:
-  explicit WithoutTwins(std::vector<Cell>& cells) : cells_(cells) {
-    for (const Cell& cell : cells) known_.insert(sorted(cell));
-  }
-  void add(const Cell& cell) {
-    if (known_.insert(sorted(cell)).second) cells_.push_back(cell);
-  }
-
- private:
-  std::vector<Cell>& cells_;
-  std::set<Cell> known_;
-};
-
-template <std::size_t N>
-void add_edges_of(const std::array<int, N>& face, WithoutTwins<Edge>& edges) {
-  for (std::size_t k = 0; k < N; ++k) edges.add({face[(k + 1) % N], face[(k + 2) % N]});
+auto without_twins(std::vector<Cell>& cells) {
+  std::set<Cell> known;
+  for (const Cell& cell : cells) known.insert(sorted(cell));
+  return [&cells, known = std::move(known)](const Cell& cell) mutable {
+    if (known.insert(sorted(cell)).second) cells.push_back(cell);
+  };
 }
 
 }  // namespace
@@ -82,13 +72,16 @@ void triangulate(ImportedMesh& mesh) {
 }
 
 void add_boundaries_of_cells(ImportedMesh& mesh) {
-  WithoutTwins<Quad> quads(mesh.quads);
+  auto add_quad = without_twins(mesh.quads);
   for (const Hexahedron& hexahedron : mesh.hexahedra)
-    for (const Quad& face : kFaces) quads.add(face_of(hexahedron, face));
+    for (const Quad& face : kFaces) add_quad(face_of(hexahedron, face));
 
-  WithoutTwins<Edge> edges(mesh.edges);
-  for (const Quad& quad : mesh.quads) add_edges_of(quad, edges);
-  for (const Triangle& triangle : mesh.triangles) add_edges_of(triangle, edges);
+  auto add_edges = [add_edge = without_twins(mesh.edges)](const auto& faces) mutable {
+    for (const auto& face : faces)
+      for (std::size_t n = face.size(), k = 0; k < n; ++k) add_edge({face[(k + 1) % n], face[(k + 2) % n]});
+  };
+  add_edges(mesh.quads);
+  add_edges(mesh.triangles);
 }
 
 void remove_unused_nodes(ImportedMesh& mesh) {
