@@ -60,10 +60,14 @@ def file_error(text):
     return FileError(f"hexaplast: error: {text}")
 
 
-def report_errors(action):
-    """The exit code of a program; errors are printed."""
+def run_program(action, report, when_ended):
+    """The exit code of a program; errors are printed. when_ended: what a signal means for its files."""
+    watch_signals()
     try:
         return action()
+    except Ended as ended:
+        report.warn(f"ended by signal {ended.number}; {when_ended}")
+        return 128 + ended.number
     except StudyError as error:
         print(error, file=sys.stderr)
         return error.code
@@ -287,14 +291,7 @@ class Report:
     def say(self, text):
         pass
 
-    def warn(self, text):
-        pass
-
-    def error(self, text):
-        pass
-
-    def progress(self, text):
-        pass
+    warn = error = progress = say
 
 
 class TerminalReport(Report):

@@ -13,8 +13,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from . import command, confidence, curve, picture, states
-from .command import Ended, Report, TerminalReport, file_error, usage_error
-from .options import Parser, add_jobs, add_scene, names, whole_number
+from .command import Report, TerminalReport, file_error, usage_error
+from .options import Parser, add_jobs, add_scene, names, num_jobs, number, whole_number
 
 FIRST_STEP = 0.2  # of the range: how far it looks around
 SLOPE_STEP = 0.01  # of the range, for differences
@@ -67,19 +67,12 @@ class Free:
 def parse_free(text):
     """Of PATH.attribute=lo:hi[:log|:linear]. Raises UsageError."""
     option = f"--free {text}"
-
-    def number(word):
-        try:
-            return float(word)
-        except ValueError:
-            raise usage_error(f"{option}: '{word}' is no number") from None
-
     name, equals, given = text.partition("=")
     low, colon, high = given.partition(":")
     high, _, scale = high.partition(":")
     if not equals or not colon or scale not in ("", "log", "linear") or given.count(":") != (2 if scale else 1):
         raise usage_error(f"{option}: {FREE_FORM}")
-    low, high = number(low), number(high)
+    low, high = number(low, option), number(high, option)
     if not low < high:
         raise usage_error(f"{option}: lo must be less than hi, {low:g} is not less than {high:g}")
     is_logarithmic = scale == "log" if scale else low > 0 and high >= SPANS_DECADES * low
@@ -101,6 +94,11 @@ class Experiment:
     scene_hash: str = ""
     target: curve.Target = None
     moments: list = None  # [s] per row
+
+    @staticmethod
+    def of(scene, file, compare, common, own, *places):
+        """places: mesh_path, plugins, plugin_path."""
+        return Experiment(scene, file, compare, common + own, own, command.scene_words(scene, common + own, *places))
 
     def title(self):
         return pathlib.Path(self.scene).stem
@@ -148,26 +146,12 @@ def answer(question, assignments):
         messages.seek(0)
         text = messages.read().strip()
     if code == 0:
-        values = [value for column in question.columns
-                  for value in _at(question.moments, found["times"], found[column], question.dt)]
-        if not np.all(np.isfinite(values)):
+        # linear between steps; none beyond the end
+        ends = found["times"][-1] + curve.SAME_MOMENT * question.dt
+        values = np.concatenate([np.interp(question.moments, found["times"], found[column]) for column in question.columns])
+        if question.moments[-1] > ends or not np.all(np.isfinite(values)):
             code, values, text = 4, None, "the run has no numbers at the moments of the curve"
     return code, values, text
-
-
-def _at(moments, times, values, dt):
-    """Values at moments, linear between steps; NaN beyond the end."""
-    found = []
-    for moment in moments:
-        k = int(np.searchsorted(times, moment - curve.SAME_MOMENT * dt))
-        if k == len(times):
-            found.append(math.nan)
-            continue
-        before, now = times[max(k - 1, 0)], times[k]
-        fraction = min(max((moment - before) / (now - before), 0.0), 1.0) if now > before else 1.0
-        low, high = values[max(k - 1, 0)], values[k]
-        found.append(float(low + fraction * (high - low)))
-    return found
 
 
 class OutOfEvaluations(Exception):
@@ -586,7 +570,7 @@ def carry_out_fit(experiments, free, executor, *, out, steps, jobs, threads, eva
             # opened before the first run, so that a long fit does not end in a file that cannot be written
             files = [stack.enter_context(command.WholeFile(place)) for place in places]
         processors = len(os.sched_getaffinity(0))
-        num = min(jobs or max(1, processors // (threads or 1)), 2 * len(free) * len(experiments))
+        num = min(num_jobs(jobs, threads), 2 * len(free) * len(experiments))
         with command.workers(executor, num) as workers:
             runs = Evaluations(free, questions(threads or (1 if executor else max(1, processors // num))), workers, evaluations,
                                lambda done: report.progress(f"{done} of {evaluations}"))
@@ -623,9 +607,9 @@ def fit(scene, target, free, executor=None, *, out, jobs=None, compare=(), exper
     dicts with "scene" and "target", and where wanted "compare" and "overrides", which hold for this one.
     """
     def experiment(scene, target, compare=(), overrides=None):
-        scene, own = pathlib.Path(scene).absolute(), command.assignments(overrides)
-        return Experiment(str(scene), str(pathlib.Path(target).absolute()), list(compare), common + own, own,
-                          command.scene_words(scene, common + own, mesh_path, plugins, plugin_path))
+        scene, target = (str(pathlib.Path(path).absolute()) for path in (scene, target))
+        return Experiment.of(scene, target, list(compare), common, command.assignments(overrides), mesh_path, plugins,
+                             plugin_path)
 
     common = command.assignments(overrides)
     all_experiments = [experiment(scene, target, compare), *[experiment(**one) for one in experiments]]
@@ -667,12 +651,10 @@ def parse(arguments):
 
 
 def experiments_of(given):
-    def experiment(scene, file, compare, own=()):
-        overrides = [*given.set, *own]
-        return Experiment(scene, file, compare, overrides, own, command.scene_words(scene, overrides, given.mesh_path,
-                                                                                    given.plugin, given.plugin_path))
+    def experiment(scene, file, compare, own):
+        return Experiment.of(scene, file, compare, given.set, own, given.mesh_path, given.plugin, given.plugin_path)
 
-    found = [experiment(given.scene, given.target, given.compare)]
+    found = [experiment(given.scene, given.target, given.compare, [])]
     for words in given.experiment:
         if len(words) < 2:
             raise usage_error(f"--experiment {' '.join(words)}: must be SCENE CURVE.csv [COLUMN,...] [PATH.attribute=VALUE ...]")
@@ -690,9 +672,4 @@ def main():
                       jobs=given.jobs, threads=given.threads, evaluations=given.evaluations, force=given.force, report=report)
         return 0
 
-    command.watch_signals()
-    try:
-        return command.report_errors(carry_out)
-    except Ended as ended:
-        report.warn(f"ended by signal {ended.number}; nothing is written")
-        return 128 + ended.number
+    return command.run_program(carry_out, report, "nothing is written")

@@ -39,6 +39,14 @@ def whole_number(least, most):
     return read
 
 
+def number(word, option):
+    """Raises UsageError."""
+    try:
+        return float(word)
+    except ValueError:
+        raise command.usage_error(f"{option}: '{word}' is no number") from None
+
+
 def names(text):
     """Of a list with commas."""
     return text.split(",")

@@ -20,8 +20,8 @@ import time
 import numpy as np
 
 from . import command, picture
-from .command import Ended, Report, TerminalReport, file_error, usage_error
-from .options import Parser, add_jobs, add_scene, names, num_jobs, whole_number
+from .command import Report, TerminalReport, file_error, usage_error
+from .options import Parser, add_jobs, add_scene, names, num_jobs, number, whole_number
 
 MAX_RUNS, MAX_VALUES, MAX_SHARDS = 100_000, 10_000, 100_000
 FORM = "must be PATH.attribute=a:b:n, PATH.attribute=a:b:n:log or PATH.attribute=v1,v2,..."
@@ -62,12 +62,6 @@ def parse_factor(text):
     def refuse(what):
         raise usage_error(f"--vary {text}: {what}")
 
-    def number(word):
-        try:
-            return float(word)
-        except ValueError:
-            return refuse(f"'{word}' is no number")
-
     attribute, equals, given = text.partition("=")
     if not equals or not attribute:
         refuse(FORM)
@@ -77,7 +71,7 @@ def parse_factor(text):
     is_logarithmic = len(parts) == 4 and parts[3] == "log"
     if len(parts) != 3 and not is_logarithmic:
         refuse(FORM)
-    a, b = number(parts[0]), number(parts[1])
+    a, b = (number(part, f"--vary {text}") for part in parts[:2])
     if is_logarithmic and not (a > 0 and b > 0):
         refuse("equal factors need limits greater than 0")
     if not parts[2].isdecimal() or not 2 <= int(parts[2]) <= MAX_VALUES:
@@ -144,19 +138,12 @@ class Task:
     words: list  # of `hexaplast run`, without the values
     has_data: bool
 
-    @property
-    def place(self):
-        return pathlib.Path(self.out, f"run_{self.number}")
-
-    @property
-    def part(self):
-        return pathlib.Path(self.out, f"run_{self.number}.part")
-
 
 def carry_out(task):
     """Carries out a run in a directory, which gets its name when the run is complete. Returns exit code, what case.json
     holds (None: the run must be repeated), the first line of its messages, and its doubts."""
-    part = task.part
+    place = pathlib.Path(task.out, f"run_{task.number}")
+    part = place.with_suffix(".part")
     shutil.rmtree(part, ignore_errors=True)
     part.mkdir()
     # after the --set of the scene: of several for one attribute the last one counts
@@ -195,7 +182,7 @@ def carry_out(task):
     (part / "case.json").write_text(json.dumps(case, indent=1, allow_nan=False) + "\n")
     sync(part / "case.json")
     command.sync_directory(part)
-    part.rename(task.place)
+    part.rename(place)
     command.sync_directory(part.parent)
     return code, case, line, doubts
 
@@ -470,9 +457,14 @@ def carry_out_all(directory, words, executor, report):
     return num_lost
 
 
-def carry_out_sweep(scene, words, run_words, factors, executor, *, out, steps, strict, fields, every, shard, jobs, force,
+def carry_out_sweep(scene, words, factors, executor, *, out, steps, strict, fields, every, shard, jobs, threads, force,
                     report):
     """A sweep in its directory. Returns the directory, how many runs are missing, and the exit code."""
+    options = ["--threads", str(threads or 1), *["--strict"] * bool(strict)]
+    if steps is not None:
+        options += ["--steps", str(steps)]
+    if fields:
+        options += ["--fields", ",".join(fields), "--every", str(every)]
     if shard:
         parse_shard(shard)
     Grid(factors)
@@ -484,20 +476,11 @@ def carry_out_sweep(scene, words, run_words, factors, executor, *, out, steps, s
         if directory.cases:
             report.say(f"{len(directory.cases)} of {len(directory.own)} runs are done already")
         directory.write_table()
-        with command.workers(executor, jobs) as executor:
-            num_lost = carry_out_all(directory, run_words, executor, report)
+        with command.workers(executor, num_jobs(jobs, threads)) as executor:
+            num_lost = carry_out_all(directory, options + words, executor, report)
         if not shard:
             directory.write_overviews(report.warn)
         return directory, num_lost, directory.conclude(report)
-
-
-def run_words_of(words, *, steps, strict, fields, every, threads):
-    options = ["--threads", str(threads or 1), *["--strict"] * bool(strict)]
-    if steps is not None:
-        options += ["--steps", str(steps)]
-    if fields:
-        options += ["--fields", ",".join(fields), "--every", str(every)]
-    return options + words
 
 
 def merge(shards, out, force, report):
@@ -613,7 +596,8 @@ def sweep(scene, grid, executor=None, *, out, steps=None, overrides=None, fields
     Runs that fail are rows with their exit code. Raises ValueError for a scene, an attribute or a value that is not accepted,
     OSError for files, and OSError if runs were killed: `out` has the others, and the same call carries out what is missing.
     """
-    words = command.scene_words(pathlib.Path(scene).absolute(), command.assignments(overrides), mesh_path, plugins, plugin_path)
+    scene, out = pathlib.Path(scene).absolute(), pathlib.Path(out).absolute()
+    words = command.scene_words(scene, command.assignments(overrides), mesh_path, plugins, plugin_path)
     factors = []
     for name, values in grid.items():
         if isinstance(values, str):
@@ -624,11 +608,9 @@ def sweep(scene, grid, executor=None, *, out, steps=None, overrides=None, fields
             factors.append(factor_of(name, [command.text_of(value) for value in values], False, name))
     if not factors:
         raise usage_error("nothing is varied")
-    run_words = run_words_of(words, steps=steps, strict=strict, fields=fields, every=every, threads=threads)
-    out = pathlib.Path(out).absolute()
-    directory, num_lost, _ = carry_out_sweep(
-        pathlib.Path(scene).absolute(), words, run_words, factors, executor, out=out, steps=steps, strict=strict,
-        fields=fields, every=every, shard=None, jobs=num_jobs(jobs, threads), force=force, report=Report())
+    directory, num_lost, _ = carry_out_sweep(scene, words, factors, executor, out=out, steps=steps, strict=strict,
+                                             fields=fields, every=every, shard=None, jobs=jobs, threads=threads, force=force,
+                                             report=Report())
     if num_lost:
         raise file_error(f"{out}: {num_lost} of {directory.grid.num_runs} runs are missing: the same call carries them out")
     return Sweep(out)
@@ -679,21 +661,14 @@ def main():
         if given.every and not given.fields:
             raise usage_error("--every requires --fields")
         words = command.scene_words(given.scene, given.set, given.mesh_path, given.plugin, given.plugin_path)
-        run_words = run_words_of(words, steps=given.steps, strict=given.strict, fields=given.fields, every=given.every or 1,
-                                 threads=given.threads)
         directory, num_lost, code = carry_out_sweep(
-            given.scene, words, run_words, [parse_factor(text) for text in given.vary], None, out=given.out,
-            steps=given.steps, strict=given.strict, fields=given.fields, every=given.every or 1, shard=given.shard,
-            jobs=num_jobs(given.jobs, given.threads), force=given.force, report=report)
+            given.scene, words, [parse_factor(text) for text in given.vary], None, out=given.out, steps=given.steps,
+            strict=given.strict, fields=given.fields, every=given.every or 1, shard=given.shard, jobs=given.jobs,
+            threads=given.threads, force=given.force, report=report)
         if num_lost:
             report.error(f"{directory.plan['title']}: error: {num_lost} of {len(directory.own)} runs are missing: the same "
                          "command carries them out")
             return 5
         return code
 
-    command.watch_signals()
-    try:
-        return command.report_errors(carry_out_merge if given.merge else carry_out_new)
-    except Ended as ended:
-        report.warn(f"ended by signal {ended.number}; the same command resumes it")
-        return 128 + ended.number
+    return command.run_program(carry_out_merge if given.merge else carry_out_new, report, "the same command resumes it")

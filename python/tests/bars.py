@@ -9,11 +9,19 @@ import time
 SECTION = 0.25  # [m^2]
 COMMAND = os.environ["HEXAPLAST_COMMAND"]
 SCENES = pathlib.Path(__file__).resolve().parents[2] / "scenes"
+STRETCHED = SCENES / "bar_stretch_high.scn"
 
 
 def command(*words, cwd=None, before=()):
+    # what Python loads for its own sake, a sanitizer say, is none of the command's
     environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
     return subprocess.run([*before, COMMAND, *map(str, words)], cwd=cwd, env=environment, capture_output=True, text=True)
+
+
+def carry_out(*words):
+    """`hexaplast run` with these words, which must succeed."""
+    ended = command("run", *words, "--quiet")
+    assert ended.returncode == 0, ended.stderr
 
 
 def _bar(solver, material, load):

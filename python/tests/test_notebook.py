@@ -6,7 +6,6 @@ import json
 import os
 import pathlib
 import re
-import subprocess
 import sys
 import tempfile
 
@@ -14,6 +13,8 @@ import numpy as np
 import pytest
 
 import hexaplast
+
+from bars import STRETCHED, carry_out
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "page"))
@@ -104,7 +105,7 @@ def test_removed_hexahedra_are_gone_in_the_states_after():
 
 
 def test_a_scene_shows_what_it_ran():
-    scene = hexaplast.run(ROOT / "scenes" / "bar_stretch_high.scn", steps=20, record=True)
+    scene = hexaplast.run(STRETCHED, steps=20, record=True)
     data, arrays = shown(hexaplast.show(scene))
     assert data["title"] == "bar_stretch_high" and len(data["states"]) == 21
     assert np.abs(positions_shown(data, arrays, 20) - scene.positions).max() < rounding(data)
@@ -112,9 +113,7 @@ def test_a_scene_shows_what_it_ran():
 
 
 def test_a_run_is_shown_as_its_report_shows_it(tmp_path):
-    environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
-    subprocess.run([os.environ["HEXAPLAST_COMMAND"], "run", ROOT / "scenes" / "bar_stretch_high.scn", "--steps", "10",
-                    "--frames", "0", "--quiet", "--out", tmp_path / "out"], env=environment, check=True)
+    carry_out(STRETCHED, "--steps", 10, "--frames", 0, "--out", tmp_path / "out")
     of_report = viewer_data.RunData((tmp_path / "out" / "report.html").read_text()).found
     assert viewer_data.RunData(hexaplast.show(tmp_path / "out").html).found == of_report
     assert viewer_data.RunData(hexaplast.show(str(tmp_path / "out")).html).found == of_report
@@ -187,12 +186,9 @@ def test_a_mesh_of_meshio_keeps_its_state():
 
 def test_meshio_has_the_arrays_of_the_command(tmp_path):
     meshio = pytest.importorskip("meshio")
-    environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
-    bar_scene = ROOT / "scenes" / "bar_stretch_high.scn"
-    subprocess.run([os.environ["HEXAPLAST_COMMAND"], "run", bar_scene, "--steps", "50", "--frames", "0", "--quiet",
-                    "--out", tmp_path / "out"], env=environment, check=True)
+    carry_out(STRETCHED, "--steps", 50, "--frames", 0, "--out", tmp_path / "out")
     theirs = meshio.read(max((tmp_path / "out").glob("mesh_*50.vtu")))
-    ours = hexaplast.run(bar_scene, steps=50).to_meshio()
+    ours = hexaplast.run(STRETCHED, steps=50).to_meshio()
     assert np.array_equal(ours.points, theirs.points)
     for name, values in ours.cell_data.items():
         if name != "yield_stress" and name != "stress_norm":
@@ -232,8 +228,7 @@ def test_several_bodies_are_one_mesh(tmp_path):
     assert data["nodes"] == 28 and [state["step"] for state in data["states"]] == [0, 1, 2]
     assert np.abs(positions_shown(data, arrays, 2) - scene.positions).max() < rounding(data)
 
-    subprocess.run([os.environ["HEXAPLAST_COMMAND"], "run", file, "--frames", "0", "--quiet", "--out", tmp_path / "out"],
-                   check=True)
+    carry_out(file, "--frames", 0, "--out", tmp_path / "out")
     of_run, ours = meshio.read(tmp_path / "out" / "mesh_000002.vtu"), scene.to_meshio()
     assert (ours.points == of_run.points).all()
     assert (ours.cells_dict["hexahedron"] == of_run.cells_dict["hexahedron"]).all()

@@ -2,29 +2,18 @@
 """Scene files, against what the command makes of them."""
 import gc
 import json
-import os
-import pathlib
-import subprocess
 
 import numpy as np
 import pytest
 
 import hexaplast
 
-SCENES = pathlib.Path(__file__).resolve().parents[2] / "scenes"
-BAR = SCENES / "bar_stretch_high.scn"
-
-
-def command(*arguments):
-    # what Python loads for its own sake, a sanitizer say, is none of the command's
-    environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
-    return subprocess.run([os.environ["HEXAPLAST_COMMAND"], *map(str, arguments)], env=environment, capture_output=True,
-                          text=True, check=True).stdout
+from bars import STRETCHED as BAR, carry_out
 
 
 def test_a_scene_has_the_bits_of_the_command(tmp_path):
     final = tmp_path / "final.json"
-    command("run", BAR, "--steps", 40, "--final", final, "--set", "bar/material.yieldStress=250", "--quiet")
+    carry_out(BAR, "--steps", 40, "--final", final, "--set", "bar/material.yieldStress=250")
     state = json.loads(final.read_text())
 
     scene = hexaplast.run(BAR, steps=40, overrides={"bar/material.yieldStress": 250})
@@ -218,7 +207,7 @@ def test_a_scene_of_several_bodies(tmp_path):
     file.write_text("<Node dt='0.01' gravity='0 -1 0'><DefaultAnimationLoop/><EulerImplicitSolver rayleighMass='1'/>"
                     "<SparseLDLSolver/>" + bar("liver", 0, 3000) + bar("sac", 0.05, 9000) + "</Node>")
     final = tmp_path / "final.json"
-    command("run", file, "--steps", 20, "--final", final, "--quiet")
+    carry_out(file, "--steps", 20, "--final", final)
     state = json.loads(final.read_text())
 
     scene = hexaplast.Scene(file)

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bodies in motion, against hand values."""
 import concurrent.futures
-import pathlib
 import threading
 import time
 
@@ -9,6 +8,8 @@ import numpy as np
 import pytest
 
 import hexaplast
+
+from bars import STRETCHED
 
 
 def bar(cells=(1, 1, 4), **material):
@@ -244,10 +245,8 @@ def test_many_simulations_stepped_by_an_executor_have_the_bits_that_they_have_al
 
 
 def test_scenes_stepped_by_an_executor_have_the_bits_that_they_have_alone():
-    scene = pathlib.Path(__file__).resolve().parents[2] / "scenes" / "bar_stretch_high.scn"
-
     def run(stress):
-        made = hexaplast.Scene(scene, overrides={"bar/material.yieldStress": stress})
+        made = hexaplast.Scene(STRETCHED, overrides={"bar/material.yieldStress": stress})
         made.run(8)
         return made.state_hash()
 
