@@ -3,8 +3,8 @@
 // for AVX2 and one thread, after a first time that does not count. Callgrind collects what hexaplast_counted takes and
 // nothing around it (scripts/count_instructions), so that the figure is the same on every machine with this compiler.
 //
-//   STAGE  operator_double, operator_mixed, linearize, flow; with a colon and the words of `bending` and `volumetric`
-//          behind it, of that element: operator_mixed:assumedCorner:volumeRatio
+//   STAGE  operator_double, operator_mixed, linearize, flow (in mixed precision); paper_product, paper_linearize,
+//          paper_flow: of the paper's method, by the plain implementation
 #include <cstdlib>
 #include <functional>
 #include <iostream>
@@ -15,7 +15,6 @@
 #include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "hexaplast/material/rows.hpp"
 
 namespace {
 
@@ -33,31 +32,13 @@ extern "C" [[gnu::noinline]] void hexaplast_counted(const std::function<void()>&
 
 namespace {
 
-/// Sets what the words behind the first colon say.
-Settings element_of(std::string words) {
-  Settings settings;
-  for (const char* member : {"bending", "volumetric"}) {
-    const Row<Settings>& row = *find_row(settings_rows(), member, Names::kMembers);
-    const std::string word = words.substr(0, words.find(':'));
-    const int place = place_of_word(row, word);
-    if (place < 0) throw InputError(std::string(member) + " = " + word + ": must " + row.condition());
-    row.at.set(settings, place);
-    words.erase(0, word.size() + 1);
-  }
-  return settings;
-}
-
-void carry_out(const std::string& stage_and_element, int count) {
-  const std::size_t colon = stage_and_element.find(':');
-  const std::string name = stage_and_element.substr(0, colon);
-  const Settings element =
-      colon == std::string::npos ? published_element() : element_of(stage_and_element.substr(colon + 1));
-  const bool flows = name == "flow";
-  const bool is_double = name == "operator_double" || (flows && element.rest_shape == RestShape::kJoined);
+void carry_out(const std::string& name, int count) {
+  const bool is_paper = name.starts_with("paper_"), flows = name.ends_with("flow");
+  const bool is_double = is_paper || name == "operator_double";
   bench::Bar bar({.size = 1000,
                   .mode = flows ? bench::Mode::kPlastic : bench::Mode::kElastic,
                   .precision = is_double ? Precision::kDouble : Precision::kMixed,
-                  .element = element});
+                  .element = is_paper ? published_element() : Settings()});
   Body& body = bar.body();
   PointArray x = 1.01 * bar.positions();
   x.col(0) += 0.1 * x.col(2);
@@ -66,6 +47,7 @@ void carry_out(const std::string& stage_and_element, int count) {
   body.describe(-1, system);
   const std::size_t size = 4 * static_cast<std::size_t>(body.state().model.partition->num_slots);
   AlignedVector<double> p(size, 1.0), Ap(size, 0.0);
+  PointArray product = PointArray::Zero(x.rows(), 3);
   AlignedVector<float> single_p(size, 1.0F), single_Ap(size, 0.0F);
 
   std::function<void()> stage, before = [] {};
@@ -73,13 +55,15 @@ void carry_out(const std::string& stage_and_element, int count) {
     stage = [&] { multiply(*system.bodies[0].double_operator, p, Ap); };
   } else if (name == "operator_mixed") {
     stage = [&] { multiply(*system.bodies[0].single_operator, single_p, single_Ap); };
-  } else if (name == "linearize") {
+  } else if (name == "paper_product") {
+    stage = [&] { body.add_stiffness_product(1, bar.positions(), product); };
+  } else if (name.ends_with("linearize")) {
     stage = [&] { body.linearize(x *= 1.0001); };
   } else if (flows) {
     before = [&] { body.linearize(body.mesh().positions()); };  // as the step before its flow
     stage = [&] { body.flow(x, bench::kBarDt); };
   } else {
-    throw InputError("stage " + name + ": must be operator_double, operator_mixed, linearize or flow");
+    throw InputError("stage " + name + ": is none of those that the head of benchmarks/instructions.cpp lists");
   }
   before();
   stage();  // the first also makes what is kept

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,7 +16,6 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/material/rows.hpp"
-#include "kinematics/polar.hpp"
 #include "mesh/trilinear.hpp"
 #include "plastic/isolated_flow.hpp"
 #include "plastic/point_flow.hpp"
@@ -85,7 +85,8 @@ std::size_t greatest_saved_size(const Model& model, const History& history) {
 }  // namespace
 
 PreconditionedConjugateGradients averaging_solver(const Model& model) {
-  return {model.settings.averaging_tolerance, kAveragingIterations, Preconditioner::kDiagonal};
+  constexpr int kMaxIterations = 10000;
+  return {model.settings.averaging_tolerance, kMaxIterations, Preconditioner::kDiagonal};
 }
 
 Body::State::State(HexMesh mesh, std::vector<Material> materials, Settings settings)
@@ -98,7 +99,9 @@ Body::State::State(HexMesh mesh, std::vector<Material> materials, Settings setti
 
 Body::Body(HexMesh mesh, std::vector<Material> materials, Settings settings)
     : state_(std::make_unique<State>(std::move(mesh), std::move(materials), settings)) {}
-Body::Body(const Body& other) : state_(std::make_unique<State>(*other.state_)) {}
+Body::Body(const Body& other) : state_(std::make_unique<State>(*other.state_)) {
+  state_->plain.follow(state_->model.mesh);
+}
 Body::Body(Body&& other) noexcept = default;
 Body& Body::operator=(Body other) noexcept {
   state_.swap(other.state_);
@@ -165,7 +168,7 @@ void Body::set_time_step(double dt) {
   state_->time_step = dt;
   if (settings().num_branches() == 0) return;
   state_->branches = branch_steps(settings(), dt);
-  state_->at.is_current = false;
+  state_->at.forget();
   state_->product.version = -1;
   state_->not_linearized_since = "set_time_step";
 }
@@ -176,7 +179,7 @@ void Body::linearize(ConstPoints x) {
   state_->springs.clear();  // which described the system before
   state_->terms.clear();
   if (state_->is_plain())
-    state_->plain.emplace(state_->model, state_->history, x, state_->branches);
+    state_->plain.linearize(state_->model, state_->history, x, state_->branches);
   else
     hexaplast::linearize(state_->model, state_->history, x, state_->at,
                          !state_->skip_screening && state_->branches.empty(), state_->branches);
@@ -186,7 +189,7 @@ void Body::linearize(ConstPoints x) {
 void Body::add_force(Points f) const {
   state_->require_linearized("add_force");
   state_->require_field("add_force", "f", f);
-  if (state_->is_plain()) return state_->plain->add_force(f);
+  if (state_->is_plain()) return state_->plain.add_force(f);
   hexaplast::add_force(state_->model, state_->at, f);
 }
 
@@ -194,14 +197,14 @@ void Body::add_stiffness_product(double factor, ConstPoints dx, Points df) const
   state_->require_linearized("add_stiffness_product");
   state_->require_field("add_stiffness_product", "dx", dx);
   state_->require_field("add_stiffness_product", "df", df);
-  if (state_->is_plain()) return state_->plain->add_stiffness_product(factor, dx, df);
-  hexaplast::add_stiffness_product(state_->model, state_->at, factor, dx, state_->slots(), state_->product, df);
+  if (state_->is_plain()) return state_->plain.add_stiffness_product(factor, dx, df);
+  hexaplast::add_stiffness_product(state_->model, state_->at, factor, dx, state_->slots, state_->product, df);
 }
 
 void Body::add_stiffness_blocks(double factor, BlockMatrix& K) const {
   state_->require_linearized("add_stiffness_blocks");
   require_count("add_stiffness_blocks", "K", K.num_nodes(), state_->model.mesh.num_nodes());
-  if (state_->is_plain()) return state_->plain->add_stiffness_blocks(factor, K);
+  if (state_->is_plain()) return state_->plain.add_stiffness_blocks(factor, K);
   hexaplast::add_stiffness_blocks(state_->model, state_->history, state_->at, factor, K);
 }
 
@@ -210,7 +213,7 @@ void Body::describe(double factor, MatrixFreeSystem& system) const {
   if (state_->is_plain()) {
     auto term = std::ranges::find(state_->terms, factor, &plain::StiffnessTerm::factor);
     if (term == state_->terms.end()) term = state_->terms.emplace(term);
-    term->of = &*state_->plain;
+    term->of = &state_->plain;
     term->factor = factor;
     system.others.push_back(&*term);
     return;
@@ -225,7 +228,7 @@ void Body::describe(double factor, MatrixFreeSystem& system) const {
     state_->exact.setup(state_->model, state_->history, state_->at);
     body.exact_operator = &state_->exact;
   }
-  body.scratch = &state_->slots();
+  body.scratch = &state_->slots;
   if (state_->at.recovery.acts()) {
     auto term = std::ranges::find(state_->springs, -factor, &RecoveryTerm::factor);
     if (term == state_->springs.end()) term = state_->springs.emplace(term);
@@ -243,8 +246,8 @@ double Body::recovery_work(ConstPoints x) const {
   if (state_->model.settings.recovery == RecoveryMode::kNone) return 0;
   state_->require_linearized("recovery_work");
   if (state_->is_plain())
-    return plain::Elasticity(state_->model, state_->history, x).recovery().spring_energy() -
-           state_->plain->recovery().spring_energy_at(state_->history.plastic_rest_positions, x);
+    return plain::find_recovery(state_->model, state_->history, x).spring_energy() -
+           state_->plain.recovery().spring_energy_at(state_->history.plastic_rest_positions, x);
   energy(x);  // finds the springs
   return state_->product.recovery.spring_energy() -
          state_->at.recovery.spring_energy_at(state_->history.plastic_rest_positions, x);
@@ -253,8 +256,8 @@ double Body::recovery_work(ConstPoints x) const {
 double Body::energy(ConstPoints x) const {
   state_->require_field("energy", "x", x);
   state_->require_relaxing_step("energy");
-  if (state_->is_plain()) return plain::Elasticity(state_->model, state_->history, x, state_->branches).energy();
-  return hexaplast::energy(state_->model, state_->history, x, state_->slots(), state_->product, state_->branches);
+  if (state_->is_plain()) return plain::energy(state_->model, state_->history, x, state_->branches);
+  return hexaplast::energy(state_->model, state_->history, x, state_->slots, state_->product, state_->branches);
 }
 
 FlowReport Body::flow(ConstPoints x, double dt) {
@@ -280,8 +283,10 @@ FlowReport Body::flow(ConstPoints x, double dt) {
     set_positions(state_->model, x, state_->at);
   }
   if (!state_->flow) return count_inverted(state_->model, state_->at);
-  const FlowReport report = hexaplast::flow(state_->model, state_->at, dt, state_->averaging_solver, state_->history,
-                                            *state_->flow, state_->branches);
+  const FlowReport report =
+      hexaplast::flow(state_->model, state_->at, dt, state_->history, *state_->flow, state_->branches);
+  if (report.yielded > 0 && report.removed == 0 && state_->branches.empty())
+    take_flow(state_->model, state_->history, state_->flow->differs, state_->at);
   state_->skip_screening = 2 * report.yielded > state_->model.mesh.num_elements();
   return report;
 }
@@ -325,7 +330,6 @@ void Body::State::take(Model changed, History changed_history, const char* call)
   history = std::move(changed_history);
   history.version = version + 1;  // what was derived from the old history is old
   at = Linearization(model);
-  plain.reset();
   not_linearized_since = call;
   make_flow();
   skip_screening = false;
@@ -406,7 +410,9 @@ ElementFields Body::fields(ConstPoints x) const {
     out.volume_ratio[e] = samples.volume / state_->model.volume[e];
     for (int i = 0; i < kCorners; ++i) {
       out.stress_norm[e] = std::max(out.stress_norm[e], stress_norm(samples.stress[i], settings.yield_norm));
-      out.strain[e] = std::max(out.strain[e], (signed_svd(samples.F[i]).d.array() - 1).abs().maxCoeff());
+      const Vec3 stretch =
+          Eigen::SelfAdjointEigenSolver<Mat3>(samples.polar[i].S, Eigen::EigenvaluesOnly).eigenvalues();
+      out.strain[e] = std::max(out.strain[e], (stretch.array() - 1).abs().maxCoeff());
     }
   });
   return out;

@@ -41,14 +41,14 @@ struct Body::State {
     if ((model.can_flow() || model.settings.num_branches() > 0) && !is_plain()) flow.emplace(model, history);
   }
 
-  bool is_plain() const { return model.settings.implementation == Implementation::kPlain; }
-  SlotScratch& slots() { return flow && flow->averaging ? flow->averaging->slots() : own_slots; }
+  bool is_plain() const { return model.is_plain; }
+  const Recovery& recovery() const { return is_plain() ? plain.recovery() : at.recovery; }  // of the linearized body
 
   Model model;
   History history;
   Linearization at;
   const char* not_linearized_since = "the body was made";  // null while `at` is what the caller linearized
-  std::optional<plain::Elasticity> plain;                  // of a plain body, in place of `at`
+  plain::Elasticity plain;                                 // of a plain body, in place of `at`
   std::optional<FlowWorkspace> flow;                       // of bodies whose history changes, but for plain ones
   PreconditionedConjugateGradients averaging_solver;
   bool skip_screening = false;  // in the latest plastic step: screening first would be in vain
@@ -56,7 +56,7 @@ struct Body::State {
   double checked_dt = kNone;                  // time step that passed check_time_step
   double time_step = kNone;                   // of what follows
   std::vector<BranchStep> branches;           // how they take it
-  SlotScratch own_slots;                      // of bodies without averaging
+  SlotScratch slots;                          // of solvers and of `energy`
   ProductWorkspace product;                   // of add_stiffness_product and energy
   DoublePrecisionOperator exact;              // of mixed precision
   std::deque<RecoveryTerm> springs;           // of the systems described since `linearize`, one for each factor

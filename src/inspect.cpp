@@ -11,8 +11,8 @@
 #include "hexaplast/base/error.hpp"
 #include "kinematics/gradients.hpp"
 #include "plain/plain.hpp"
-#include "plastic/element_flow.hpp"
 #include "plastic/isolated_flow.hpp"
+#include "plastic/point_flow.hpp"
 #include "plastic/rest_shape.hpp"
 
 namespace hexaplast {
@@ -56,7 +56,9 @@ HexahedronState initial_hexahedron(const ElementPoints& initial, const Material&
 HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Material& material,
                                         const Settings& settings) {
   const Model model(mesh_of(state.initial), {material}, plainly(settings));
-  const plain::Elasticity elasticity(model, history_of(model, state), state.current);
+  const History history = history_of(model, state);
+  plain::Elasticity elasticity;
+  elasticity.linearize(model, history, state.current);
   const Sampling sampling = sampling_of(settings);
   const RestOperator rest = rest_operator(state.plastic_rest, sampling);
 
@@ -73,7 +75,7 @@ HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Mate
   found.sample_volume = rest.volume / kCorners;
   found.mean_gradient = mean_gradient(state.plastic_rest);
 
-  found.energy = elasticity.energy();
+  found.energy = plain::energy(model, history, state.current);
   PointArray force = PointArray::Zero(kCorners, 3);
   elasticity.add_force(force);
   found.force = force;
@@ -143,22 +145,12 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
     found.rotation_increment.fill(Mat3::Identity());
     found.volume_ratio = 1;
   } else {
-    const ElementStep step = flow_element({.material = model.material(0),
-                                           .settings = settings,
-                                           .initial_shape = model.initial_shape(0),
-                                           .corner_jacobian = model.corner_jacobian(0),
-                                           .initial_volume = model.volume[0],
-                                           .x = state.plastic_rest,
-                                           .samples = samples,
-                                           .current = state.current,
-                                           .frame = frame_of(state, settings.rotation_frame)},
-                                          before.element(0), dt);
-    for (int i = 0; i < kCorners; ++i) {
-      found.stretch_flow_fraction[i] = step.stretch[i].fraction;
-      found.stretch_increment[i] = step.stretch[i].increment;
-      found.rotation_flow_fraction[i] = step.rotation[i].fraction;
-      found.rotation_increment[i] = step.rotation[i].increment;
-    }
+    const plain::ElementStep step = plain::flow_element(
+        model, 0, state.plastic_rest, state.current, frame_of(state, settings.rotation_frame), before.element(0), dt);
+    found.stretch_flow_fraction = step.stretch_fraction;
+    found.stretch_increment = step.stretch;
+    found.rotation_flow_fraction = step.rotation_fraction;
+    found.rotation_increment = step.rotation;
     found.volume_ratio = step.volume_ratio;
   }
 

@@ -24,6 +24,7 @@ ModelCheck check_model(const Body& body, double mass, double dt) {
   const Model& model = body.state().model;
   const HexMesh& mesh = body.mesh();
   ModelCheck found;
+  found.is_plain = model.is_plain;
   found.num_parts = connected_parts(mesh, body.alive()).count;
   if (mesh.num_nodes() > 0)
     found.extent = (mesh.positions().colwise().maxCoeff() - mesh.positions().colwise().minCoeff()).transpose();

@@ -19,6 +19,7 @@ struct ModelCheck {
   double density = 0;                                   ///< [kg/m^3] mean
   double min_young_modulus = 0, max_young_modulus = 0;  ///< [Pa] of the elements
   double min_poisson_ratio = 0, max_poisson_ratio = 0;
+  bool is_plain = false;              ///< the plain implementation computes it
   bool locks = false;                 ///< each sample resists the change of its own volume: Volumetric::kSample
   double yield_stress = 0;            ///< [Pa] minimum of the elements; infinite: it never yields
   double yield_strain = 0;            ///< smallest tau / E of the elements; infinite: it never yields

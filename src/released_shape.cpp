@@ -211,7 +211,7 @@ Body elastic(const Model& model) {
   settings.recovery = RecoveryMode::kNone;
   settings.precision = Precision::kDouble;
   settings.relaxation.clear();  // which is over
-  if (settings.bending == Bending::kAssumedCorner) settings.implementation = Implementation::kFast;
+  settings.implementation = Implementation::kAuto;
   return {model.mesh, std::move(materials), settings};
 }
 

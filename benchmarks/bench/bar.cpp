@@ -72,6 +72,7 @@ Bar::Bar(const BarSettings& settings)
       masses_(kDensity * nodal_volumes(body_.mesh().positions(), body_.mesh().hexahedra())),
       x_(body_.mesh().positions()),
       v_(PointArray::Zero(x_.rows(), 3)) {
+  body_.set_time_step(kBarDt);
   for (int n = 0; n < num_nodes(); ++n)
     if (x_(n, 2) == 0) fixed_.push_back(n);
   if (!settings.is_pressed) return;

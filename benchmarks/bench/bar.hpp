@@ -26,7 +26,7 @@ struct BarSettings {
   Mode mode = Mode::kElastic;
   Precision precision = Precision::kDouble;
   double poisson_ratio = 0.45;
-  Settings element = published_element();  ///< its form; the precision is the one above
+  Settings element = {};    ///< its form; the precision is the one above
   bool is_pressed = false;  ///< gravity leans it on a plate along two thirds of it, with friction: about 1000 contacts
                             ///< of 10 thousand hexahedra
   double young_modulus = 5000;                   ///< [Pa]

@@ -40,14 +40,13 @@ struct Kind {
 class Batch {
  public:
   explicit Batch(const Kind& kind) : errors_(static_cast<std::size_t>(kind.num_bodies)) {
-    // joined rest shapes, which the published element has, flow in double precision alone
-    const bool is_published = kind.mode == Mode::kElastic || kind.precision == Precision::kDouble;
     for (int k = 0; k < kind.num_bodies; ++k) {
-      bars_.push_back(std::make_unique<Bar>(BarSettings{.mode = kind.mode,
-                                                        .precision = kind.precision,
-                                                        .element = is_published ? published_element() : Settings(),
-                                                        .young_modulus = 5000 + 10.0 * k,
-                                                        .cells = batch_cells(kind.size)}));
+      BarSettings bar;
+      bar.mode = kind.mode;
+      bar.precision = kind.precision;
+      bar.young_modulus = 5000 + 10.0 * k;
+      bar.cells = batch_cells(kind.size);
+      bars_.push_back(std::make_unique<Bar>(bar));
       solvers_.push_back(std::make_unique<ConjugateGradients>(
           ConjugateGradientSettings{.iterations = kIterations, .tolerance = 0, .threshold = 0}));
     }

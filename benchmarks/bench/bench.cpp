@@ -145,21 +145,19 @@ class SizeRun {
 
   Outcome measure() {
     for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
-      if (options_.rest_shapes) {
-        measure_rest_shapes(precision);
+      if (options_.flow) {
+        measure_flow(precision);
         continue;
       }
       const std::vector<Solver> solvers = solvers_for(precision);
       for (const Mode mode : {Mode::kElastic, Mode::kPlasticIdle, Mode::kPlastic}) {
         peer_->time();
-        // the published element has joined rest shapes, which flow in double precision alone
-        const bool is_published = mode == Mode::kElastic || precision == Precision::kDouble;
-        element_ = is_published ? published_element() : Settings();
         for (const int threads : options_.threads) measure_group(mode, precision, threads, solvers);
       }
     }
-    if (!options_.rest_shapes) {
-      measure_forms();
+    if (!options_.flow) {
+      measure_paper();
+      measure_near_incompressibility();
       measure_contact();
     }
     peer_->time();
@@ -248,15 +246,12 @@ class SizeRun {
   }
 
   /// What a busy machine takes from a step it takes from all bars alike: they are stepped in turn.
-  void measure_rest_shapes(Precision precision) {
+  void measure_flow(Precision precision) {
     constexpr int kSteps = 20;  // later, what flows has folded where the bar is held
     std::vector<BarSettings> bars;
-    for (const RestShape rest_shape : {RestShape::kJoined, RestShape::kIsolated})
-      for (const Mode mode : {Mode::kElastic, Mode::kPlasticPart, Mode::kPlastic})
-        // elastic bars are the same; joined rest shapes flow in double precision alone
-        if (mode == Mode::kElastic ? rest_shape == RestShape::kJoined
-                                   : rest_shape == RestShape::kIsolated || precision == Precision::kDouble)
-          bars.push_back({.size = size_, .mode = mode, .precision = precision, .element = {.rest_shape = rest_shape}});
+    for (const Mode mode : {Mode::kElastic, Mode::kPlasticPart, Mode::kPlastic})
+      bars.push_back({.size = size_, .mode = mode, .precision = precision, .element = {}});
+    bars.push_back({.size = size_, .precision = precision, .element = {.relaxation = {0.5, 0.1}}});
     std::vector<Solver> solvers;
     for (const BarSettings& bar : bars)
       solvers.push_back({"multigrid", kOnePercentTarget, 0, tolerance_for_one_percent("multigrid", bar)});
@@ -286,10 +281,18 @@ class SizeRun {
     }
   }
 
-  /// The default element that flows, free and on a plate, with one solver.
-  void measure_contact() {
+  /// The paper's element and its joined rest shapes, by the plain implementation.
+  void measure_paper() {
+    element_ = published_element();
+    peer_->time();
+    for (const Mode mode : {Mode::kElastic, Mode::kPlastic})
+      for (const int threads : options_.threads)
+        measure_group(mode, Precision::kDouble, threads, {{"cg", "25 its", 25, 0}});
     element_ = {};
-    poisson_ratio_ = kPoissonRatio;
+  }
+
+  /// Bars that flow, free and on a plate, with one solver.
+  void measure_contact() {
     for (const bool is_pressed : {false, true}) {
       is_pressed_ = is_pressed;
       for (const int threads : options_.threads)
@@ -299,24 +302,12 @@ class SizeRun {
     is_pressed_ = false;
   }
 
-  /// The default element and a faster one, elastic, in mixed precision: as many iterations as the published one, and to
-  /// one per cent near incompressibility, where that locks.
-  void measure_forms() {
-    const Settings forms[] = {{.rest_shape = RestShape::kJoined},
-                              {.bending = Bending::kBlended, .rest_shape = RestShape::kJoined}};
-    peer_->time();
-    for (const Settings& form : forms) {
-      element_ = form;
-      for (const int threads : options_.threads)
-        measure_group(Mode::kElastic, Precision::kMixed, threads, {{"cg", "25 its", 25, 0}});
-    }
+  void measure_near_incompressibility() {
     poisson_ratio_ = kNearlyIncompressible;
-    for (const Settings& form : {published_element(), forms[0], forms[1]}) {
-      element_ = form;
-      for (const int threads : options_.threads)
-        for (const char* solver : {"jacobi", "multigrid"})
-          measure_group(Mode::kElastic, Precision::kMixed, threads, {{solver, kOnePercentTarget, 0, kFirstTolerance}});
-    }
+    for (const int threads : options_.threads)
+      for (const char* solver : {"jacobi", "multigrid"})
+        measure_group(Mode::kElastic, Precision::kMixed, threads, {{solver, kOnePercentTarget, 0, kFirstTolerance}});
+    poisson_ratio_ = kPoissonRatio;
   }
 
   std::vector<Solver> solvers_for(Precision precision) {
@@ -371,7 +362,6 @@ class SizeRun {
     record.operator_ns = stages.operator_ns;
     record.vectors_ns = stages.vectors_ns;
     record.flow_ns = stages.flow_ns;
-    record.averaging_ns = stages.averaging_ns;
     record.operator_gflops = 1e-9 * stages.operator_flops / operator_seconds;
     record.operator_gbs = 1e-9 * stages.operator_bytes / operator_seconds;
     record.peak_gflops = limits_.peak_gflops(precision, record.threads);
@@ -414,7 +404,7 @@ class SizeRun {
   const Options& options_;
   const MachineLimits& limits_;
   int size_;
-  Settings element_ = published_element();
+  Settings element_;
   double poisson_ratio_ = kPoissonRatio;
   bool is_pressed_ = false;
   std::optional<Peer> peer_;
@@ -436,8 +426,7 @@ std::string element_name(const Settings& settings) {
     const Row<Settings>& row = *find_row(settings_rows(), member, Names::kMembers);
     return row.words[static_cast<std::size_t>(row.at.get(settings))];
   };
-  const bool is_joined = settings.rest_shape == RestShape::kJoined;
-  return fmt::format("{} {}{}", word("bending"), word("volumetric"), is_joined ? "" : " isolated");
+  return fmt::format("{} {}{}", word("bending"), word("volumetric"), settings.num_branches() > 0 ? " relaxing" : "");
 }
 
 double time_peer(const Body& body, double iterations) {

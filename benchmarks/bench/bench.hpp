@@ -17,7 +17,7 @@ struct Options {
   bool quick = false;  ///< 25 iterations and one converged solver only, few repetitions
   /// The default element alone, step by step in turn: elastic, and where all of it and a twentieth flows with joined
   /// and with isolated rest shapes.
-  bool rest_shapes = false;
+  bool flow = false;
 };
 
 struct Outcome {

@@ -44,7 +44,6 @@ struct Record {
   double operator_ns = kNotMeasured;   ///< one product
   double vectors_ns = kNotMeasured;    ///< the rest of one plain conjugate gradient iteration
   double flow_ns = kNotMeasured;       ///< plastic flow, rest shapes
-  double averaging_ns = kNotMeasured;  ///< rest-shape averaging
   double operator_gflops = kNotMeasured;
   double operator_gbs = kNotMeasured;
   double peak_gflops = kNotMeasured;  ///< measured on this machine, in the operator's precision

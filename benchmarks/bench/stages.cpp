@@ -15,12 +15,15 @@ namespace hexaplast::bench {
 
 namespace {
 
-// Additions and multiplications per hexahedron of one product, as theory.md section 9.3 writes it:
-// edges 36, blending 2 x 108, eight samples of Z 45, trace 3, 2 mu 1, stress 12, back 54, edges to corners 72 ...
-constexpr double kBoxFlops = 36 + 2 * 108 + 8 * (45 + 3 + 1 + 12 + 54) + 72;
-// ... and with general rest shapes H and its transpose 144 + 120, scaled edges 2 x 36 in place of the blending, and
-// twice 54 more per sample
-constexpr double kGeneralFlops = 36 + 2 * 36 + 144 + 120 + 8 * (45 + 3 + 1 + 12 + 54 + 2 * 54) + 72;
+// Additions and multiplications per hexahedron of one product, as theory.md section 9.3 writes it. Boxes: modes and
+// their transpose 2 x 72, two gradients 2 x 84, what is assumed 90 + 2 x 108, columns of the samples 156 + 219, eight
+// samples of Z, stress and back 51 + 14 + 45 ...
+constexpr double kBoxFlops = 2 * 72 + 2 * 84 + 90 + 2 * 108 + 156 + 219 + 8 * (51 + 14 + 45);
+// ... general shapes: edges and their transpose 36 + 72, mean columns and hourglass modes with their transposes
+// 2 x (144 + 36 + 54), what is assumed 90 + 2 x 108 + 27 + 45, H and its transpose 144 + 120, scaled edges 2 x 36,
+// gradients 2 x 72 + 2 x 84, and eight samples with R 2 x 45 + 27 + 54 + 17 + 45 + 36
+constexpr double kGeneralFlops = 36 + 72 + 2 * (144 + 36 + 54) + 90 + 2 * 108 + 27 + 45 + 144 + 120 + 2 * 36 + 2 * 72 +
+                                 2 * 84 + 8 * (2 * 45 + 27 + 54 + 17 + 45 + 36);
 
 template <class Work>
 double min_seconds(int repetitions, const Work& work) {
@@ -67,36 +70,19 @@ double time_iteration(Bar& bar, int repetitions) {
   return (many_seconds - few_seconds) / (kMany - kFew);
 }
 
-/// Flow and averaging on copies of the history, so that every repetition starts from the same one.
-void time_flow(Bar& bar, int repetitions, double ns, Stages& stages) {
+/// On copies of the history, so that every repetition starts from the same one [s].
+double time_flow(Bar& bar, int repetitions) {
   const Body::State& body = bar.body().state();
   const Model& model = body.model;
   Linearization at = body.at;
-  PreconditionedConjugateGradients solver = averaging_solver(model);
   FlowWorkspace work(model, body.history);
-  std::optional<Averaging> averaging;
-  if (work.averaging) averaging.emplace(model);
-
-  double flow_seconds = std::numeric_limits<double>::infinity(), averaging_seconds = flow_seconds;
-  bool flows = false;
+  double seconds = std::numeric_limits<double>::infinity();
   for (int repetition = 0; repetition < repetitions; ++repetition) {
     History history = body.history;
     linearize(model, history, bar.positions(), at);
-    flow_seconds = std::min(
-        flow_seconds, min_seconds(1, [&](int) { flows = flow(model, at, kBarDt, solver, history, work).yielded > 0; }));
-    if (!averaging) {
-      averaging_seconds = 0;
-      continue;
-    }
-    // the rest shapes have flowed; the averaging starts again from the positions before
-    history.plastic_rest_positions = body.history.plastic_rest_positions;
-    history.averaging_increment = body.history.averaging_increment;
-    ++history.version;
-    averaging_seconds =
-        std::min(averaging_seconds, min_seconds(1, [&](int) { averaging->advance(model, solver, history); }));
+    seconds = std::min(seconds, min_seconds(1, [&](int) { flow(model, at, kBarDt, history, work); }));
   }
-  stages.averaging_ns = flows ? ns * averaging_seconds : 0;
-  stages.flow_ns = std::max(0.0, ns * flow_seconds - stages.averaging_ns);
+  return seconds;
 }
 
 }  // namespace
@@ -110,6 +96,7 @@ Stages measure_stages(Bar& bar, int repetitions) {
   stages.linearize_ns = ns * min_seconds(2 * repetitions, [&](int repetition) {
                           bar.body().linearize(repetition % 2 == 0 ? nudged : bar.positions());
                         });
+  if (bar.body().state().is_plain()) return stages;  // the rest is of the kernels
 
   bar.body().linearize(bar.positions());
   std::visit(
@@ -119,7 +106,7 @@ Stages measure_stages(Bar& bar, int repetitions) {
       },
       bar.body().state().at.op);
   stages.vectors_ns = std::max(0.0, ns * time_iteration(bar, repetitions) - stages.operator_ns);
-  if (bar.body().state().model.can_stretch) time_flow(bar, repetitions, ns, stages);
+  if (bar.body().can_flow()) stages.flow_ns = ns * time_flow(bar, repetitions);
   return stages;
 }
 

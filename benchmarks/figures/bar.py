@@ -70,15 +70,14 @@ class Run:
         return 1000 * self.cpu_s / (len(self.history["step"]) - 1)
 
 
-def run(name, scene, settings=(), implementation="plain"):
-    """Runs scenes/<scene>.scn with `--set` assignments; the files go to build/reproduce/<name>. The plain implementation
-    is the paper's method as it stands there; what measures time takes the fast one."""
+def run(name, scene, settings=()):
+    """Runs scenes/<scene>.scn with `--set` assignments; the files go to build/reproduce/<name>."""
     out = WORK / name
     out.parent.mkdir(parents=True, exist_ok=True)
     final = out.with_suffix(".json")
     command = [BIN / "hexaplast", "run", ROOT / f"scenes/{scene}.scn", "--out", out, "--final", final,
                "--frames", "0", "--force", "--quiet", "--threads", "1"]
-    for setting in [*settings, f"bar/material.implementation={implementation}"]:
+    for setting in settings:
         command += ["--set", setting]
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     subprocess.run([str(word) for word in command], check=True)

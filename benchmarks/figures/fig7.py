@@ -36,7 +36,7 @@ def make():
     curves, rows, timing, shapes = [], [], [], []
     for name, (yield_stress, force) in CASES.items():
         theirs = reference[name]
-        ours = run(f"fig7/tau{yield_stress}", "bar_stretch_low", _settings(yield_stress, force), "fast")
+        ours = run(f"fig7/tau{yield_stress}", "bar_stretch_low", _settings(yield_stress, force))
         time = np.arange(EVERY, STEPS + 1, EVERY) / 100
         elongations = np.array([elongation(grid, ours.world_at(step)) for step in range(EVERY, STEPS + 1, EVERY)])
         ccx_time = np.array([point["time"] for point in theirs["time_history"]])

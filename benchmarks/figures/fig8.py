@@ -28,7 +28,7 @@ def _draw(page, grid, x, centre, scale, values, greatest):
 
 def make():
     grids = {r: Grid(r) for r in REFINEMENTS}
-    ends = {r: run(f"fig8/refinement_{r}", "bar_stretch_face", _settings(r), "fast") for r in REFINEMENTS}
+    ends = {r: run(f"fig8/refinement_{r}", "bar_stretch_face", _settings(r)) for r in REFINEMENTS}
     peaks = {r: ends[r].world_at(PEAK_STEP) for r in REFINEMENTS}
     at_peak = {r: slice_elongations(grids[r], peaks[r]) for r in REFINEMENTS}
     at_end = {r: slice_elongations(grids[r], ends[r].material) for r in REFINEMENTS}

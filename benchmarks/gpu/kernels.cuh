@@ -173,7 +173,7 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 8)
   // four times the mean edges and the hourglass modes; samples weigh an eighth each
   const V sixteenth(1.0f / 16), all(128.0f);
   const V mu = sixteenth * of_brick(weight, 2, my, 0), lambda = sixteenth * of_brick(weight, 2, my, 1);
-  const V free = free_modulus(Volumetric::kVolumeRatio, mu, lambda);
+  const V free = free_modulus(mu, lambda);
   ModeLanes<V> modes_of_u;
   modes(u, modes_of_u);
   const V along_volume = all * lambda * along_gradient<1>(others + 9, modes_of_u);
@@ -271,7 +271,7 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 4)
   place_hexahedron(at, my, rest, x, mean_plastic, h);
   const auto of_rest = [&](int k) { return of_brick(rest, kRestNumbers, my, k); };
   const V volume = of_rest(9), mu = of_rest(10), lambda = of_rest(11);
-  const V free = free_modulus(Volumetric::kVolumeRatio, mu, lambda);
+  const V free = free_modulus(mu, lambda);
   uint4* const to = coef + static_cast<std::size_t>(my.brick) * kWords * kWidth + my.lane;
 
   ActingModes acting, dilating;  // stresses without the shared pressure; the gradient of the mean dilatation
@@ -390,7 +390,7 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
   KeptSamples& kept = shared[my.here];
   const auto of_rest = [&](int k) { return of_brick(rest, kRestNumbers, my, k); };
   const V volume = of_rest(9), mu = of_rest(10), lambda = of_rest(11), one(1.0f), eighth(0.125f);
-  const V free = free_modulus(Volumetric::kVolumeRatio, mu, lambda);
+  const V free = free_modulus(mu, lambda);
   std::uint32_t fails = 0;
   V theta_sum(0.0f), excess, c[3] = {V(0.0f), V(0.0f), V(0.0f)}, c_of_mean[3] = {V(0.0f), V(0.0f), V(0.0f)};
   {

@@ -22,8 +22,7 @@ using D = Lanes<double>;
 
 namespace {
 
-constexpr StiffnessKind kKind{.sampling = {.assumed = Assumed::kCorner, .corner_weight = 0.57735026918962576451},
-                              .volumetric = Volumetric::kVolumeRatio};
+constexpr StiffnessKind kKind{.sampling = {.assumed = Assumed::kCorner, .corner_weight = 0.57735026918962576451}};
 
 double number(D a) { return a.raw().raw; }
 void load(const double (&from)[8][3], CornerLanes<D>& to) {

@@ -156,18 +156,17 @@ void add_bench(CLI::App& app, BenchOptions& options) {
                            ->type_name("SCENE")
                            ->excludes(sizes)
                            ->excludes(quick);
-  CLI::Option* rest_shapes = bench
-                                 ->add_flag("--rest-shapes", options.rest_shapes,
-                                            "Measure the default element alone, step by step in turn: elastic, and "
-                                            "where all and a twentieth of it flows, with joined and with isolated rest "
-                                            "shapes")
-                                 ->excludes(scene);
+  CLI::Option* flow = bench
+                          ->add_flag("--flow", options.flow,
+                                     "Measure what flow costs, step by step in turn: elastic bars, those of which a "
+                                     "twentieth and all flows, and those that relax")
+                          ->excludes(scene);
   CLI::Option* batch = bench
                            ->add_flag("--batch", options.is_batch,
                                       "Measure many small bars in one process: one after the other, and stepped at "
                                       "once; check that each has the bits that it has alone")
                            ->excludes(scene)
-                           ->excludes(rest_shapes)
+                           ->excludes(flow)
                            ->excludes(baseline);
   bench->add_option("--bodies", options.bodies, "How many. Default 64")
       ->type_name("N")

@@ -224,7 +224,7 @@ def test_settings_and_materials_are_plain_data():
         "rotation_frame": ("bestFit", "world"),
         "averaging": ("gaussNewton", "jacobi"),
         "precision": ("double", "mixed"),
-        "implementation": ("fast", "plain"),
+        "implementation": ("auto", "plain"),
     }.items():
         for word in words:
             setattr(settings, name, word)

@@ -39,6 +39,13 @@ HWY_INLINE Mat<N> matrix(const Sym<N>& S) {
   return {{{S.xx, S.xy, S.zx}, {S.xy, S.yy, S.yz}, {S.zx, S.yz, S.zz}}};
 }
 
+template <class N>
+HWY_INLINE Mat<N> operator+(const Mat<N>& A, const Mat<N>& B) {
+  Mat<N> C;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) C(i, j) = A(i, j) + B(i, j);
+  return C;
+}
 /// C = A B.
 template <class N>
 HWY_INLINE Mat<N> operator*(const Mat<N>& A, const Mat<N>& B) {

@@ -52,22 +52,23 @@ HWY_INLINE void apply_assumed(const Coef* coef, const StiffnessKind& kind, const
                               CornerLanes<V>& u) {
   using T = typename V::Scalar;
   using Places = CoefficientPlaces<false, Assumed::kCorner>;
-  const bool has_volume = kind.has_volume(), has_mean = kind.has_mean();
   const Coef* const of_volume = coef + Places::kCount * kStride;
-  const Coef* const of_mean = of_volume + (has_volume ? kGradientCoefficients : 0) * kStride;
-  const Coef* const of_law = of_mean + (has_mean ? kGradientCoefficients : 0) * kStride;
+  const Coef* const of_mean = of_volume + kGradientCoefficients * kStride;  // of the corotated law
+  const Coef* const of_law = of_mean;                                       // of the others
   // four times the mean edges and the hourglass modes
   const V sixteenth(T(1.0 / 16));
   V mu = sixteenth * factor * load(weight);
   const V lambda = sixteenth * factor * load(weight + kStride);
-  V free = free_modulus(kind.volumetric, mu, lambda);
+  V free = free_modulus(mu, lambda);
   const V all(static_cast<T>(16 * kCorners));  // samples weigh an eighth each
   ModeLanes<V> at;
   modes(u, at);
-  V along_volume(T(0)), along_mean(T(0));
-  if (has_volume) along_volume = all * (kHasLaw ? lambda - free : lambda) * along_gradient<kStride>(of_volume, at);
-  if (has_mean) along_mean = all * -free * along_gradient<kStride>(of_mean, at);
-  if constexpr (!kHasLaw) add_branch_modulus(kind.branch_modulus, mu, free);
+  const V along_volume = all * (kHasLaw ? lambda - free : lambda) * along_gradient<kStride>(of_volume, at);
+  V along_mean(T(0));
+  if constexpr (!kHasLaw) {
+    along_mean = all * -free * along_gradient<kStride>(of_mean, at);
+    add_branch_modulus(kind.branch_modulus, mu, free);
+  }
 
   const V corner_weight(static_cast<T>(kind.sampling.corner_weight));
   const Mat<V> j = load_mat<kStride, V>(coef + Places::kDirections * kStride);
@@ -87,8 +88,8 @@ HWY_INLINE void apply_assumed(const Coef* coef, const StiffnessKind& kind, const
   }
   modes_of_columns(columns, corner_weight, a, at.at, at.at + 3);
   how.add_transpose(a, at.at + 3);
-  if (has_volume) add_gradient<kStride>(along_volume, of_volume, at);
-  if (has_mean) add_gradient<kStride>(along_mean, of_mean, at);
+  add_gradient<kStride>(along_volume, of_volume, at);
+  if constexpr (!kHasLaw) add_gradient<kStride>(along_mean, of_mean, at);
   modes_transpose(at, u);
 }
 

@@ -33,7 +33,6 @@ CycleOperator::CycleOperator(const Model& model)
   for (int e = 0; e < model.mesh.num_elements(); ++e)
     if (is_thin(model, e)) is_thin_[model.partition->place_of_element[e] / kBlock] = 1;
   simple_.kind = {.sampling = {.assumed = Assumed::kCorner, .corner_weight = sampling_of(model.settings).corner_weight},
-                  .volumetric = model.settings.volumetric,
                   .one_rotation = true};
   simple_.resize(std::vector<unsigned char>(model.partition->num_blocks, 0));
 }
@@ -54,11 +53,8 @@ void CycleOperator::update(const Model& model, const Linearization& at) {
   set_linearization(at);
   simple_.kind.branch_modulus = at.kind().branch_modulus;
   const Partition& partition = *model.partition;
-  // parallelepipeds without assumed strain have a fast product of their own
-  const bool always_gains =
-      model.settings.precision == Precision::kDouble || sampling_of(model.settings).assumed != Assumed::kNothing;
   parallel_for(partition.num_blocks, [&](int block) {
-    is_simple_[block] = (always_gains || at.is_general[block]) && !is_thin_[block] && is_well_shaped(at, block);
+    is_simple_[block] = !is_thin_[block] && is_well_shaped(at, block);
     keeps_its_own_[block] = !is_simple_[block];
   });
   parallel_for(partition.num_chunks,

@@ -23,10 +23,8 @@ class CoefficientWriter {
       : element_(element),
         length_(length),
         coef_(coef),
-        has_volume_(kind.has_volume()),
-        has_mean_(kind.has_mean()),
         has_law_(kind.has_law()),
-        of_law_(coef + (Places::kCount + (has_volume_ + has_mean_) * kGradientCoefficients) * kStride) {}
+        of_law_(coef + (Places::kCount + kGradientCoefficients) * kStride) {}
 
   HWY_INLINE void add_sample(int i, const MaterialLanes<V>& of, const PressureLanes<V>& p) {
     const auto& [R, S, doubtful] = element_.polar[i];
@@ -49,13 +47,13 @@ class CoefficientWriter {
                             G(0, 1),
                             tangent_guard(of.law, of.mooney_fraction, S, of.mu, k) / max(of.mu, V(1e-30))};
       for (int n = 0; n < 7; ++n) store_as(bounded<Coef>(numbers[n]), of_law_ + (7 * i + n) * kStride);
-    } else if (has_mean_) {
+    } else if constexpr (Places::kAssumes) {
       dilatations_.add_columns(i, C);
       if constexpr (kGeneral) dilatations_.add_shared(i, turn);
     }
   }
 
-  /// of_volume: the gradient of the current volume, read for the volume ratio only.
+  /// of_volume: the gradient of the current volume, read of elements only.
   HWY_INLINE void finish(const ModeLanes<V>& of_volume) {
     const auto& rest = element_.rest;
     Coef* to = coef_;
@@ -67,17 +65,16 @@ class CoefficientWriter {
       store_mat<kStride>(rest.dual, length_, to + Places::kDual * kStride);
     }
     to += Places::kCount * kStride;
-    if (has_volume_) {
+    if constexpr (Places::kAssumes) {
       store_gradient<kStride>(of_volume, length_ / rest.volume, to);
-      to += kGradientCoefficients * kStride;
-    }
-    if (has_mean_) {
+      if (has_law_) return;
       CornerLanes<V> mean;
-      if constexpr (Places::kAssumes) dilatations_.take_assumed(rest, AssumedLanes<V>(element_.j, rest.corner_weight));
+      dilatations_.take_assumed(rest, AssumedLanes<V>(element_.j, rest.corner_weight));
       dilatations_.finish(rest, nullptr, One(), mean);
       ModeLanes<V> mean_modes;
       modes(mean, mean_modes);
-      store_gradient<kStride>(mean_modes, V(1.0 / (kCorners * kCorners)) * length_, to);
+      store_gradient<kStride>(mean_modes, V(1.0 / (kCorners * kCorners)) * length_,
+                              to + kGradientCoefficients * kStride);
     }
   }
 
@@ -87,20 +84,20 @@ class CoefficientWriter {
   const Element& element_;
   V length_;
   Coef* coef_;
-  bool has_volume_, has_mean_, has_law_;
+  bool has_law_;
   Coef* of_law_;
   ColumnsTranspose<kGeneral, kAssumed, V> dilatations_;  // of all samples
 };
 
-/// out = sum of factor gradient (gradient . u) over the gradients that are there. Not inlined: elements that have none
-/// are to keep their registers.
+/// out = factor gradient (gradient . u), of the first and, unless it is null, of the second one. Not inlined: the
+/// samples are to keep their registers.
 template <int kStride, class V, class Coef>
 HWY_NOINLINE void apply_gradients(const Coef* first, V of_first, const Coef* second, V of_second,
                                   const CornerLanes<V>& u, CornerLanes<V>& out) {
   ModeLanes<V> at, acting;
   modes(u, at);
   set_zero(acting);
-  if (first) add_gradient<kStride>(of_first * along_gradient<kStride>(first, at), first, acting);
+  add_gradient<kStride>(of_first * along_gradient<kStride>(first, at), first, acting);
   if (second) add_gradient<kStride>(of_second * along_gradient<kStride>(second, at), second, acting);
   modes_transpose(acting, out);
 }
@@ -144,16 +141,14 @@ HWY_INLINE void apply_samples(const Coef* coef, const StiffnessKind& kind, const
   V mu = factor * load(weight), lambda = factor * load(weight + kStride);
   V free = lambda;
   CornerLanes<V> together;  // what the element does as a whole
-  const bool has_volume = !kPerSample && kind.has_volume(), has_mean = !kPerSample && kind.has_mean();
   const Coef* const of_volume = coef + Places::kCount * kStride;
-  const Coef* const of_mean = of_volume + (has_volume ? kGradientCoefficients : 0) * kStride;
-  const Coef* const of_law = of_mean + (has_mean ? kGradientCoefficients : 0) * kStride;
+  const Coef* const of_mean = of_volume + kGradientCoefficients * kStride;  // of the corotated law
+  const Coef* const of_law = of_mean;                                       // of the others
   if constexpr (!kPerSample) {
-    free = free_modulus(kind.volumetric, mu, lambda);
+    free = free_modulus(mu, lambda);
     const V all(static_cast<T>(kCorners));  // samples weigh an eighth each
-    if (has_volume || has_mean)
-      apply_gradients<kStride>(has_volume ? of_volume : nullptr, all * (kHasLaw ? lambda - free : lambda),
-                               has_mean ? of_mean : nullptr, all * -free, u, together);
+    apply_gradients<kStride>(of_volume, all * (kHasLaw ? lambda - free : lambda), kHasLaw ? nullptr : of_mean,
+                             all * -free, u, together);
     if constexpr (!kHasLaw) add_branch_modulus(kind.branch_modulus, mu, free);
   }
 
@@ -185,7 +180,7 @@ HWY_INLINE void apply_samples(const Coef* coef, const StiffnessKind& kind, const
     for (int i = 0; i < kCorners; ++i) sample(i);
   acting.take_assumed(rest, how);
   acting.finish(rest, nullptr, One(), u);
-  if (has_volume || has_mean) add(together, u);
+  if constexpr (!kPerSample) add(together, u);
 }
 
 /// u <- L u of elements with a rotation at each sample.

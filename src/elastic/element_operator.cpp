@@ -17,9 +17,8 @@ HWY_NOINLINE void add_product_of(const ElementOperator<T, Coef>& op, int block, 
   using V = Lanes<T>;
   constexpr int weights = kWhich == Which::kPerSample ? 2 * kCorners * kBlock : 2 * kBlock;
   const T* weight = op.weight.data() + static_cast<std::size_t>(block) * weights + lane;
-  // assumed strains gain nothing by it, nor do general shapes on less than thirty-two registers
-  constexpr bool unrolls =
-      kAssumed == Assumed::kNothing && kWhich != Which::kLaw && (!kGeneral || HWY_TARGET <= HWY_AVX3);
+  // assumed strains gain nothing by it, nor does anything on less than thirty-two registers
+  constexpr bool unrolls = kAssumed == Assumed::kNothing && HWY_TARGET <= HWY_AVX3;
   CornerLanes<V> u;
   gather(op.partition(), block, lane, p, u);
   const auto* const coef = stored(op, block) + lane;
@@ -44,12 +43,11 @@ void add_product(const ElementOperator<T, Coef>& op, const unsigned char* blocks
         add_product_of<Which::kOneRotation, false, Assumed::kCorner>(op, block, lane, factor, p, Ap);
       else
         for_shape(
-            op.is_general[block] != 0,
-            op.kind.sampling.assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
+            op.is_general[block] != 0, [&]<bool kGeneral>() __attribute__((always_inline)) {
               if (op.kind.has_law())
-                add_product_of<Which::kLaw, kGeneral, kAssumed>(op, block, lane, factor, p, Ap);
+                add_product_of<Which::kLaw, kGeneral, Assumed::kCorner>(op, block, lane, factor, p, Ap);
               else
-                add_product_of<Which::kCorotated, kGeneral, kAssumed>(op, block, lane, factor, p, Ap);
+                add_product_of<Which::kCorotated, kGeneral, Assumed::kCorner>(op, block, lane, factor, p, Ap);
             });
   }
 }
@@ -67,7 +65,7 @@ void add_diagonal(const ElementOperator<T, Coef>& op, const unsigned char* block
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
     if (blocks && !blocks[block]) continue;
     const bool has_shared = op.per_sample || op.is_general[block];
-    const int of_shape = num_coefficients({.sampling = kind.sampling, .one_rotation = kind.one_rotation}, has_shared);
+    const int of_shape = num_shape_coefficients(kind, has_shared);
     const int per_sample = kind.one_rotation ? 0 : 9 * kBlock;
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
       const auto* coef = stored(op, block) + lane;
@@ -82,7 +80,7 @@ void add_diagonal(const ElementOperator<T, Coef>& op, const unsigned char* block
       for (int i = 0; i < kCorners; ++i) {
         const T* at = op.per_sample ? weight + 2 * i * kBlock : weight;
         V mu = f * load(at);
-        V free = op.per_sample ? f * load(at + kBlock) : free_modulus(kind.volumetric, mu, lambda);
+        V free = op.per_sample ? f * load(at + kBlock) : free_modulus(mu, lambda);
         if (!op.per_sample) add_branch_modulus(kind.branch_modulus, mu, free);
         const Mat<V> C = load_mat<kBlock, V>(coef + per_sample * i);
         Mat<V> R, G;
@@ -117,8 +115,8 @@ void add_diagonal(const ElementOperator<T, Coef>& op, const unsigned char* block
           }
         }
       }
-      if (!op.per_sample && kind.has_volume()) {
-        const V free = free_modulus(kind.volumetric, f * load(weight), lambda), none(T(0));
+      if (!op.per_sample) {
+        const V free = free_modulus(f * load(weight), lambda), none(T(0));
         const V of_mean = (kind.has_law() ? none : -free) * V(T(1.0 / kCorners));
         const V of_ratio = V(T(kCorners)) * (kind.has_law() ? lambda - free : lambda);
         CornerLanes<V> of_ratio_at;

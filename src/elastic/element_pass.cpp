@@ -55,7 +55,6 @@ HWY_INLINE void gather_shapes(const Partition& partition, int block, int lane, s
 template <class V>
 HWY_INLINE void add_volume_force(const MaterialLanes<V>& of, const PressureLanes<V>& p, const ModeLanes<V>& of_volume,
                                  V corner_weight, CornerLanes<V>& f) {
-  if (of.volumetric != Volumetric::kVolumeRatio) return;
   const V pressure = of.of_volume() * p.excess * corner_weight;
   CornerLanes<V> gradient;
   modes_transpose(of_volume, gradient);
@@ -64,23 +63,19 @@ HWY_INLINE void add_volume_force(const MaterialLanes<V>& of, const PressureLanes
 }
 
 /// - dE/du, of what acts on the samples.                                                    eq. 15, E6, E12, E13, E15
-template <bool kGeneral, Assumed kAssumed, class V>
-HWY_NOINLINE void finish_force(const ElementLanes<kGeneral, kAssumed, V>& element, const MaterialLanes<V>& of,
+template <bool kGeneral, class V>
+HWY_NOINLINE void finish_force(const ElementLanes<kGeneral, Assumed::kCorner, V>& element, const MaterialLanes<V>& of,
                                const PressureLanes<V>& p, const ModeLanes<V>& of_volume, V volume,
-                               ColumnsTranspose<kGeneral, kAssumed, V>& acting, CornerLanes<V>& f) {
+                               ColumnsTranspose<kGeneral, Assumed::kCorner, V>& acting, CornerLanes<V>& f) {
   const auto& rest = element.rest;
   const V eighth = V(-1.0 / kCorners) * volume;
-  if constexpr (kAssumed != Assumed::kNothing) {
-    acting.take_assumed(rest, AssumedLanes<V>(element.j, rest.corner_weight));
-    // samples with rotations of their own feel that of the mean by what is assumed alone
-    V moment[3] = {V(0.0), V(0.0), V(0.0)};
-    add_moment(1, element.columns.a, acting.a, moment);
-    add_moment(-1, element.columns.Q, acting.Q, moment);
-    const Mat<V> turns = turning(element.mean, element.j, moment);
-    acting.finish(rest, &turns, eighth, f);
-  } else {
-    acting.finish(rest, nullptr, eighth, f);
-  }
+  acting.take_assumed(rest, AssumedLanes<V>(element.j, rest.corner_weight));
+  // samples with rotations of their own feel that of the mean by what is assumed alone
+  V moment[3] = {V(0.0), V(0.0), V(0.0)};
+  add_moment(1, element.columns.a, acting.a, moment);
+  add_moment(-1, element.columns.Q, acting.Q, moment);
+  const Mat<V> turns = turning(element.mean, element.j, moment);
+  acting.finish(rest, &turns, eighth, f);
   add_volume_force(of, p, of_volume, volume / rest.volume, f);  // 0 where nothing is
 }
 
@@ -124,9 +119,9 @@ HWY_INLINE float* screen_of(const ElementPass<T, Coef>& pass, int block, int lan
 /// E31
 ///
 ///   |F_i - R_m|^2 <= 2 |S_m - I|^2 + 2 |F_i - F_m|^2 <= 2 |S_m - I|^2 + 18 |Q|^2 |J_o^-1 / 2|^2
-template <bool kGeneral, Assumed kAssumed, class V>
-HWY_NOINLINE bool corners_are_thick(const ElementLanes<kGeneral, kAssumed, V>& element, double safe_strain) {
-  if constexpr (kGeneral || kAssumed == Assumed::kNothing) {
+template <bool kGeneral, class V>
+HWY_NOINLINE bool corners_are_thick(const ElementLanes<kGeneral, Assumed::kCorner, V>& element, double safe_strain) {
+  if constexpr (kGeneral) {
     return false;
   } else {
     if (element.plastic) return false;
@@ -154,13 +149,7 @@ HWY_NOINLINE void screen_isolated(const ElementLanes<kGeneral, Assumed::kCorner,
     store_as(stress_norm_bound(sigma[i], settings.yield_norm), screen + (YieldScreen::kNorm + i) * kBlock);
 }
 
-/// What rotation flow is screened for.
-template <class V>
-HWY_INLINE void screen_turns(const Mat<V>& R_centre, const PolarLanes<V>* polar, float* screen) {
-  for (int i = 0; i < kCorners; ++i)
-    store_as(V(0.5) * (dot(R_centre, polar[i].R) - V(1.0)), screen + (YieldScreen::kCosine + i) * kBlock);
-}
-template <bool kGeneral, Assumed kAssumed, class T, class Coef>
+template <bool kGeneral, class T, class Coef>
 HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, int lane) {
   using V = Lanes<double>;
   const std::uint32_t present = static_cast<std::uint32_t>(pass.present[block]) >> lane;
@@ -169,19 +158,19 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
   ModeLanes<V> of_volume;
   gather_shapes(pass.partition, block, lane, present, pass.plastic_rest, pass.current, x, u);
   PlasticLanes<V> plastic;
-  ElementLanes<kGeneral, kAssumed, V> element;
+  ElementLanes<kGeneral, Assumed::kCorner, V> element;
   place_element(x, u, kind.sampling, load_plastic(pass.partition, pass.flowed_at(block), block, lane, plastic),
                 element);
   decompose(element);
   const V volume = select_bits(present, element.rest.volume, V(0.0));
   const MaterialLanes<V> of = begin_elements(pass, block, lane, volume);
   const PressureLanes<V> p = pressures(of, element, u, of_volume);
-  CoefficientWriter<kBlock, kGeneral, kAssumed, V, typename Stored<Coef>::type> writer(element, kind, V(pass.length),
-                                                                                       coefficients(pass, block, lane));
+  CoefficientWriter<kBlock, kGeneral, Assumed::kCorner, V, typename Stored<Coef>::type> writer(
+      element, kind, V(pass.length), coefficients(pass, block, lane));
 
   float* const screen = screen_of(pass, block, lane);
   V min_det(1e300);
-  ColumnsTranspose<kGeneral, kAssumed, V> acting;
+  ColumnsTranspose<kGeneral, Assumed::kCorner, V> acting;
   for (int i = 0; i < kCorners; ++i) {
     const auto& [R, S, doubtful] = element.polar[i];
     const V theta = dilatation(of.law, S);
@@ -192,31 +181,19 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
       acting.add_shared(i, element.plastic ? product_transposed(P, element.plastic->inverse[i]) : P);
     writer.add_sample(i, of, p);
 
-    if (pass.settings.rest_shape == RestShape::kJoined) {
-      const Sym<V> yielding = of.volumetric == Volumetric::kVolumeRatio
-                                  ? stress(of.law, of.mooney_fraction, S, of.mu, p.in_stress_at(theta))
-                                  : sigma;
-      store_as(stress_norm_bound(yielding, pass.settings.yield_norm), screen + (YieldScreen::kNorm + i) * kBlock);
-    }
     const Mat<V>& F = element.F[i];
     const Mat<V> cof = cofactor(F);
     min_det = min(min_det, F(0, 0) * cof(0, 0) + F(0, 1) * cof(0, 1) + F(0, 2) * cof(0, 2));
   }
-  if (pass.screens_rotation) screen_turns(safe_polar(centre_gradient(x, u)).R, element.polar, screen);
   store_as(min_det, screen + YieldScreen::kMinDet * kBlock);
   store_as(element.rest.min_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
   if (std::isfinite(pass.thin_from) && !corners_are_thick(element, pass.safe_strain))
     pass.thin[block] |= find_thin<kGeneral>(x, u, element.rest.volume, pass.thin_from) << lane;
-  if constexpr (kAssumed == Assumed::kCorner)
-    if (pass.settings.rest_shape == RestShape::kIsolated) {
-      if (pass.screens_isolated) screen_isolated(element, of, p, pass.settings, screen);
-      if (element.plastic) store_mean_plastic(plastic.mean, pass.mean_plastic_of(block) + lane);
-    }
-  if constexpr (kAssumed == Assumed::kCorner) {
-    BranchLanes<V> lanes;
-    if (const BranchLanes<V>* branches = load_branches(pass.partition, pass.branches, block, lane, of.mu, lanes))
-      add_branch_force(element, *branches, acting);
-  }
+  if (pass.screens) screen_isolated(element, of, p, pass.settings, screen);
+  if (element.plastic) store_mean_plastic(plastic.mean, pass.mean_plastic_of(block) + lane);
+  BranchLanes<V> lanes;
+  if (const BranchLanes<V>* branches = load_branches(pass.partition, pass.branches, block, lane, of.mu, lanes))
+    add_branch_force(element, *branches, acting);
   writer.finish(of_volume);
 
   CornerLanes<V> f;
@@ -230,20 +207,19 @@ void linearize_chunk(const ElementPass<T, Coef>& pass, int chunk) {
     pass.thin[block] = 0;
     for (int lane = 0; lane < kBlock; lane += Lanes<double>::kCount)
       for_shape(
-          pass.op.is_general[block] != 0,
-          pass.op.kind.sampling.assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
-            linearize_lanes<kGeneral, kAssumed>(pass, block, lane);
+          pass.op.is_general[block] != 0, [&]<bool kGeneral>() __attribute__((always_inline)) {
+            linearize_lanes<kGeneral>(pass, block, lane);
           });
   }
 }
 
 /// The coefficients of one register of elements in double precision, computed anew.
-template <bool kGeneral, Assumed kAssumed>
+template <bool kGeneral>
 struct ExactCoefficients {
   using V = Lanes<double>;
   static constexpr int kStride = V::kCount;
   static constexpr int kMax =
-      CoefficientPlaces<kGeneral, kAssumed>::kCount + 2 * kGradientCoefficients + kLawCoefficients;
+      CoefficientPlaces<kGeneral, Assumed::kCorner>::kCount + 2 * kGradientCoefficients + kLawCoefficients;
 
   HWY_NOINLINE ExactCoefficients(const Model& model, const History& history, const Linearization& at, int block,
                                  int lane, double factor)
@@ -252,7 +228,7 @@ struct ExactCoefficients {
     CornerLanes<V> x, u;
     ModeLanes<V> of_volume;
     gather_shapes(*model.partition, block, lane, present, at.plastic_rest.data(), at.current.data(), x, u);
-    ElementLanes<kGeneral, kAssumed, V> element;
+    ElementLanes<kGeneral, Assumed::kCorner, V> element;
     const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
     const MaterialLanes<V> of(model.settings, load(lame), load(lame + kBlock));
     PlasticLanes<V> plastic;
@@ -260,7 +236,7 @@ struct ExactCoefficients {
                   load_plastic(*model.partition, at.flowed_at(history, block), block, lane, plastic), element);
     decompose(element);
     const PressureLanes<V> p = pressures(of, element, u, of_volume);
-    CoefficientWriter<kStride, kGeneral, kAssumed, V, double> writer(element, kind, V(1.0), coef);
+    CoefficientWriter<kStride, kGeneral, Assumed::kCorner, V, double> writer(element, kind, V(1.0), coef);
     for (int i = 0; i < kCorners; ++i) writer.add_sample(i, of, p);
     writer.finish(of_volume);
     const V per_sample = V(factor / kCorners) * select_bits(present, element.rest.volume, V(0.0));
@@ -269,9 +245,9 @@ struct ExactCoefficients {
   }
   HWY_NOINLINE void apply(CornerLanes<V>& u) const {
     if (kind.has_law())
-      apply_stiffness<kStride, kGeneral, kAssumed, false, true, false>(coef, kind, weight, V(1.0), u);
+      apply_stiffness<kStride, kGeneral, Assumed::kCorner, false, true, false>(coef, kind, weight, V(1.0), u);
     else
-      apply_stiffness<kStride, kGeneral, kAssumed, false, false, false>(coef, kind, weight, V(1.0), u);
+      apply_stiffness<kStride, kGeneral, Assumed::kCorner, false, false, false>(coef, kind, weight, V(1.0), u);
   }
 
   StiffnessKind kind;
@@ -285,9 +261,8 @@ void exact_product(const Model& model, const History& history, const Linearizati
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
     for (int lane = 0; lane < kBlock; lane += Lanes<double>::kCount)
       for_shape(
-          at.is_general[block] != 0,
-          sampling_of(model.settings).assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
-            const ExactCoefficients<kGeneral, kAssumed> of(model, history, at, block, lane, factor);
+          at.is_general[block] != 0, [&]<bool kGeneral>() __attribute__((always_inline)) {
+            const ExactCoefficients<kGeneral> of(model, history, at, block, lane, factor);
             CornerLanes<Lanes<double>> u;
             gather(partition, block, lane, p, u);
             of.apply(u);
@@ -301,9 +276,8 @@ void matrices_of(const Model& model, const History& history, const Linearization
   using V = Lanes<double>;
   for (int lane = 0; lane < kBlock; lane += V::kCount)
     for_shape(
-        at.is_general[block] != 0,
-        sampling_of(model.settings).assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
-          const ExactCoefficients<kGeneral, kAssumed> of(model, history, at, block, lane, factor);
+        at.is_general[block] != 0, [&]<bool kGeneral>() __attribute__((always_inline)) {
+          const ExactCoefficients<kGeneral> of(model, history, at, block, lane, factor);
           for (int column = 0; column < 3 * kCorners; ++column) {
             CornerLanes<V> u;
             set_zero(u);
@@ -336,18 +310,14 @@ double energy_of(const Model& model, const CornerTensors* plastic_inverse, const
     const PlasticLanes<V>* const plastic = load_plastic(*model.partition, plastic_inverse, block, lane, of_lanes);
     if (const double from = Recovery::from(model.settings); std::isfinite(from))
       *thin |= find_thin<true>(x, u, V(0.0), from) << lane;
-    for_shape(true, sampling_of(model.settings).assumed, [&]<bool kGeneral, Assumed kAssumed>() {
-      ElementLanes<kGeneral, kAssumed, V> element;
-      place_element(x, u, sampling_of(model.settings), plastic, element);
-      decompose(element);
-      V density = mean_energy_density(of, element, pressures(of, element, u, gradient));
-      if constexpr (kAssumed == Assumed::kCorner) {
-        BranchLanes<V> lanes;
-        if (const BranchLanes<V>* held = load_branches(*model.partition, branches, block, lane, of.mu, lanes))
-          for (int i = 0; i < kCorners; ++i) density += V(1.0 / kCorners) * held->energy(i, element.polar[i].S);
-      }
-      sum += select_bits(here, element.rest.volume * density, V(0.0));
-    });
+    ElementLanes<true, Assumed::kCorner, V> element;
+    place_element(x, u, sampling_of(model.settings), plastic, element);
+    decompose(element);
+    V density = mean_energy_density(of, element, pressures(of, element, u, gradient));
+    BranchLanes<V> lanes;
+    if (const BranchLanes<V>* held = load_branches(*model.partition, branches, block, lane, of.mu, lanes))
+      for (int i = 0; i < kCorners; ++i) density += V(1.0 / kCorners) * held->energy(i, element.polar[i].S);
+    sum += select_bits(here, element.rest.volume * density, V(0.0));
   }
   return hn::GetLane(hn::SumOfLanes(V::Tag(), sum.raw()));
 }
@@ -380,7 +350,7 @@ void linearize_coarse(const Partition& partition, const double* plastic_rest, co
       ElementLanes<true, Assumed::kNothing, V> element;
       place_element(x, u, op.kind.sampling, mean_plastic ? &plastic : nullptr, element);
       decompose(element);
-      const MaterialLanes<V> nothing(Settings{.volumetric = Volumetric::kSample}, V(0.0), V(0.0));
+      const MaterialLanes<V> nothing(Settings(), V(0.0), V(0.0));
       CoefficientWriter<kBlock, true, Assumed::kNothing, V, float> writer(element, op.kind, V(length),
                                                                           op.coef.data() + op.offset[block] + lane);
       for (int i = 0; i < kCorners; ++i) writer.add_sample(i, nothing, {});
@@ -403,10 +373,8 @@ void linearize_as_simple(const Model& model, const Linearization& at, const unsi
       if (stored_mean) mean_plastic = load_mean_plastic(stored_mean + lane);
       place_mean(x, u, op.kind.sampling, stored_mean ? &mean_plastic : nullptr, element);
       ModeLanes<V> current, of_volume;
-      if (op.kind.has_volume()) {
-        modes(u, current);
-        volume_of(current, of_volume);
-      }
+      modes(u, current);
+      volume_of(current, of_volume);
       const std::size_t first = static_cast<std::size_t>(block) * 2 * kBlock + lane;
       const double* lame = model.lame_blocks.data() + first;
       const V mu = load(lame), lambda = load(lame + kBlock);
@@ -415,11 +383,11 @@ void linearize_as_simple(const Model& model, const Linearization& at, const unsi
       store_as(per_sample * mu, op.weight.data() + first);
       store_as(per_sample * lambda, op.weight.data() + first + kBlock);
       const Mat<V> j = scaled(V(model.length), element.j);
-      V of_shape = mu, of_dilatation = free_modulus(op.kind.volumetric, mu, lambda);
+      V of_shape = mu, of_dilatation = free_modulus(mu, lambda);
       add_branch_modulus(op.kind.branch_modulus, of_shape, of_dilatation);
       ModeStiffness<V> stiffness(j, op.kind.sampling.corner_weight, of_shape, of_dilatation);
-      store_one_rotation<kBlock>(element.rest, j, stiffness, op.kind.has_volume() ? &of_volume : nullptr,
-                                 V(model.length), const_cast<hwy::float16_t*>(stored(op, block)) + lane);
+      store_one_rotation<kBlock>(element.rest, j, stiffness, of_volume, V(model.length),
+                                 const_cast<hwy::float16_t*>(stored(op, block)) + lane);
     }
 }
 

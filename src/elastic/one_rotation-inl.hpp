@@ -113,7 +113,7 @@ struct ModeStiffness {
 /// stiffness of its modes becomes its factor.
 template <int kStride, class V, class Coef>
 HWY_NOINLINE void store_one_rotation(const RestLanes<false, Assumed::kCorner, V>& rest, const Mat<V>& j,
-                                     ModeStiffness<V>& stiffness, const ModeLanes<V>* of_volume, V length, Coef* coef) {
+                                     ModeStiffness<V>& stiffness, const ModeLanes<V>& of_volume, V length, Coef* coef) {
   using Places = OneRotationPlaces;
   factorize(stiffness.of_two);
   factorize(stiffness.of_three);
@@ -122,7 +122,7 @@ HWY_NOINLINE void store_one_rotation(const RestLanes<false, Assumed::kCorner, V>
     store_as(stiffness.of_two.at[k], coef + (Places::kOfTwo + k) * kStride);
   for (int k = 0; k < stiffness.of_three.kCount; ++k)
     store_as(stiffness.of_three.at[k], coef + (Places::kOfThree + k) * kStride);
-  if (of_volume) store_gradient<kStride>(*of_volume, length / rest.volume, coef + Places::kCount * kStride);
+  store_gradient<kStride>(of_volume, length / rest.volume, coef + Places::kCount * kStride);
 }
 
 /// u <- L u: the mean gradient, the modes of two coordinates and that of three do no work on one another.     eq. E29
@@ -135,13 +135,12 @@ HWY_INLINE void apply_one_rotation(const Coef* coef, const StiffnessKind& kind, 
   // four times the mean edges and the hourglass modes, and eight samples that weigh an eighth each: 8 / 4 / 4
   V mu = V(T(0.5)) * factor * load(weight);
   const V lambda = V(T(0.5)) * factor * load(weight + kStride);
-  V free = free_modulus(kind.volumetric, mu, lambda), of_mean = kind.has_volume() ? V(T(0)) : lambda, same = mu;
+  V free = free_modulus(mu, lambda), of_mean(T(0)), same = mu;
   add_branch_modulus(kind.branch_modulus, mu, free);
   add_branch_modulus(kind.branch_modulus, same, of_mean);
   ModeLanes<V> at;
   modes(u, at);
-  V along_volume(T(0));
-  if (kind.has_volume()) along_volume = V(T(2 * kCorners)) * lambda * along_gradient<kStride>(of_volume, at);
+  const V along_volume = V(T(2 * kCorners)) * lambda * along_gradient<kStride>(of_volume, at);
 
   const Mat<V> j = load_mat<kStride, V>(coef + Places::kDirections * kStride);
   Mat<V> mean;
@@ -154,7 +153,7 @@ HWY_INLINE void apply_one_rotation(const Coef* coef, const StiffnessKind& kind, 
   apply_factor<9, kStride>(coef + Places::kOfTwo * kStride, mu + free, at.at + 3);
   apply_factor<3, kStride>(coef + Places::kOfThree * kStride, mu + free, at.at + 6);
 
-  if (kind.has_volume()) add_gradient<kStride>(along_volume, of_volume, at);
+  add_gradient<kStride>(along_volume, of_volume, at);
   modes_transpose(at, u);
 }
 

@@ -84,21 +84,31 @@ void update_material(const Model& model, const History& history, Linearization& 
   });
   std::visit(
       [&](auto& op) {
-        op.kind = {.sampling = sampling_of(model.settings),
-                   .volumetric = model.settings.volumetric,
-                   .law = model.settings.law};
+        op.kind = {.sampling = sampling_of(model.settings), .law = model.settings.law};
         op.resize(at.is_general);
       },
       at.op);
   for (std::size_t block = 0; block < at.has_flowed.size(); ++block)
     at.has_flowed[block] = flowed_at(partition, history, static_cast<int>(block)) != nullptr;
   at.plastic_rest_version = history.version;
-  at.is_current = false;
+  at.forget();
+}
+
+void take_flow(const Model& model, const History& history, std::span<const unsigned char> blocks, Linearization& at) {
+  const Partition& partition = *model.partition;
+  for (int chunk = 0; chunk < partition.num_chunks; ++chunk)
+    for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
+      if (!blocks[block]) continue;
+      at.has_flowed[block] = flowed_at(partition, history, block) != nullptr;
+      at.is_stale[chunk] = 1;
+      at.is_current = false;
+    }
+  at.plastic_rest_version = history.version;
 }
 
 void set_positions(const Model& model, ConstPoints x, Linearization& at) {
-  if (at.is_current && at.x == x) return;
-  at.is_current = false;
+  if (at.x.rows() == x.rows() && at.x == x) return;
+  at.forget();
   at.x = x;
   to_slots(*model.partition, x, at.current);
 }
@@ -108,11 +118,15 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
                std::span<const BranchStep> steps) {
   update_material(model, history, at);
   set_positions(model, x, at);
-  if (at.is_current && (at.is_screened || !screens)) return;
+  if (screens && !at.is_screened) at.forget();
+  if (at.is_current) return;
   at.revision = next_revision();
   const Partition& partition = *model.partition;
   const Branches branches = history.branches(steps);
-  std::fill(at.force.begin(), at.force.end(), 0.0);
+  const auto clear = [&](const std::vector<int>& first, int chunk) {
+    std::fill(at.of_chunks.begin() + 4 * static_cast<std::ptrdiff_t>(first[chunk]),
+              at.of_chunks.begin() + 4 * static_cast<std::ptrdiff_t>(first[chunk + 1]), 0.0);
+  };
   const double thin_from = Recovery::from(model.settings);
   std::visit(
       [&]<class T, class Coef>(ElementOperator<T, Coef>& op) {
@@ -127,24 +141,30 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
                                         .has_flowed = at.has_flowed.data(),
                                         .branches = branches,
                                         .settings = model.settings,
-                                        .screens_rotation = model.can_rotate,
-                                        .screens_isolated = screens && model.can_flow(),
+                                        .screens = screens && model.can_flow(),
                                         .thin_from = thin_from,
                                         .safe_strain = 1 - std::cbrt(std::max(thin_from, 0.0)),
                                         .length = model.length,
                                         .op = op,
-                                        .force = at.force.data(),
+                                        .force = at.of_chunks.data(),
                                         .volume = at.volume.data(),
                                         .screen = at.screen.data(),
                                         .thin = at.thin.data(),
                                         .mean_plastic = at.mean_plastic.data()};
-        parallel_for(partition.num_chunks, [&](int chunk) { linearize_elements(pass, chunk); });
+        parallel_for(partition.num_chunks, [&](int chunk) {
+          if (!at.is_stale[chunk]) return;
+          clear(partition.first_node, chunk);
+          clear(partition.first_ghost, chunk);
+          linearize_elements(pass, chunk);
+        });
       },
       at.op);
+  std::ranges::fill(at.is_stale, 0);
+  std::ranges::copy(at.of_chunks, at.force.begin());
   parallel_for(partition.num_chunks, [&](int chunk) { reduce_ghosts(partition, chunk, at.force.data()); });
   at.recovery.find(model, history, at.thin, at.x);
   at.is_current = true;
-  at.is_screened = screens || model.settings.rest_shape == RestShape::kJoined;
+  at.is_screened = screens;
 }
 
 void add_force(const Model& model, const Linearization& at, Points f) {

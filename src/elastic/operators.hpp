@@ -15,9 +15,13 @@ void update_material(const Model& model, const History& history, Linearization& 
 /// found of the plastic rest shape, which must still be the present one.
 void set_positions(const Model& model, ConstPoints x, Linearization& at);
 
+/// After a plastic step that has removed nothing, at positions that `at` has: what has flowed in it lies in these
+/// blocks, per block not 0, and the rest of `at` stays.
+void take_flow(const Model& model, const History& history, std::span<const unsigned char> blocks, Linearization& at);
+
 /// Rotations, forces and the stiffness operator at current positions x (num_nodes x 3) [m]; nothing where `at` holds
-/// them already. screens: fills YieldScreen too, which joined rest shapes always do; of what branches hold it knows
-/// nothing.                                                                                   theory.md eq. 15, 16, P14
+/// them already. screens: fills YieldScreen too; of what branches hold it knows nothing. theory.md eq. 15, 16,
+/// P14
 void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at, bool screens = true,
                std::span<const BranchStep> branches = {});
 

@@ -14,17 +14,10 @@
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
 
-/// Calls f.template operator()<general, assumed>() for what an element is.
+/// Calls f.template operator()<general>() for what an element is.
 template <class F>
-HWY_INLINE void for_shape(bool is_general, Assumed assumed, const F& f) {
-  switch (assumed) {
-    case Assumed::kNothing:
-      return is_general ? f.template operator()<true, Assumed::kNothing>()
-                        : f.template operator()<false, Assumed::kNothing>();
-    case Assumed::kCorner:
-      return is_general ? f.template operator()<true, Assumed::kCorner>()
-                        : f.template operator()<false, Assumed::kCorner>();
-  }
+HWY_INLINE void for_shape(bool is_general, const F& f) {
+  return is_general ? f.template operator()<true>() : f.template operator()<false>();
 }
 
 /// The plastic deformation of isolated rest shapes.                                                            eq. P2
@@ -127,9 +120,8 @@ HWY_NOINLINE void decompose(SampleLanes<N>& element) {
 
 /// lambda_f, the modulus of a sample's own dilatation.                                                     eq. E2
 template <class N>
-HWY_INLINE N free_modulus(Volumetric volumetric, N mu, N lambda) {
+HWY_INLINE N free_modulus(N mu, N lambda) {
   using T = ScalarOf<N>;
-  if (volumetric == Volumetric::kSample) return lambda;
   const N twice = mu + mu;  // of both signs: operators are added and subtracted; absent elements have neither
   return twice * (abs(lambda) / max(abs(lambda + twice), N(T(1e-30))));
 }
@@ -139,17 +131,15 @@ template <class N>
 struct MaterialLanes {
   HWY_INLINE MaterialLanes(const Settings& settings, N mu_, N lambda_)
       : law(settings.law),
-        volumetric(settings.volumetric),
         mooney_fraction(settings.mooney_fraction),
         mu(mu_),
         lambda(lambda_),
-        free(free_modulus(volumetric, mu_, lambda_)) {}
+        free(free_modulus(mu_, lambda_)) {}
 
   /// The modulus of the volume ratio: the corotated law's deviations have theirs about the mean.
   HWY_INLINE N of_volume() const { return law == ElasticLaw::kCorotated ? lambda : lambda - free; }
 
   ElasticLaw law;
-  Volumetric volumetric;
   double mooney_fraction;
   N mu, lambda, free;  ///< [Pa]
 };
@@ -167,7 +157,7 @@ struct PressureLanes {
   HWY_INLINE N in_stress_at(N theta) const { return k0 + own * theta + in_stress; }
 };
 
-/// Of the mean of theta; gradient: of the current volume, filled for the volume ratio only.
+/// Of the mean of theta; gradient: of the current volume.
 template <class N>
 HWY_NOINLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, N mean_dilatation, N volume,
                                         const CornerLanes<N>& u, ModeLanes<N>& gradient) {
@@ -176,9 +166,8 @@ HWY_NOINLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, N mean_dilat
   const LawConstants<N> law(of.law, of.mooney_fraction, of.mu);
   p.k0 = law.k0;
   p.own = law.b0 + of.free;
-  p.shared = p.in_stress = p.excess = N(T(0));
+  p.shared = N(T(0));
   p.dilatation = mean_dilatation;
-  if (of.volumetric == Volumetric::kSample) return p;
   ModeLanes<N> at;
   modes(u, at);
   p.excess = volume_of(at, gradient) / volume - N(T(1));
@@ -192,8 +181,7 @@ HWY_INLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, const SampleLa
                                       const CornerLanes<N>& u, ModeLanes<N>& gradient) {
   using T = ScalarOf<N>;
   N sum(T(0));
-  if (of.volumetric != Volumetric::kSample)
-    for (const PolarLanes<N>& polar : element.polar) sum += dilatation(of.law, polar.S);
+  for (const PolarLanes<N>& polar : element.polar) sum += dilatation(of.law, polar.S);
   return pressures(of, N(T(1.0 / kCorners)) * sum, element.volume, u, gradient);
 }
 

@@ -131,14 +131,13 @@ struct BranchLanes {
   V modulus;                ///< [Pa] mu_b
 };
 
-/// Null: nothing relaxes.
+/// Of these elements. Null: nothing relaxes.
 template <class V>
-HWY_NOINLINE const BranchLanes<V>* load_branches(const Partition& partition, const Branches& branches, int block,
-                                                 int lane, V mu, BranchLanes<V>& to) {
+HWY_NOINLINE const BranchLanes<V>* load_branches(const int* elements, const Branches& branches, V mu,
+                                                 BranchLanes<V>& to) {
   if (!branches.any()) return nullptr;
-  const LaneElements<V> elements(partition, block, lane);
   load_tensors(
-      elements.number, [&](int e) { return branches.stretch[e][0].data(); }, to.before);
+      elements, [&](int e) { return branches.stretch[e][0].data(); }, to.before);
   to.modulus = V(branches.modulus()) * mu;
   const V none(0.0);
   for (int i = 0; i < kCorners; ++i) {
@@ -149,7 +148,7 @@ HWY_NOINLINE const BranchLanes<V>* load_branches(const Partition& partition, con
   for (std::size_t k = 0; k < count; ++k) {
     Sym<V> b[kCorners];
     load_tensors(
-        elements.number, [&](int e) { return branches.strain[e * count + k][0].data(); }, b);
+        elements, [&](int e) { return branches.strain[e * count + k][0].data(); }, b);
     const BranchStep& step = branches.steps[k];
     const V of_stored = V(step.modulus) * mu, of_held = V(2 * step.modulus * step.decay) * mu;
     for (int i = 0; i < kCorners; ++i) {
@@ -158,6 +157,12 @@ HWY_NOINLINE const BranchLanes<V>* load_branches(const Partition& partition, con
     }
   }
   return &to;
+}
+template <class V>
+HWY_INLINE const BranchLanes<V>* load_branches(const Partition& partition, const Branches& branches, int block,
+                                               int lane, V mu, BranchLanes<V>& to) {
+  if (!branches.any()) return nullptr;
+  return load_branches(LaneElements<V>(partition, block, lane).number, branches, mu, to);
 }
 
 /// bounded_balance of the lanes of which the bits are set.

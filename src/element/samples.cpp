@@ -18,36 +18,6 @@ scalar::CornerLanes<double> corners_of(const ElementPoints& x) {
   return corners;
 }
 
-template <Assumed kAssumed>
-ElementSamples samples(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame,
-                       const Settings& settings, const CornerTensors* plastic_inverse) {
-  scalar::PlasticLanes<double> plastic;
-  if (plastic_inverse) {
-    for (int i = 0; i < kCorners; ++i) plastic.inverse[i] = scalar::entries((*plastic_inverse)[i]);
-    plastic.mean = scalar::mean_plastic_inverse(plastic.inverse);
-  }
-  scalar::ElementLanes<true, kAssumed, double> element;
-  const scalar::CornerLanes<double> u = corners_of(current);
-  place_element(corners_of(plastic_rest), u, sampling_of(settings), plastic_inverse ? &plastic : nullptr, element);
-  decompose(element);
-  const scalar::MaterialLanes<double> of(settings, lame.mu, lame.lambda);
-  scalar::ModeLanes<double> volume_gradient;
-  const scalar::PressureLanes<double> pressure = pressures(of, element, u, volume_gradient);
-
-  ElementSamples found;
-  found.volume = element.rest.volume;
-  found.pressure = pressure.in_stress - pressure.shared;
-  found.volume_ratio = pressure.excess + 1;
-  for (int i = 0; i < kCorners; ++i) {
-    const scalar::PolarLanes<double>& at = element.polar[i];
-    found.F[i] = to_eigen(element.F[i]);
-    found.polar[i] = {to_eigen(at.R), to_eigen(matrix(at.S))};
-    found.stress[i] = to_eigen(
-        matrix(stress(of.law, of.mooney_fraction, at.S, of.mu, pressure.in_stress_at(dilatation(of.law, at.S)))));
-  }
-  return found;
-}
-
 }  // namespace
 
 void add_branch_stress(const Branches& branches, double mu, ElementSamples& samples) {
@@ -69,9 +39,30 @@ void add_branch_stress(const Branches& branches, double mu, ElementSamples& samp
 ElementSamples element_samples(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame,
                                const Settings& settings, const CornerTensors* plastic_inverse,
                                const Branches& branches) {
-  ElementSamples found = sampling_of(settings).assumed == Assumed::kCorner
-                             ? samples<Assumed::kCorner>(plastic_rest, current, lame, settings, plastic_inverse)
-                             : samples<Assumed::kNothing>(plastic_rest, current, lame, settings, plastic_inverse);
+  scalar::PlasticLanes<double> plastic;
+  if (plastic_inverse) {
+    for (int i = 0; i < kCorners; ++i) plastic.inverse[i] = scalar::entries((*plastic_inverse)[i]);
+    plastic.mean = scalar::mean_plastic_inverse(plastic.inverse);
+  }
+  scalar::ElementLanes<true, Assumed::kCorner, double> element;
+  const scalar::CornerLanes<double> u = corners_of(current);
+  place_element(corners_of(plastic_rest), u, sampling_of(settings), plastic_inverse ? &plastic : nullptr, element);
+  decompose(element);
+  const scalar::MaterialLanes<double> of(settings, lame.mu, lame.lambda);
+  scalar::ModeLanes<double> volume_gradient;
+  const scalar::PressureLanes<double> pressure = pressures(of, element, u, volume_gradient);
+
+  ElementSamples found;
+  found.volume = element.rest.volume;
+  found.pressure = pressure.in_stress - pressure.shared;
+  found.volume_ratio = pressure.excess + 1;
+  for (int i = 0; i < kCorners; ++i) {
+    const scalar::PolarLanes<double>& at = element.polar[i];
+    found.F[i] = to_eigen(element.F[i]);
+    found.polar[i] = {to_eigen(at.R), to_eigen(matrix(at.S))};
+    found.stress[i] = to_eigen(
+        matrix(stress(of.law, of.mooney_fraction, at.S, of.mu, pressure.in_stress_at(dilatation(of.law, at.S)))));
+  }
   add_branch_stress(branches, lame.mu, found);
   return found;
 }

@@ -166,15 +166,13 @@ HWY_INLINE void finish_columns(const RestLanes<kGeneral, kAssumed, N>& rest, con
   if constexpr (kAssumed != Assumed::kNothing) how.columns(at.Q, at.a);
   if constexpr (Rest::kByModes) {
     columns_of_modes(at.mean.m, at.Q, at.a, rest.corner_weight, at.by_modes);
-  } else if constexpr (kGeneral) {
+  } else {
     at.H = outer_sum(u, rest.h);
     scale(rest.corner_weight, at.e);
     if constexpr (kAssumed != Assumed::kNothing)
       for (int n = 0; n < 3; ++n)
         for (int i = 0; i < 3; ++i)
           for (int k = 0; k < 3; ++k) at.turned[n](i, k) = at.a[n][i] * rest.dual(n, k);
-  } else {
-    blend(rest.corner_weight, at.e);
   }
 }
 
@@ -302,16 +300,10 @@ struct ColumnsTranspose {
         for (int i = 0; i < 3; ++i) on_modes[l][i] += Q[l][i];
       return corners_of_modes(mean, on_modes, factor, f);
     } else {
-      if constexpr (kGeneral) {
-        for (int c = 0; c < kCorners; ++c)
-          for (int r = 0; r < 3; ++r)
-            f.at[c][r] = factor * (H(r, 0) * rest.h.at[c][0] + H(r, 1) * rest.h.at[c][1] + H(r, 2) * rest.h.at[c][2]);
-        scale(factor * rest.corner_weight, e);
-      } else {
-        set_zero(f);
-        blend(rest.corner_weight, e);
-        if constexpr (!std::is_same_v<Factor, One>) scale(factor, e);
-      }
+      for (int c = 0; c < kCorners; ++c)
+        for (int r = 0; r < 3; ++r)
+          f.at[c][r] = factor * (H(r, 0) * rest.h.at[c][0] + H(r, 1) * rest.h.at[c][1] + H(r, 2) * rest.h.at[c][2]);
+      scale(factor * rest.corner_weight, e);
       if constexpr (kAssumes) {
         if (mean_acting)
           mean = *mean_acting;

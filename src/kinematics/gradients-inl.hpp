@@ -65,17 +65,6 @@ HWY_INLINE void add_edges_transpose(const EdgeLanes<N>& e, CornerLanes<N>& f) {
   });
 }
 
-/// corner_weight e + (1 - corner_weight) mean of the four edges of the same direction. It is its own transpose.
-template <class N>
-HWY_INLINE void blend(N corner_weight, EdgeLanes<N>& e) {
-  const N quarter = (N(ScalarOf<N>(1)) - corner_weight) * N(ScalarOf<N>(0.25));
-  for (int d = 0; d < 3; ++d)
-    for (int i = 0; i < 3; ++i) {
-      const N mean = quarter * ((e.at[d][0][i] + e.at[d][1][i]) + (e.at[d][2][i] + e.at[d][3][i]));
-      for (int m = 0; m < 4; ++m) e.at[d][m][i] = corner_weight * e.at[d][m][i] + mean;
-    }
-}
-
 /// Rows: the edges at a corner, as the columns of twice the Jacobian would be.
 template <class N>
 HWY_INLINE Mat<N> edges_at(const EdgeLanes<N>& e, int corner) {
@@ -186,9 +175,11 @@ HWY_INLINE void add_hourglass_transpose(const N (&Q)[3][3], EdgeLanes<N>& e) {
   }
 }
 
-/// Constants of the plastic rest shape, for whole edges instead of half ones. Parallelepipeds need one inverse.
+/// Constants of the plastic rest shape, for whole edges instead of half ones. Parallelepipeds, of elements alone, need
+/// one inverse.
 template <bool kGeneral, Assumed kAssumed, class N>
 struct RestLanes {
+  static_assert(kGeneral || kAssumed != Assumed::kNothing);
   static constexpr bool kHasMean = kGeneral && kAssumed != Assumed::kNothing;
   static constexpr bool kByModes = kAssumed != Assumed::kNothing && !kGeneral;
   static constexpr int kModes = kByModes ? 4 : 3;
@@ -213,8 +204,7 @@ HWY_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
   N det;
   edges(x, e);
   if constexpr (!kGeneral) {
-    blend(N(T(0)), e);  // the mean: exactly what all corners share
-    assign(reciprocal(edges_at(e, 0), rest.volume), rest.inverse[0]);
+    assign(reciprocal(mean_edges(e), rest.volume), rest.inverse[0]);  // of what all corners share
     rest.min_jacobian = N(T(0.125)) * rest.volume;
   } else {
     rest.min_jacobian = N(T(1e30));

@@ -62,8 +62,6 @@ void require_isolated_flow(const Settings& settings, Names names) {
                                  called("rest_shape", names), has));
   };
   if (settings.law != ElasticLaw::kCorotated) refuse_given("law", "corotated");
-  if (settings.bending != Bending::kAssumedCorner && settings.implementation == Implementation::kFast)
-    refuse_given("bending", fmt::format("assumedCorner, and blended with {} = plain", called("implementation", names)));
   if (settings.bending == Bending::kVertex || settings.bending == Bending::kCentre)
     refuse_given("bending", "assumedCorner and blended");
   if (settings.rotation_plasticity == RotationPlasticity::kVertex ||
@@ -137,16 +135,18 @@ void validate(const Settings& settings, Names names) {
                                    row.words[static_cast<std::size_t>(value)], other.called(names),
                                    other.words[static_cast<std::size_t>(needed)], reason));
   };
-  const auto require_plain = [&](std::string_view member, auto value) {
-    require(member, value, "implementation", Implementation::kPlain, ": the fast kernels do not have it");
+  const auto require_double = [&](std::string_view member, auto value) {
+    require(member, value, "precision", Precision::kDouble);
   };
-  for (const Bending bending : {Bending::kVertex, Bending::kCentre}) require_plain("bending", bending);
+  for (const Bending bending : {Bending::kBlended, Bending::kVertex, Bending::kCentre})
+    require_double("bending", bending);
+  require_double("volumetric", Volumetric::kSample);
   for (const RotationPlasticity mode : {RotationPlasticity::kVertex, RotationPlasticity::kCentre})
-    require_plain("rotation_plasticity", mode);
-  require_plain("averaging", AveragingMethod::kJacobi);
+    require_double("rotation_plasticity", mode);
+  require_double("averaging", AveragingMethod::kJacobi);
+  require_double("implementation", Implementation::kPlain);
   require("yield_stress_measure", YieldStressMeasure::kCauchy, "rest_shape", RestShape::kIsolated);
   require("yield_stress_measure", YieldStressMeasure::kCauchy, "volumetric", Volumetric::kVolumeRatio);
-  require("precision", Precision::kMixed, "implementation", Implementation::kFast);
   require_branches(settings, names);
 }
 
@@ -180,6 +180,14 @@ bool can_flow(const std::vector<Material>& materials, const Settings& settings) 
       materials, [&](const Material& material) { return can_stretch(material) || can_rotate(material, settings); });
 }
 
+bool is_plain(const std::vector<Material>& materials, const Settings& settings) {
+  return settings.implementation == Implementation::kPlain || settings.bending != Bending::kAssumedCorner ||
+         settings.volumetric == Volumetric::kSample || settings.averaging == AveragingMethod::kJacobi ||
+         settings.rotation_plasticity == RotationPlasticity::kVertex ||
+         settings.rotation_plasticity == RotationPlasticity::kCentre ||
+         (settings.rest_shape == RestShape::kJoined && can_flow(materials, settings));
+}
+
 double bytes_per_hexahedron(const std::vector<Material>& materials, const Settings& settings) {
   const bool flows = can_flow(materials, settings);
   const bool is_isolated = settings.rest_shape == RestShape::kIsolated;
@@ -192,13 +200,11 @@ double bytes_per_hexahedron(const std::vector<Material>& materials, const Settin
   const double tensors = (has_stretches ? kCorners : 0) + (turns_at_corners ? kCorners - 1 : 0);
   const double of_branches = settings.num_branches() > 0 ? 1 + settings.num_branches() : 0;  // of six numbers
   const double bytes_of_branches = 2 * of_branches * kCorners * 6 * sizeof(double);
-  if (settings.implementation == Implementation::kPlain)
-    return 17000 + bytes_of_branches + (is_isolated && flows ? 2600 : 0) + (flows ? 2 : 1) * tensors * sizeof(Mat3) +
+  if (is_plain(materials, settings))
+    return 11000 + bytes_of_branches + (is_isolated && flows ? 2600 : 0) + (flows ? 2 : 1) * tensors * sizeof(Mat3) +
            (flows ? 1000 : 0);
-  const double coefficients = (settings.bending == Bending::kAssumedCorner ? 51 : 0) +
-                              (settings.volumetric != Volumetric::kSample ? 42 : 0) +
-                              (settings.law != ElasticLaw::kCorotated ? 56 : 0);
-  const double of_cycles = 60 + (settings.volumetric == Volumetric::kVolumeRatio ? 21 : 0);
+  const double coefficients = 93 + (settings.law != ElasticLaw::kCorotated ? 56 : 0);
+  const double of_cycles = 81;
   const double of_latest = 51;  // masses and fixed axes of the latest eigenvalues, positions of the latest energy
   const double of_relaxation = of_branches > 0 && !flows ? 440 + tensors * sizeof(Mat3) : 0;  // the trial of a step
   const double more = (flows ? 2 : 1) * tensors * sizeof(Mat3) + bytes_of_branches + of_relaxation +

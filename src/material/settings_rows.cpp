@@ -18,7 +18,7 @@ constexpr std::string_view kRotations[] = {"objective", "vertex", "centre", "non
 constexpr std::string_view kFrames[] = {"bestFit", "world"};
 constexpr std::string_view kAveragings[] = {"gaussNewton", "jacobi"};
 constexpr std::string_view kPrecisions[] = {"double", "mixed"};
-constexpr std::string_view kImplementations[] = {"fast", "plain"};
+constexpr std::string_view kImplementations[] = {"auto", "plain"};
 
 constexpr Row<Settings> kSettingsRows[] = {
     {.member = "bending",
@@ -157,9 +157,10 @@ constexpr Row<Settings> kSettingsRows[] = {
      .name = "implementation",
      .group = kNumerics,
      .words = kImplementations,
-     .help = "What computes. plain: one hexahedron after the other, in double precision, for reading and comparing; it "
-             "alone has bending=\"vertex\" and \"centre\", averaging=\"jacobi\", rotationPlasticity=\"vertex\" and "
-             "\"centre\", and bending=\"blended\" with restShape=\"isolated\" where something flows.",
+     .help = "What computes. auto: the fast kernels where they have what is asked for; plain: the paper's method in "
+             "double precision and without multigrid, for comparing. It alone has other values of bending than "
+             "assumedCorner, volumetric=\"sample\", restShape=\"joined\" of a body that flows, averaging=\"jacobi\", "
+             "and rotationPlasticity=\"vertex\" and \"centre\".",
      .at = kMember<&Settings::implementation>},
     {.member = "volume_restitution",
      .name = "volumeRestitution",

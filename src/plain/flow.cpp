@@ -8,14 +8,24 @@
 #include "base/finite.hpp"
 #include "hexaplast/base/error.hpp"
 #include "kinematics/polar.hpp"
+#include "mesh/trilinear.hpp"
 #include "plain/plain.hpp"
-#include "plastic/element_flow.hpp"
+#include "plastic/fracture.hpp"
 #include "plastic/isolated_flow.hpp"
 #include "plastic/rest_shape.hpp"
 
 namespace hexaplast::plain {
 
 namespace {
+
+constexpr double kCollapsedJacobian = 0.02;  // of the original: averaging may not press a corner below
+
+/// Smallest det J_i(x) / det J_i(X) of an element's corners.
+double min_jacobian_ratio(const CornerValues& initial, const ElementPoints& x) {
+  double min = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kCorners; ++i) min = std::min(min, corner_jacobian(x, i).determinant() / initial[i]);
+  return min;
+}
 
 /// B of the paper's rotation modes: per connected part, the rotation that fits the plastic rest positions best to the
 /// current ones.                                                                                        theory.md 5.6
@@ -45,38 +55,27 @@ class Step {
         before_(history),
         parts_(connected_parts(model.mesh, history.alive)),
         changed_(model.mesh.num_elements(), 0),
-        outcomes_(model.mesh.num_elements()) {}
+        rolled_back_(model.mesh.num_elements(), 0) {}
 
   /// Stretch, rotation, hardening, rest shape and volume of every element by itself.              theory.md 5.1 to 5.4
   void flow_elements(double dt) {
-    const bool has_frames = model_.maps_per_element() > 1 && model_.settings.rotation_frame == RotationFrame::kBestFit;
-    const std::vector<Mat3> frames =
-        has_frames ? fit_frames(parts_, before_.plastic_rest_positions, x_) : std::vector<Mat3>();
-    const Mat3 axes = Mat3::Identity();
+    std::vector<Mat3> frames;  // per element
+    if (model_.maps_per_element() > 1 && model_.settings.rotation_frame == RotationFrame::kBestFit) {
+      const std::vector<Mat3> of_part = fit_frames(parts_, before_.plastic_rest_positions, x_);
+      for (int e = 0; e < model_.mesh.num_elements(); ++e)
+        frames.push_back(before_.alive[e] ? of_part[part_of(e)] : Mat3(Mat3::Identity()));
+    }
+    plain::flow_elements(model_, x_, dt, frames, before_, next, outcomes_);
     for (int e = 0; e < model_.mesh.num_elements(); ++e) {
       if (!before_.alive[e]) continue;
-      const ElementPoints plastic_rest = rest_of(e, before_), current = gather(x_, model_.mesh.hexahedra()[e]);
-      const Element element(plastic_rest, current, model_.lame[e], model_.settings);
-      const ElementStep step = flow_element({.material = model_.material(e),
-                                             .settings = model_.settings,
-                                             .initial_shape = model_.initial_shape(e),
-                                             .corner_jacobian = model_.corner_jacobian(e),
-                                             .initial_volume = model_.volume[e],
-                                             .x = plastic_rest,
-                                             .samples = element.samples(),
-                                             .current = current,
-                                             .frame = has_frames ? frames[part_of(e)] : axes,
-                                             .tracks_stretch = model_.tracks_plastic_stretch},
-                                            before_.element(e), dt);
-      next.set_element(e, step.next);
-      if (model_.can_flow() && !(next.is_finite(e) && std::isfinite(step.dissipated)))
+      const ElementOutcome& outcome = outcomes_[e];
+      if (model_.can_flow() && !(next.is_finite(e) && std::isfinite(outcome.dissipated)))
         throw NumericalError(fmt::format("the plastic history of hexahedron {} is not finite", e));
-      const double volume_error = std::abs(step.volume_ratio - 1);
-      outcomes_[e] = {.yielded = step.yielded, .repaired = step.repaired, .dissipated = step.dissipated};
-      changed_[e] = step.yielded || step.repaired || volume_error >= kVolumeAtRest;
-      report.inverted += step.inverted;
-      report.skipped += step.skipped;
-      if (model_.can_flow()) report.worst_volume_error = std::max(report.worst_volume_error, volume_error);
+      changed_[e] = outcome.yielded || outcome.repaired || outcome.volume_error >= kVolumeAtRest;
+      report.inverted += outcome.inverted;
+      report.skipped += outcome.skipped;
+      if (model_.can_flow() && outcome.volume_error >= kVolumeAtRest)
+        report.worst_volume_error = std::max(report.worst_volume_error, outcome.volume_error);
     }
   }
 
@@ -114,20 +113,15 @@ class Step {
   }
 
   void count() {
-    for (const Outcome& outcome : outcomes_) {
+    report.rolled_back = static_cast<int>(std::ranges::count(rolled_back_, 1));
+    for (const ElementOutcome& outcome : outcomes_) {
       report.yielded += outcome.yielded;
       report.repaired += outcome.repaired;
-      report.rolled_back += outcome.rolled_back;
       next.dissipated_energy += outcome.dissipated;
     }
   }
 
  private:
-  struct Outcome {
-    bool yielded = false, repaired = false, rolled_back = false;
-    double dissipated = 0;  // [J]
-  };
-
   ElementPoints rest_of(int e, const History& history) const {
     return gather(history.plastic_rest_positions, model_.mesh.hexahedra()[e]);
   }
@@ -151,7 +145,8 @@ class Step {
     const ElementPoints x = about_mean(rest_of(e, before_));
     for (int i = 0; i < kCorners; ++i) element.rest_shape.row(i) = x.row(i) * element.rotation_map[i];
     next.set_element(e, element);
-    outcomes_[e] = {.rolled_back = changed_[e] != 0};
+    outcomes_[e] = {};
+    rolled_back_[e] = changed_[e];
   }
 
   const Model& model_;
@@ -159,7 +154,8 @@ class Step {
   const History& before_;
   ConnectedParts parts_;
   std::vector<unsigned char> changed_;  // per element: its rest shape is another than before
-  std::vector<Outcome> outcomes_;       // per element
+  std::vector<ElementOutcome> outcomes_;
+  std::vector<unsigned char> rolled_back_;
 };
 
 }  // namespace

@@ -2,12 +2,13 @@
 #include <limits>
 
 #include "plain/plain.hpp"
-#include "plastic/averaging.hpp"
 #include "plastic/rest_shape.hpp"
 
 namespace hexaplast::plain {
 
 namespace {
+
+constexpr double kFitted = 1e-26;  // E below this fraction of sum |t|^2 is rounding
 
 Mat3 cross_matrix(const Vec3& r) { return Mat3{{0, -r.z(), r.y()}, {r.z(), 0, -r.x()}, {-r.y(), r.x(), 0}}; }
 
@@ -19,23 +20,22 @@ class Joining final : public LinearSystem {
     const auto part_of = [&](int e) { return parts_.part_of_node[model.mesh.hexahedra()[e][0]]; };
     for (int e = 0; e < model.mesh.num_elements(); ++e)
       if (history.alive[e] && changed[e]) moves_[part_of(e)] = 1;
+    chosen_ = history.alive;
     count_.assign(model.mesh.num_nodes(), 0);
     for (int e = 0; e < model.mesh.num_elements(); ++e) {
-      if (!history.alive[e] || !moves_[part_of(e)]) continue;
-      elements_.push_back(e);
-      for (const int n : model.mesh.hexahedra()[e]) ++count_[n];
+      chosen_[e] = history.alive[e] && moves_[part_of(e)];
+      for (const int n : model.mesh.hexahedra()[e]) count_[n] += chosen_[e];
     }
-    arms_.resize(elements_.size());
-    inverse_inertia_.resize(elements_.size());
+    of_elements_.resize(chosen_.size());
     for (int n = 0; n < num_nodes(); ++n)
       if (count_[n] == 0) history.averaging_increment.row(n).setZero();
   }
 
   void step(LinearSolver& solver, AveragingReport& report) {
-    double size = 0;  // sum |t|^2
-    PointArray gradient = PointArray::Zero(num_nodes(), 3);
-    const double E = fit(&gradient, &size);
+    const auto [E, size] = elements_->fit(model_, chosen_, history_, &of_elements_);
     if (!(E > kFitted * size)) return;
+    PointArray gradient = PointArray::Zero(num_nodes(), 3);
+    add_at_nodes(model_.mesh, chosen_, of_elements_, 1, gradient);
     report.skipped = false;
     remove_means(gradient);  // which are rounding, and outside the range of H and P
     const PointArray before = history_.plastic_rest_positions;
@@ -57,36 +57,9 @@ class Joining final : public LinearSystem {
   }
 
  private:
-  // ---- the fit                                                                                             eq. 30
-
-  /// Best rotations at the present positions into the rotation maps, unless these are the mode's own; returns E. Adds
-  /// g = sum_k (x_i - c_k - t_i) and sum |t|^2 where given.
-  double fit(PointArray* gradient = nullptr, double* size = nullptr) {
-    const std::size_t maps = model_.maps_per_element();
-    double E = 0;
-    for (std::size_t k = 0; k < elements_.size(); ++k) {
-      const std::size_t e = elements_[k];
-      const Hexahedron& corners = model_.mesh.hexahedra()[e];
-      const ElementPoints x = about_mean(gather(history_.plastic_rest_positions, corners));
-      const ElementPoints& y = history_.rest_shape[e];
-      if (maps == 1) history_.rotation_map[e] = fit_rotation(y, x);
-      ElementPoints t;
-      for (int i = 0; i < kCorners; ++i) {
-        const Mat3& Pi = history_.rotation_map[e * maps + (maps == 1 ? 0 : i)];
-        t.row(i) = (Pi * y.row(i).transpose()).transpose();
-      }
-      t = about_mean(t);
-      E += (x - t).squaredNorm();
-      if (!gradient) continue;
-      *size += t.squaredNorm();
-      for (int i = 0; i < kCorners; ++i) gradient->row(corners[i]) += x.row(i) - t.row(i);
-      arms_[k] = model_.turns_isolated_shapes ? t : x;
-      // B^T B; the floor keeps the free turn of a shape out that is flattened to a line
-      const Mat3 spread = arms_[k].transpose() * arms_[k];
-      inverse_inertia_[k] = (spread.trace() * (1 + 1e-14) * Mat3::Identity() - spread).inverse();
-    }
-    return E;
-  }
+  /// Best rotations at the present positions into the rotation maps, unless these are the mode's own; returns E.
+  ///                                                                                                           eq. 30
+  double fit() { return elements_->fit(model_, chosen_, history_, nullptr).E; }
 
   // ---- the step                                                                                       eq. 31, 32
 
@@ -149,40 +122,29 @@ class Joining final : public LinearSystem {
 
   int num_nodes() const override { return model_.mesh.num_nodes(); }
 
-  /// Of one element: P u, or (1 + 1e-7) P u - B (B^T B)^-1 B^T u with B_i = -[arm_i]x.                          eq. 32
-  ElementPoints element_product(std::size_t k, const ElementPoints& u) const {
-    ElementPoints Au = about_mean(u);  // P u
-    if (!projects_) return Au;
-    Vec3 moment = Vec3::Zero();  // B^T u
-    for (int i = 0; i < kCorners; ++i) moment += Vec3(arms_[k].row(i)).cross(Vec3(Au.row(i)));
-    const Vec3 turn = inverse_inertia_[k] * moment;
-    Au *= 1 + kRegularisation;
-    for (int i = 0; i < kCorners; ++i) Au.row(i) -= turn.cross(Vec3(arms_[k].row(i))).transpose();
-    return Au;
-  }
-
   void apply(ConstPoints p, Points Ap) const override {
     Ap.setZero();
-    for (std::size_t k = 0; k < elements_.size(); ++k) {
-      const Hexahedron& corners = model_.mesh.hexahedra()[elements_[k]];
-      const ElementPoints product = element_product(k, gather(p, corners));
-      for (int a = 0; a < kCorners; ++a) Ap.row(corners[a]) += product.row(a);
-    }
+    elements_->find_products(p, projects_, of_elements_);
+    add_at_nodes(model_.mesh, chosen_, of_elements_, 1, Ap);
   }
 
   // pinned: nodes that do not move, and the first one of each part, which may be translated
   void assemble(BlockMatrix& A) const override {
-    for (std::size_t k = 0; k < elements_.size(); ++k) {
-      const Hexahedron& corners = model_.mesh.hexahedra()[elements_[k]];
-      for (int b = 0; b < kCorners; ++b) {
-        std::array<Mat3, kCorners> column;
-        for (int axis = 0; axis < 3; ++axis) {
-          ElementPoints unit = ElementPoints::Zero();
-          unit(b, axis) = 1;
-          const ElementPoints product = element_product(k, unit);
-          for (int a = 0; a < kCorners; ++a) column[a].col(axis) = product.row(a).transpose();
+    std::array<std::vector<ElementPoints>, 3> columns;
+    for (auto& column : columns) column.assign(chosen_.size(), ElementPoints::Zero());
+    for (int b = 0; b < kCorners; ++b) {
+      for (int axis = 0; axis < 3; ++axis) {
+        ElementPoints unit = ElementPoints::Zero();
+        unit(b, axis) = 1;
+        elements_->find_products(unit, projects_, columns[axis]);
+      }
+      for (std::size_t e = 0; e < chosen_.size(); ++e) {
+        const Hexahedron& corners = model_.mesh.hexahedra()[e];
+        for (int a = 0; chosen_[e] && a < kCorners; ++a) {
+          Mat3 block;
+          for (int axis = 0; axis < 3; ++axis) block.col(axis) = columns[axis][e].row(a).transpose();
+          A.add(corners[a], corners[b], block);
         }
-        for (int a = 0; a < kCorners; ++a) A.add(corners[a], corners[b], column[a]);
       }
     }
     std::vector<bool> pinned(parts_.count, false);
@@ -210,13 +172,12 @@ class Joining final : public LinearSystem {
   const Model& model_;
   History& history_;
   ConnectedParts parts_;
-  std::vector<unsigned char> moves_;  // per connected part
-  std::vector<int> elements_;         // of the parts that move
-  std::vector<int> count_;            // of these elements around a node
-  // per one of these elements
-  std::vector<ElementPoints> arms_;    // [m]
-  std::vector<Mat3> inverse_inertia_;  // [1/m^2] (B^T B)^-1
-  bool projects_ = false;              // H + 1e-7 P, not P
+  std::vector<unsigned char> moves_;   // per connected part
+  std::vector<unsigned char> chosen_;  // per element: it is there, and its part moves
+  std::vector<int> count_;             // of these elements around a node
+  std::unique_ptr<AveragedElements> elements_ = make_averaged_elements();
+  mutable std::vector<ElementPoints> of_elements_;  // scratch
+  bool projects_ = false;                           // H + 1e-7 P, not P
 };
 
 }  // namespace

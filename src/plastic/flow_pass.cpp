@@ -9,11 +9,9 @@
 #include <limits>
 
 #include "element/lane_elements-inl.hpp"
-#include "kinematics/rotation-inl.hpp"
 #include "material/stress_norm-inl.hpp"
 #include "plastic/flow_pass.hpp"
 #include "plastic/point_flow-inl.hpp"
-#include "plastic/rest_shape-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
@@ -117,161 +115,6 @@ HWY_INLINE void harden(const Model& model, const int* elements, const Lanes<T>* 
       threshold.at[i][part] =
           hardened(threshold.at[i][part], hardening, widen(fractions[i], part), widen(sizes[i], part));
   }
-}
-
-/// The elements of one register of which the bits of `wanted` are set: history -> trial, flows. Returns those that it
-/// cannot do. Rotation maps are left to the caller and to the averaging, which finds them for every element of a part
-/// that moves.
-HWY_NOINLINE std::uint32_t flow_lanes(const Model& model, const Linearization& at, double dt, const History& history,
-                                      int block, int lane, std::uint32_t wanted, History& trial, ElementFlow* flows) {
-  using V = D;
-  const LaneElements<V> here(*model.partition, block, lane);
-  const int* const elements = here.number;
-  const auto y_of = [](auto& of) { return [&of](int e) { return of.rest_shape[e].data(); }; };
-  const auto corners_of = [](auto& values) { return [&values](int e) { return values[e].data(); }; };
-  HistoryLanes<double, 3 * kCorners> rest_shape(elements, y_of(history));
-  const HistoryLanes<double, 9> map(elements, [&](int e) { return history.rotation_map[e].data(); });
-  HistoryLanes<double, kCorners> yield_stress(elements, corners_of(history.yield_stress));
-
-  const Settings& settings = model.settings;
-  const Sampling sampling = sampling_of(settings);
-  CornerLanes<V> x, u;
-  gather_elements<double>(model, at, block, lane, x, u);
-  SampleLanes<V> element;
-  for_shape(
-      at.is_general[block] != 0,
-      sampling.assumed, [&]<bool kGeneral, Assumed kAssumed>() __attribute__((always_inline)) {
-        ElementLanes<kGeneral, kAssumed, V> shape;
-        place_element<kGeneral, kAssumed, V>(x, u, sampling, nullptr, shape);
-        element = shape;
-      });
-  std::uint32_t fails = decompose_or_fail(element);
-  const MaterialLanes<V> of = material_lanes<double>(model, block, lane);
-  ModeLanes<V> volume_gradient;
-  const PressureLanes<V> pressure = pressures(of, element, u, volume_gradient);
-  const V rate = per_step<double>(model, elements, dt, &Material::flow_rate),
-          rotation_rate = per_step<double>(model, elements, dt, &Material::rotation_flow_rate);
-
-  // near the guard of the plastic rest shape the exact ratios decide
-  const V largest_jacobian = gather_numbers(elements, [&](int e) { return model.largest_jacobian[e]; });
-  const V guard(settings.inversion_threshold);
-  fails |= bits<double>(hn::Not(element.min_jacobian > V(1.01) * guard * largest_jacobian));
-  Mat<V> R_centre;
-  set_zero(R_centre);
-  if (model.can_rotate) {
-    const PolarLanes<V> centre = polar(centre_gradient(x, u));
-    fails |= centre.doubtful;
-    R_centre = centre.R;
-  }
-  Mat<V> Pi;
-  for (int k = 0; k < 9; ++k) Pi(k % 3, k / 3) = map[k];
-
-  V dissipated(0.0), flowing(0.0);
-  V fraction[kCorners], norm[kCorners], strain[kCorners];           // of the stretch
-  V rotation_fraction[kCorners], angle[kCorners], dy[kCorners][3];  // dy: what is added to the rest shape
-  const double increment_weight = sampling.increment_weight();
-  Mat<V> mean_increment;
-  set_zero(mean_increment);
-  for (int i = 0; i < kCorners; ++i) {
-    const Mat<V>& F = element.F[i];
-    const PolarLanes<V>& FRS = element.polar[i];
-    const Mat<V> cof = cofactor(F);
-    const V det = F(0, 0) * cof(0, 0) + F(0, 1) * cof(0, 1) + F(0, 2) * cof(0, 2);
-    fails |= bits<double>(hn::Not(det > guard));
-
-    Mat<V> increment;  // R^p S^p - 1
-    set_zero(increment);
-    fraction[i] = rotation_fraction[i] = strain[i] = V(0.0);
-    if (model.can_stretch) {
-      const Sym<V> sigma =
-          stress(of.law, of.mooney_fraction, FRS.S, of.mu, pressure.in_stress_at(dilatation(of.law, FRS.S)));
-      norm[i] = stress_norm_bound(sigma, settings.yield_norm);
-      fails |= bits<double>(hn::Not(norm[i] < V(std::numeric_limits<double>::infinity())));
-      fraction[i] = flow_fraction(norm[i], yield_stress[i], rate, norm[i]);  // gamma
-      if (any_positive(fraction[i]))
-        increment =
-            stretch_increment(FRS.S, dissipating(of.law, FRS.S, sigma), fraction[i], strain[i], dissipated, fails);
-      flowing = max(flowing, fraction[i]);
-    }
-    if (model.tracks_plastic_stretch) {
-      const Mat<V> turned = transposed_product(Pi, increment * Pi);
-      HistoryLanes<double, 9> stretch(elements, [&](int e) { return history.plastic_stretch[e][i].data(); });
-      const auto flows_here = fraction[i] > V(0.0);
-      V before[9];
-      for (int k = 0; k < 9; ++k) before[k] = stretch.at[k][0];
-      for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c) {
-          V more(0.0);
-          for (int k = 0; k < 3; ++k) more += turned(r, k) * before[k + 3 * c];
-          stretch.at[r + 3 * c][0] = before[r + 3 * c] + select(flows_here, more, V(0.0));
-        }
-      // those of elements that fail are written again
-      stretch.store(elements, wanted, [&](int e) { return trial.plastic_stretch[e][i].data(); });
-    }
-    if (model.can_rotate) {
-      const RotationVector<V> Q = rotation_log(transposed_product(R_centre, FRS.R));
-      fails |= Q.near_half_turn;
-      angle[i] = Q.angle;
-      const V threshold = gather_numbers(elements, [&](int e) { return history.rotation_yield[e][i]; });
-      rotation_fraction[i] = flow_fraction(Q.angle, threshold, rotation_rate, Q.angle);  // eta
-      if (any_positive(rotation_fraction[i])) {
-        const Mat<V> turn = rotation_expm1(Q, rotation_fraction[i]), both = turn * increment;  //           eq. 26
-        for (int k = 0; k < 9; ++k) increment.m[k / 3][k % 3] += turn.m[k / 3][k % 3] + both.m[k / 3][k % 3];
-        flowing = max(flowing, rotation_fraction[i]);
-      }
-    }
-
-    increment = transposed_product(Pi, increment * Pi);
-    for (int a = 0; a < 3; ++a)
-      dy[i][a] = increment(a, 0) * rest_shape[i] + increment(a, 1) * rest_shape[kCorners + i] +
-                 increment(a, 2) * rest_shape[2 * kCorners + i];
-    if (increment_weight != 1)
-      for (int k = 0; k < 9; ++k) mean_increment.m[k / 3][k % 3] += V(1.0 / kCorners) * increment.m[k / 3][k % 3];
-  }
-  if (increment_weight != 1)
-    for (int i = 0; i < kCorners; ++i)
-      for (int a = 0; a < 3; ++a) {
-        V alike(0.0);
-        for (int b = 0; b < 3; ++b) alike += mean_increment(a, b) * rest_shape[b * kCorners + i];
-        dy[i][a] = alike + V(increment_weight) * (dy[i][a] - alike);
-      }
-
-  const std::uint32_t done = wanted & ~fails;
-  const V volume = load(at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane);
-  const V beta = volume / gather_numbers(elements, [&](int e) { return model.volume[e]; });
-  const V scale = restitution_scale(beta, V(settings.volume_restitution * dt));
-  const auto has_flowed = flowing > V(0.0);  // what did not flow keeps its bits
-  for (int a = 0; a < 3; ++a) {
-    V mean(0.0);
-    for (int i = 0; i < kCorners; ++i) mean += V(1.0 / kCorners) * (rest_shape.at[a * kCorners + i][0] + dy[i][a]);
-    for (int i = 0; i < kCorners; ++i) {
-      V& y = rest_shape.at[a * kCorners + i][0];
-      y = scale * select(has_flowed, y + dy[i][a] - mean, y);
-    }
-  }
-
-  alignas(64) double volume_error[V::kCount], work[V::kCount];
-  store(abs(beta - V(1.0)), volume_error);
-  store(V(1.0 / kCorners) * volume * dissipated, work);
-  const std::uint32_t yielded = bits<double>(has_flowed);
-  for (int k = 0; k < V::kCount; ++k)
-    if (done >> k & 1)
-      flows[elements[k]] = {.yielded = (yielded >> k & 1) != 0, .volume_error = volume_error[k], .dissipated = work[k]};
-  rest_shape.store(elements, done, y_of(trial));
-
-  HistoryLanes<double, kCorners> plastic_strain(elements, corners_of(history.plastic_strain));
-  if (model.can_stretch) {
-    harden<double>(model, elements, fraction, norm, yield_stress);
-    for (int i = 0; i < kCorners; ++i) plastic_strain.at[i][0] += strain[i];
-  }
-  yield_stress.store(elements, done, corners_of(trial.yield_stress));
-  plastic_strain.store(elements, done, corners_of(trial.plastic_strain));
-  if (model.can_rotate) {
-    HistoryLanes<double, kCorners> rotation_yield(elements, corners_of(history.rotation_yield));
-    harden<double>(model, elements, rotation_fraction, angle, rotation_yield);
-    rotation_yield.store(elements, done, corners_of(trial.rotation_yield));
-  }
-  return wanted & fails;
 }
 
 /// What yields at the samples of one register of elements with isolated rest shapes.
@@ -383,7 +226,8 @@ HWY_NOINLINE std::uint32_t flow_isolated_samples(
   return wanted & fails;
 }
 
-/// flow_lanes of isolated rest shapes.                                                                    section 5.9
+/// The elements of one register of which the bits of `wanted` are set: history -> trial, flows. Returns those that it
+/// cannot do.                                                                                          section 5.9
 template <class T>
 HWY_NOINLINE std::uint32_t flow_isolated_lanes(const Model& model, const Linearization& at, double dt,
                                                const History& history, int block, int lane, std::uint32_t wanted,
@@ -540,7 +384,7 @@ std::uint32_t flow(const Model& model, const Linearization& at, double dt, const
   std::uint32_t wanted = 0;
   for (int place = 0; place < kBlock; ++place) {
     const int e = model.partition->element(block, place);
-    if (e >= 0 && !flows[e].idle && !flows[e].restores) wanted |= 1u << place;
+    if (e >= 0 && !flows[e].idle) wanted |= 1u << place;
   }
   if (model.settings.yield_norm == YieldNorm::kSpectral && model.can_flow()) return wanted;
   if (branches.any())
@@ -549,10 +393,6 @@ std::uint32_t flow(const Model& model, const Linearization& at, double dt, const
                  ? relax_lanes<true>(model, at, dt, history, branches, block, lane, here, trial, flows)
                  : relax_lanes<false>(model, at, dt, history, branches, block, lane, here, trial, flows);
     });
-  if (model.settings.rest_shape == RestShape::kJoined)
-    return for_each_register<double>(wanted, [&](int lane, std::uint32_t here) {
-      return flow_lanes(model, at, dt, history, block, lane, here, trial, flows);
-    });
   const auto flow_in = [&]<class T>() {
     return for_each_register<T>(wanted, [&](int lane, std::uint32_t here) {
       return flow_isolated_lanes<T>(model, at, dt, history, block, lane, here, trial, flows);
@@ -560,55 +400,6 @@ std::uint32_t flow(const Model& model, const Linearization& at, double dt, const
   };
   return model.settings.precision == Precision::kMixed ? flow_in.template operator()<float>()
                                                        : flow_in.template operator()<double>();
-}
-
-void restore(const Model& model, const Linearization& at, double dt, const History& history, int block, History& trial,
-             ElementFlow* flows) {
-  std::uint32_t wanted = 0;
-  for (int place = 0; place < kBlock; ++place) {
-    const int e = model.partition->element(block, place);
-    if (e >= 0 && flows[e].restores) wanted |= 1u << place;
-  }
-  const D rate(model.settings.volume_restitution * dt);
-  for (int lane = 0; lane < kBlock; lane += D::kCount) {
-    const std::uint32_t here = wanted >> lane & ((1u << D::kCount) - 1);
-    if (!here) continue;
-    const LaneElements<D> elements(*model.partition, block, lane);
-    const auto y_of = [](auto& of) { return [&of](int e) { return of.rest_shape[e].data(); }; };
-    D rest_shape[3 * kCorners];
-    load_elements<3 * kCorners>(addresses<const double>(elements.number, y_of(history)), rest_shape);
-    const D volume = load(at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane);
-    const D beta = volume / gather_numbers(elements.number, [&](int e) { return model.volume[e]; });
-    const D scale = restitution_scale(beta, rate);
-    for (D& number : rest_shape) number = scale * number;
-    store_elements<3 * kCorners>(rest_shape, here, addresses<double>(elements.number, y_of(trial)));
-    alignas(64) double volume_error[D::kCount];
-    store(abs(beta - D(1.0)), volume_error);
-    for (int k = 0; k < D::kCount; ++k)
-      if (here >> k & 1) flows[elements.number[k]].volume_error = volume_error[k];
-  }
-}
-
-std::uint32_t collapsed(const Model& model, const double* positions, double ratio, int block) {
-  std::uint32_t near = 0, present = 0;
-  for (int place = 0; place < kBlock; ++place)
-    if (model.partition->element(block, place) >= 0) present |= 1u << place;
-  for (int lane = 0; lane < kBlock; lane += D::kCount) {
-    const LaneElements<D> elements(*model.partition, block, lane);
-    CornerLanes<D> x;
-    gather(*model.partition, block, lane, positions, x);
-    EdgeLanes<D> e;
-    edges(x, e);
-    D lowest(std::numeric_limits<double>::infinity());
-    for (int i = 0; i < kCorners; ++i) {
-      D det;
-      reciprocal(edges_at(e, i), det);
-      lowest = min(lowest, D(0.125) * det);
-    }
-    const D largest = gather_numbers(elements.number, [&](int n) { return model.largest_jacobian[n]; });
-    near |= bits<double>(hn::Not(lowest > D(ratio) * largest)) << lane;
-  }
-  return near & present;
 }
 
 }  // namespace hexaplast::HWY_NAMESPACE
@@ -622,19 +413,6 @@ HWY_EXPORT(flow);
 std::uint32_t flow_block(const Model& model, const Linearization& at, double dt, const History& history,
                          const Branches& branches, int block, History& trial, ElementFlow* flows) {
   return HWY_DYNAMIC_DISPATCH(flow)(model, at, dt, history, branches, block, trial, flows);
-}
-
-HWY_EXPORT(restore);
-
-void restore_block(const Model& model, const Linearization& at, double dt, const History& history, int block,
-                   History& trial, ElementFlow* flows) {
-  HWY_DYNAMIC_DISPATCH(restore)(model, at, dt, history, block, trial, flows);
-}
-
-HWY_EXPORT(collapsed);
-
-std::uint32_t nearly_collapsed(const Model& model, const double* positions, double ratio, int block) {
-  return HWY_DYNAMIC_DISPATCH(collapsed)(model, positions, ratio, block);
 }
 
 }  // namespace hexaplast

@@ -10,7 +10,6 @@
 #include "element/isolated-inl.hpp"
 #include "element/relaxation-inl.hpp"
 #include "mesh/trilinear.hpp"
-#include "plastic/element_flow.hpp"
 #include "plastic/point_flow.hpp"
 
 namespace hexaplast {

@@ -17,10 +17,6 @@ double stress_norm(const Mat3& sigma, YieldNorm norm) {
   return scalar::stress_norm_bound(scalar::symmetric_entries(sigma), norm);
 }
 
-double flow_fraction(double value, double threshold, double rate, double dt, double offset) {
-  return scalar::flow_fraction(value, threshold, rate * dt, value + offset);
-}
-
 double hardened(double threshold, double hardening, double fraction, double value) {
   return scalar::hardened(threshold, hardening, fraction, value);
 }
@@ -29,7 +25,7 @@ StretchFlow stretch_flow(const Mat3& S, const Mat3& sigma, YieldNorm norm, doubl
                          ElasticLaw law) {
   StretchFlow flow;
   flow.norm = stress_norm(sigma, norm);
-  flow.fraction = flow_fraction(flow.norm, yield_stress, rate, dt);
+  flow.fraction = scalar::flow_fraction(flow.norm, yield_stress, rate * dt, flow.norm);
   if (flow.fraction == 0) return flow;
 
   std::uint32_t fails = 0;  // eigenvectors do not
@@ -37,15 +33,6 @@ StretchFlow stretch_flow(const Mat3& S, const Mat3& sigma, YieldNorm norm, doubl
   const auto working = scalar::dissipating(law, stretch, scalar::symmetric_entries(sigma));
   flow.increment +=
       to_eigen(scalar::stretch_increment(stretch, working, flow.fraction, flow.strain, flow.dissipated, fails));
-  return flow;
-}
-
-RotationFlow rotation_flow(const Mat3& rotation, double angle, double pose_angle, double rotation_yield, double rate,
-                           double dt) {
-  RotationFlow flow;
-  flow.angle = angle;
-  flow.fraction = flow_fraction(angle, rotation_yield, rate, dt, pose_angle);       // eq. 25
-  if (flow.fraction > 0) flow.increment = rotation_power(rotation, flow.fraction);  // eq. 26
   return flow;
 }
 

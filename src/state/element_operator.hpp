@@ -16,15 +16,15 @@ struct Half {
   std::uint16_t bits;
 };
 
-/// Which terms the stiffness of a body's elements has.
+/// Which terms the stiffness of a body's elements, or of the cells of a coarse mesh, has.
 struct StiffnessKind {
   Sampling sampling = {};
-  Volumetric volumetric = Volumetric::kSample;
   ElasticLaw law = ElasticLaw::kCorotated;
   double branch_modulus = 0;  ///< mu_b over mu, of viscoelastic branches                                       eq. P14
   bool one_rotation = false;  ///< of the simple form (OneRotationPlaces): parallelepipeds, of the corotated law
 
-  bool has_volume() const { return volumetric == Volumetric::kVolumeRatio; }
+  /// Cells assume nothing, and resist changes of volume at their samples.
+  bool has_volume() const { return sampling.assumed != Assumed::kNothing; }
   bool has_law() const { return law != ElasticLaw::kCorotated; }
   /// Whether the mean dilatation of the samples acts on each of them, by a term of its own.
   bool has_mean() const { return has_volume() && !has_law() && !one_rotation; }
@@ -57,7 +57,8 @@ struct OneRotationPlaces {
 inline constexpr int kGradientCoefficients = 3 * (kCorners - 1);  ///< modes of a gradient at the corners
 inline constexpr int kLawCoefficients = 7 * kCorners;             ///< R_i cof(S_i) R_i^T (6) and beta (1)
 
-/// Numbers per element.
+/// Numbers per element, without those of the volume ratio and of the law, and all.
+int num_shape_coefficients(const StiffnessKind& kind, bool is_general);
 int num_coefficients(const StiffnessKind& kind, bool is_general);
 
 /// L = - df/dx of a body with its rotations held fixed, as coefficients of its elements: no matrix.

@@ -23,21 +23,15 @@ decltype(Linearization::op) operator_of(const Model& model) {
 
 }  // namespace
 
-namespace {
-
-template <Assumed kAssumed>
-int num_shape_coefficients(bool is_general) {
-  return is_general ? CoefficientPlaces<true, kAssumed>::kCount : CoefficientPlaces<false, kAssumed>::kCount;
+int num_shape_coefficients(const StiffnessKind& kind, bool is_general) {
+  if (kind.one_rotation) return OneRotationPlaces::kCount;
+  if (kind.sampling.assumed == Assumed::kNothing) return CoefficientPlaces<true, Assumed::kNothing>::kCount;
+  return is_general ? CoefficientPlaces<true, Assumed::kCorner>::kCount
+                    : CoefficientPlaces<false, Assumed::kCorner>::kCount;
 }
 
-}  // namespace
-
 int num_coefficients(const StiffnessKind& kind, bool is_general) {
-  const int of_shape = kind.one_rotation ? OneRotationPlaces::kCount
-                       : kind.sampling.assumed == Assumed::kNothing
-                           ? num_shape_coefficients<Assumed::kNothing>(is_general)
-                           : num_shape_coefficients<Assumed::kCorner>(is_general);
-  return of_shape + (kind.has_volume() + kind.has_mean()) * kGradientCoefficients +
+  return num_shape_coefficients(kind, is_general) + (kind.has_volume() + kind.has_mean()) * kGradientCoefficients +
          (kind.has_law() ? kLawCoefficients : 0);
 }
 
@@ -69,7 +63,9 @@ Linearization::Linearization(const Model& model)
       volume(per_element(model)),
       has_flowed(model.settings.rest_shape == RestShape::kIsolated ? model.partition->num_blocks : 0),
       mean_plastic(has_flowed.size() * kMeanPlastic * kBlock),
+      is_stale(model.partition->num_chunks, 1),
       current(slot_vector<double>(*model.partition)),
+      of_chunks(slot_vector<double>(*model.partition)),
       force(slot_vector<double>(*model.partition)),
       screen(per_element(model) * YieldScreen::kQuantities),
       thin(model.partition->num_blocks),

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <algorithm>
 #include <variant>
+#include <vector>
 
 #include "state/element_operator.hpp"
 #include "state/history.hpp"
@@ -13,8 +15,7 @@ namespace hexaplast {
 /// [quantity][element of the block].
 struct YieldScreen {
   static constexpr int kNorm = 0;                   ///< [Pa] at least the stress norm, per sample
-  static constexpr int kCosine = kCorners;          ///< of the angle between the rotations of sample and centre
-  static constexpr int kMinDet = 2 * kCorners;      ///< smallest det F~
+  static constexpr int kMinDet = kCorners;          ///< smallest det F~
   static constexpr int kMinJacobian = kMinDet + 1;  ///< [m^3] smallest det J of the plastic rest shape's corners
   static constexpr int kQuantities = kMinJacobian + 1;
 };
@@ -49,16 +50,24 @@ struct Linearization {
                : mean_plastic.data() + static_cast<std::size_t>(block) * kMeanPlastic * kBlock;
   }
 
+  /// What belongs to the current positions is to be computed anew, in all chunks.
+  void forget() {
+    is_current = false;
+    std::ranges::fill(is_stale, 1);
+  }
+
   // of the current positions
-  bool is_current = false;          ///< what follows belongs to x and the plastic rest shape
-  bool is_screened = false;         ///< `screen` is filled
-  long revision = 0;                ///< no two that differ in what follows have the same
-  PointArray x;                     ///< [m] current positions
-  AlignedVector<double> current;    ///< [m] slots
-  AlignedVector<double> force;      ///< [N] slots
-  AlignedVector<float> screen;      ///< YieldScreen, per block
-  std::vector<std::uint16_t> thin;  ///< per block: a bit per element some corner of which is below recovery_from
-  Recovery recovery;                ///< its forces stand beside those of the elements
+  bool is_current = false;              ///< what follows belongs to x and the plastic rest shape
+  std::vector<unsigned char> is_stale;  ///< per chunk: where it does not
+  bool is_screened = false;             ///< `screen` is filled
+  long revision = 0;                    ///< no two that differ in what follows have the same
+  PointArray x;                         ///< [m] current positions
+  AlignedVector<double> current;        ///< [m] slots
+  AlignedVector<double> of_chunks;      ///< [N] slots: forces of the elements of each chunk
+  AlignedVector<double> force;          ///< [N] slots: their sums at the nodes
+  AlignedVector<float> screen;          ///< YieldScreen, per block
+  std::vector<std::uint16_t> thin;      ///< per block: a bit per element some corner of which is below recovery_from
+  Recovery recovery;                    ///< its forces stand beside those of the elements
   std::variant<ElementOperator<double, double>, ElementOperator<float, Half>, ElementOperator<float, float>> op;
 };
 

@@ -16,13 +16,10 @@ Model::Model(HexMesh mesh_, std::vector<Material> materials_, Settings settings_
   validate(settings);
   const int num_elements = mesh.num_elements();
   volume.resize(num_elements);
-  largest_jacobian.resize(num_elements);
   double total_volume = 0;
   for (int e = 0; e < num_elements; ++e) {
     volume[e] = hexaplast::volume(gather(mesh.positions(), mesh.hexahedra()[e]));
     total_volume += volume[e];
-    const std::array<double, kCorners> jacobian = corner_jacobian(e);
-    largest_jacobian[e] = *std::max_element(jacobian.begin(), jacobian.end());
   }
   if (num_elements > 0) length = std::exp2(std::round(std::log2(total_volume / num_elements) / 3));
   partition = std::make_shared<const Partition>(mesh);
@@ -42,6 +39,7 @@ void Model::take_materials() {
   validate(materials);
   validate(materials, settings);
 
+  is_plain = hexaplast::is_plain(materials, settings);
   tracks_plastic_stretch = settings.rest_shape == RestShape::kJoined &&
                            std::any_of(materials.begin(), materials.end(),
                                        [](const Material& m) { return std::isfinite(m.fracture_stretch); });

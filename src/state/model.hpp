@@ -17,9 +17,8 @@ struct Model {
   HexMesh mesh;
   std::vector<Material> materials;  ///< one, or one per element
   Settings settings;
-  std::vector<Lame> lame;                ///< [Pa] per element
-  std::vector<double> volume;            ///< [m^3] V0, initial volume per element
-  std::vector<double> largest_jacobian;  ///< [m^3] largest det J_i(X) of the corners, per element
+  std::vector<Lame> lame;      ///< [Pa] per element
+  std::vector<double> volume;  ///< [m^3] V0, initial volume per element
 
   std::shared_ptr<const Partition> partition;  ///< of the mesh, for the kernels
   AlignedVector<double> lame_blocks;           ///< [Pa] [block][mu, lambda][element]
@@ -27,6 +26,7 @@ struct Model {
 
   bool can_stretch = false;             ///< some element has a yield stress and a flow rate
   bool can_rotate = false;              ///< some element has a rotation flow rate, and the mode uses it
+  bool is_plain = false;                ///< the plain implementation computes it
   bool tracks_plastic_stretch = false;  ///< some element breaks by its plastic stretch, so that it must be remembered
 
   /// Whether Gauss-Newton steps of the averaging leave the rotations of the isolated shapes free, in place of those of

@@ -46,16 +46,13 @@ TEST(Memory, IsGrantedAsLongAsTheSumFits) {
 // BodyMemory.IsWhatTheGuardCounts measures it.
 TEST(Memory, OfABodyDependsOnWhatItIsMadeOf) {
   const Material elastic, yields{.yield_stress = 300, .flow_rate = 2}, turns{.rotation_flow_rate = 1};
-  const Settings in_double = published_element();
-  Settings mixed = in_double, stretches_alone = in_double;
-  mixed.precision = Precision::kMixed;
+  const Settings in_double, mixed{.precision = Precision::kMixed}, plain = published_element();
+  Settings stretches_alone = plain;
   stretches_alone.rotation_plasticity = RotationPlasticity::kNone;
-  for (const Settings& settings : {in_double, mixed}) {
-    const double still = bytes_per_hexahedron({elastic}, settings);
-    EXPECT_GT(bytes_per_hexahedron({yields}, settings), still);
-    EXPECT_EQ(bytes_per_hexahedron({elastic, turns}, settings), bytes_per_hexahedron({yields}, settings));
-  }
-  EXPECT_EQ(bytes_per_hexahedron({turns}, stretches_alone), bytes_per_hexahedron({elastic}, in_double));
+  for (const Settings& settings : {in_double, mixed, plain})
+    EXPECT_GT(bytes_per_hexahedron({yields}, settings), bytes_per_hexahedron({elastic}, settings));
+  EXPECT_EQ(bytes_per_hexahedron({elastic, turns}, plain), bytes_per_hexahedron({yields}, plain));
+  EXPECT_EQ(bytes_per_hexahedron({turns}, stretches_alone), bytes_per_hexahedron({elastic}, plain));
   EXPECT_LT(bytes_per_hexahedron({yields}, mixed), bytes_per_hexahedron({yields}, in_double));
   EXPECT_GT(bytes_per_hexahedron({elastic}, mixed), kMinBytesPerHexahedron);
 }
@@ -66,14 +63,10 @@ TEST(Memory, OfABodyCountsWhatNotEveryHistoryHas) {
   const Material elastic, yields{.yield_stress = 300, .flow_rate = 2};
   Material tears = yields, breaks = elastic;
   tears.fracture_stretch = breaks.fracture_stretch = 2;
-  const Settings in_double{.rest_shape = RestShape::kJoined},
-      plain{.rest_shape = RestShape::kJoined, .implementation = Implementation::kPlain};
-  for (const Settings& settings : {in_double, plain}) {
-    const double still = bytes_per_hexahedron({elastic}, settings), flows = bytes_per_hexahedron({yields}, settings);
-    EXPECT_EQ(bytes_per_hexahedron({breaks}, settings), still + 8 * 72);
-    EXPECT_EQ(bytes_per_hexahedron({yields, tears}, settings), flows + 2 * 8 * 72);
-  }
+  const Settings plain{.rest_shape = RestShape::kJoined, .implementation = Implementation::kPlain};
   const double still = bytes_per_hexahedron({elastic}, plain), flows = bytes_per_hexahedron({yields}, plain);
+  EXPECT_EQ(bytes_per_hexahedron({breaks}, plain), still + 8 * 72);
+  EXPECT_EQ(bytes_per_hexahedron({yields, tears}, plain), flows + 2 * 8 * 72);
   for (const RotationPlasticity mode : {RotationPlasticity::kVertex, RotationPlasticity::kCentre}) {
     const Settings corners{
         .rest_shape = RestShape::kJoined, .rotation_plasticity = mode, .implementation = Implementation::kPlain};
@@ -90,7 +83,7 @@ TEST(Memory, OfABodyCountsIsolatedRestShapesOfWhatFlows) {
   for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
     const Settings joined{.rest_shape = RestShape::kJoined, .precision = precision}, isolated{.precision = precision};
     EXPECT_EQ(bytes_per_hexahedron({{}}, isolated), bytes_per_hexahedron({{}}, joined));
-    EXPECT_EQ(bytes_per_hexahedron({yields}, isolated), bytes_per_hexahedron({yields}, joined) + 2 * 8 * 72);
+    EXPECT_GT(bytes_per_hexahedron({yields}, isolated), bytes_per_hexahedron({{}}, isolated) + 2 * 8 * 72);
     EXPECT_EQ(bytes_per_hexahedron({breaks}, isolated), bytes_per_hexahedron({yields}, isolated));
   }
 }
@@ -98,7 +91,7 @@ TEST(Memory, OfABodyCountsIsolatedRestShapesOfWhatFlows) {
 // Six numbers of each quadrature point for each branch, and for what they need of the step before; in both histories.
 TEST(Memory, OfABodyCountsBranches) {
   const Material elastic, yields{.yield_stress = 300, .flow_rate = 2};
-  for (const Implementation implementation : {Implementation::kFast, Implementation::kPlain}) {
+  for (const Implementation implementation : {Implementation::kAuto, Implementation::kPlain}) {
     const Settings without{.rest_shape = RestShape::kIsolated, .implementation = implementation};
     Settings one = without, two = without;
     one.relaxation = {1, 0.1};

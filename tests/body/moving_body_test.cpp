@@ -33,7 +33,7 @@ TEST(MovingBody, FallsFreelyWhileItUnfolds) {
     falling.body.linearize(falling.x);
     BlockMatrix K(mesh.num_nodes());
     falling.body.add_stiffness_blocks(-1, K);
-    ASSERT_TRUE(falling.body.state().at.recovery.acts());
+    ASSERT_TRUE(falling.body.state().recovery().acts());
     EXPECT_EQ(K.rank_ones().empty(), cells == 2) << "small clusters are assembled as blocks";
     falling.run(5);
     const Eigen::Map<const Eigen::VectorXd> mass(falling.mass().data(), mesh.num_nodes());

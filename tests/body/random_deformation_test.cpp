@@ -253,7 +253,7 @@ TEST_P(Recovers, FromAThrow) {
       bar.fix(held);
       const auto springs_act = [&] {
         bar.body.linearize(bar.x);
-        return bar.body.state().at.recovery.acts();
+        return bar.body.state().recovery().acts();
       };
       EXPECT_TRUE(springs_act()) << name << ", seed " << seed;
 

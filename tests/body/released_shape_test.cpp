@@ -70,7 +70,7 @@ class ReleasedShapeOf : public testing::TestWithParam<Implementation> {
       body.flow(bent(body.mesh().positions(), from + step / 20.0 * (angle - from)), 1);
   }
 };
-INSTANTIATE_TEST_SUITE_P(Of, ReleasedShapeOf, testing::Values(Implementation::kPlain, Implementation::kFast),
+INSTANTIATE_TEST_SUITE_P(Of, ReleasedShapeOf, testing::Values(Implementation::kPlain, Implementation::kAuto),
                          [](const auto& test) { return test.param == Implementation::kPlain ? "plain" : "fast"; });
 
 TEST_P(ReleasedShapeOf, OneDeformationOfAllIsTheMeshThatIsDeformedSo) {

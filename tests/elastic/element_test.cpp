@@ -172,6 +172,7 @@ TEST_P(EveryForm, ConvergesWithMultigridInEachPrecision) {
   for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
     Settings settings = GetParam();
     settings.precision = precision;
+    if (is_plain({{}}, settings)) continue;  // in double precision and without multigrid
     Material material;
     material.poisson_ratio = 0.45;
     support::SimulationSetup setup;
@@ -418,7 +419,6 @@ TEST(Recovery, ActsAsSoonAsACornerIsThin) {
   int passed_over = 0;
   for (int round = 0; round < 400; ++round) {
     Settings settings{.rest_shape = RestShape::kJoined};  // springs alone
-    settings.bending = kBendings[round % 2];
     settings.recovery_from = round % 3 == 0 ? 0.5 : 0.05;
     const Mat3 sheared = Mat3::Identity() + 0.5 * Mat3(random.field(3, 1));
     const HexMesh cubes = support::block({2, 2, 1}, kEdge);
@@ -450,7 +450,7 @@ TEST(Recovery, HasNoForceOrMomentInSumAndResistsNoRigidMotion) {
   const PointArray x = mesh.positions() + random.field(mesh.num_nodes(), 0.9 * kEdge);
   Body body(mesh, {Material{}}, settings);
   const PointArray f = force_at(body, x);
-  const Recovery& springs = body.state().at.recovery;
+  const Recovery& springs = body.state().recovery();
   ASSERT_TRUE(springs.acts());
   EXPECT_LE(f.colwise().sum().norm(), 1e-12 * f.norm());
   EXPECT_LE(support::moment(x, f).norm(), 1e-12 * f.norm());

@@ -84,24 +84,14 @@ TEST_P(OnEverySet, RotationsAreThoseOfTheSingularValueDecomposition) {
   EXPECT_GT(num_unique, count / 100);
 }
 
-/// Joined ones flow in double precision alone.
-RestShape rest_shape_in(Precision precision) {
-  return precision == Precision::kDouble ? RestShape::kJoined : RestShape::kIsolated;
-}
-
-/// One plastic step of a body of `cells` whose every corner yields, in stretch and in rotation; `size` is that of the
-/// displacements, in edges.
+/// One plastic step of a body of `cells` whose every corner yields; `size` is that of the displacements, in edges.
 Body flown(std::array<int, 3> cells, double distortion, YieldNorm norm, double size = 0.1,
            Precision precision = Precision::kDouble) {
   Material material;
   material.yield_stress = 500 * size;
   material.flow_rate = 5;
-  material.rotation_yield = 0.02 * size;
-  material.rotation_flow_rate = precision == Precision::kDouble ? 5 : 0;
   material.hardening = 0.3;
-  Settings settings{.rest_shape = rest_shape_in(precision)};
-  settings.yield_norm = norm;
-  settings.precision = precision;
+  const Settings settings{.yield_norm = norm, .precision = precision};
   Body body(support::distorted_block(cells, kEdge, distortion, 93), {material}, settings);
   Random random(94);
   body.flow(body.mesh().positions() + random.field(body.mesh().num_nodes(), size * kEdge), 0.01);
@@ -147,13 +137,9 @@ TEST_P(OnEverySet, FlowIsThatOfTheElements) {
 /// Whether flow_block does all elements of a bar of constant volume with this stretch, to the result of the plain way.
 bool flows_in_lanes(double stretch) {
   const HexMesh mesh = support::distorted_block({4, 4, 2}, kEdge, 0.1, 95);
-  Settings settings{.rest_shape = RestShape::kJoined};
-  settings.yield_norm = YieldNorm::kVonMises;
-  const Model model(mesh, {Material{.yield_stress = 10, .flow_rate = 20, .fracture_stretch = 3}}, settings);
+  const Model model(mesh, {Material{.yield_stress = 10, .flow_rate = 20, .fracture_stretch = 3}}, {});
   History history(model), trial = history;
   Random random(96);
-  for (CornerTensors& tensors : history.plastic_stretch)
-    for (Mat3& tensor : tensors) tensor += random.matrix(0.1);
   const Mat3 turn = random.rotation(),
              F = turn * Vec3(stretch, 1 / std::sqrt(stretch), 1 / std::sqrt(stretch)).asDiagonal();
   PointArray x = mesh.positions() * F.transpose();
@@ -191,7 +177,7 @@ std::vector<double> strains_beside(int pushed, Precision precision) {
     }
   }
   Body body(HexMesh(X, cubes), {{.young_modulus = 1000, .poisson_ratio = 0.3, .yield_stress = 1, .flow_rate = 50}},
-            {.rest_shape = rest_shape_in(precision), .precision = precision, .volume_restitution = 0});
+            {.precision = precision});
   body.flow(x, 0.01);
   std::vector<double> strains;
   for (int e = 0; e < 16; ++e) strains.push_back(body.plastic_strain()[e][0]);

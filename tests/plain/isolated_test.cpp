@@ -154,7 +154,7 @@ TEST(IsolatedRestShapes, MoveAndFlowAsInAnIndependentProgram) {
     Settings settings = settings_of(run["attributes"]);
     follow(name, run, settings);
     if (settings.bending != Bending::kAssumedCorner) continue;
-    settings.implementation = Implementation::kFast;
+    settings.implementation = Implementation::kAuto;
     follow(name + " fast", run, settings);
   }
   EXPECT_EQ(num_states, 10);
@@ -189,7 +189,7 @@ std::vector<Form> all_forms() {
   all[1].settings.bending = Bending::kBlended;
   all[1].settings.volumetric = Volumetric::kSample;
   all[2].settings = all[3].settings = isolated();
-  all[2].settings.implementation = all[3].settings.implementation = Implementation::kFast;
+  all[2].settings.implementation = all[3].settings.implementation = Implementation::kAuto;
   return all;
 }
 
@@ -340,7 +340,7 @@ TEST(IsolatedRestShapes, PassThePatchTestOfFlow) {
 TEST(IsolatedRestShapes, TakeAsManyIterationsAsTheShapesThatTheyStandFor) {
   Random random(506);
   Settings settings = isolated();
-  settings.implementation = Implementation::kFast;
+  settings.implementation = Implementation::kAuto;
   const HexMesh mesh = support::block({8, 8, 16}, kEdge);
   const Material material{.yield_stress = 100, .flow_rate = 1};
   const auto iterations = [&](Body& body, const PointArray& x) {
@@ -358,7 +358,7 @@ TEST(IsolatedRestShapes, TakeAsManyIterationsAsTheShapesThatTheyStandFor) {
   take_flowed(flowed);
   Settings joined = settings;
   joined.rest_shape = RestShape::kJoined;
-  Body shaped(HexMesh(mapped(mesh.positions(), sheared), mesh.hexahedra()), {material}, joined);
+  Body shaped(HexMesh(mapped(mesh.positions(), sheared), mesh.hexahedra()), {Material{}}, joined);
   const PointArray x = mapped(mesh.positions(), sheared);
   const int expected = iterations(shaped, x);
   EXPECT_GT(expected, 3);
@@ -385,7 +385,7 @@ TEST(IsolatedRestShapes, TakeAsManyIterationsAsTheShapesThatTheyStandFor) {
 TEST(IsolatedRestShapes, KeepWhatHasFlowedFarFromTheOrigin) {
   constexpr double kFine = 0.002;
   Settings settings = isolated();
-  settings.implementation = Implementation::kFast;
+  settings.implementation = Implementation::kAuto;
   const HexMesh mesh =
       regular_grid({4, 2, 2}, Vec3(100, 100, 100), Vec3(100 + 4 * kFine, 100 + 2 * kFine, 100 + 2 * kFine));
   Body body(mesh, {Material{.yield_stress = 100, .flow_rate = 20}}, settings);
@@ -436,7 +436,7 @@ class IsolatedBody : public testing::TestWithParam<Implementation> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Of, IsolatedBody, testing::Values(Implementation::kPlain, Implementation::kFast),
+INSTANTIATE_TEST_SUITE_P(Of, IsolatedBody, testing::Values(Implementation::kPlain, Implementation::kAuto),
                          [](const auto& test) { return test.param == Implementation::kPlain ? "plain" : "fast"; });
 
 TEST_P(IsolatedBody, GoesOnFromWhatWasSavedBitForBitAndBeginsAgain) {
@@ -532,15 +532,10 @@ TEST(IsolatedRestShapes, RefuseWhatTheyDoNotHaveAndWarnOfWhatDoesNothing) {
     return std::string();
   };
   EXPECT_EQ(refusal([](Settings&) {}), "");
-  const auto by_kernels = [](Settings& s) { s.implementation = Implementation::kFast; };
-  EXPECT_EQ(refusal(by_kernels), "");
-  const auto blended = [&](Settings& s) { by_kernels(s), s.bending = Bending::kBlended; };
+  EXPECT_EQ(refusal([](Settings& s) { s.bending = Bending::kBlended; }), "");
   const auto neo_hookean = [](Settings& s) { s.law = ElasticLaw::kNeoHookean; };
   const auto centre = [](Settings& s) { s.bending = Bending::kCentre; };
   const auto vertex = [](Settings& s) { s.rotation_plasticity = RotationPlasticity::kVertex; };
-  EXPECT_EQ(refusal(blended),
-            "bending = blended of a body that flows needs restShape = joined: isolated rest shapes have assumedCorner, "
-            "and blended with implementation = plain");
   EXPECT_EQ(refusal(neo_hookean),
             "law = neoHookean of a body that flows needs restShape = joined: isolated rest shapes have corotated");
   EXPECT_EQ(refusal(centre),
@@ -549,8 +544,7 @@ TEST(IsolatedRestShapes, RefuseWhatTheyDoNotHaveAndWarnOfWhatDoesNothing) {
   EXPECT_EQ(refusal(vertex),
             "rotationPlasticity = vertex of a body that flows needs restShape = joined: isolated rest shapes have no "
             "flow of rotation");
-  for (const std::string& of_elastic_body :
-       {refusal(blended, 0), refusal(neo_hookean, 0), refusal(centre, 0), refusal(vertex, 0)})
+  for (const std::string& of_elastic_body : {refusal(neo_hookean, 0), refusal(centre, 0), refusal(vertex, 0)})
     EXPECT_EQ(of_elastic_body, "");
   const auto cauchy = [](Settings& s) { s.yield_stress_measure = YieldStressMeasure::kCauchy; };
   EXPECT_EQ(refusal(cauchy), "");
@@ -559,7 +553,7 @@ TEST(IsolatedRestShapes, RefuseWhatTheyDoNotHaveAndWarnOfWhatDoesNothing) {
   EXPECT_EQ(refusal([&](Settings& s) { cauchy(s), s.volumetric = Volumetric::kSample; }),
             "yieldStressMeasure = cauchy needs volumetric = volumeRatio");
   const auto joined_mixed = [&](Settings& s) {
-    by_kernels(s), s.rest_shape = RestShape::kJoined, s.precision = Precision::kMixed;
+    s.implementation = Implementation::kAuto, s.rest_shape = RestShape::kJoined, s.precision = Precision::kMixed;
   };
   EXPECT_EQ(refusal(joined_mixed), "restShape = joined of a body that flows needs precision = double");
   EXPECT_EQ(refusal(joined_mixed, 0), "");

@@ -34,7 +34,7 @@ using support::stiffness_at;
 constexpr double kEquilibrium = std::numeric_limits<double>::infinity();
 
 Settings relaxing(std::vector<double> relaxation, RestShape rest_shape = RestShape::kIsolated,
-                  Implementation implementation = Implementation::kFast) {
+                  Implementation implementation = Implementation::kAuto) {
   return {.relaxation = std::move(relaxation),
           .recovery = RecoveryMode::kNone,
           .rest_shape = rest_shape,
@@ -52,7 +52,7 @@ class Relaxation : public testing::TestWithParam<Implementation> {
     return hexaplast::relaxing(std::move(relaxation), rest_shape, GetParam());
   }
 };
-INSTANTIATE_TEST_SUITE_P(Of, Relaxation, testing::Values(Implementation::kPlain, Implementation::kFast),
+INSTANTIATE_TEST_SUITE_P(Of, Relaxation, testing::Values(Implementation::kPlain, Implementation::kAuto),
                          [](const auto& test) { return name_of(test.param); });
 
 void step(Body& body, const PointArray& x, double h) {
@@ -166,7 +166,7 @@ TEST_P(Relaxation, CreepIsOfSecondOrder) {
 
 /// A block whose branches hold what a random path has left in them; `flows`: and whose samples have flowed.
 struct Held {
-  explicit Held(bool flows, Implementation implementation = Implementation::kFast, std::uint64_t seed = 704)
+  explicit Held(bool flows, Implementation implementation = Implementation::kAuto, std::uint64_t seed = 704)
       : random(seed),
         mesh(support::distorted_block({2, 2, 2}, kEdge, 0.15, seed + 1)),
         body(mesh, {flows ? Material{.yield_stress = 100, .flow_rate = 8, .hardening = 0.2} : Material{}},
@@ -188,7 +188,7 @@ class HeldBody : public testing::TestWithParam<std::tuple<bool, Implementation>>
   Held held{std::get<0>(GetParam()), std::get<1>(GetParam())};
 };
 INSTANTIATE_TEST_SUITE_P(
-    That, HeldBody, testing::Combine(testing::Bool(), testing::Values(Implementation::kPlain, Implementation::kFast)),
+    That, HeldBody, testing::Combine(testing::Bool(), testing::Values(Implementation::kPlain, Implementation::kAuto)),
     [](const auto& test) {
       return (std::get<0>(test.param) ? "flows_" : "is_elastic_") + name_of(std::get<1>(test.param));
     });

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "plastic/averaging.hpp"
+
+#include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include "hexaplast/geometry/sections.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
+#include "plain/plain.hpp"
 #include "plastic/rest_shape.hpp"
 #include "support/compare.hpp"
 #include "support/materials.hpp"
@@ -38,6 +40,10 @@ History stretched_rest_shapes(const Model& model) {
   return history;
 }
 
+AveragingReport join(const Model& model, LinearSolver& solver, History& history) {
+  return plain::join_rest_shapes(model, std::vector<unsigned char>(model.mesh.num_elements(), 1), solver, history);
+}
+
 /// Square of the misfit of isolated and joined shapes that the averaging minimises.
 double misfit(const Model& model, const History& history) {
   double sum = 0;
@@ -54,14 +60,13 @@ TEST(Averaging, JoinsStretchedElementsIntoAStretchedBarOfAnyLength) {
     const EndSections ends = end_sections(model.mesh);
     for (const bool direct : {false, true}) {
       History history = stretched_rest_shapes(model);
-      Averaging averaging(model);
       PreconditionedConjugateGradients iterative(1e-12, 10000);
       CholeskySolver cholesky;
       LinearSolver& solver = direct ? static_cast<LinearSolver&>(cholesky) : iterative;
-      averaging.advance(model, solver, history);
+      join(model, solver, history);
       EXPECT_NEAR(elongation(ends, history.plastic_rest_positions), 0.5,
                   1e-6);  // one step leaves its regularisation, 1e-7
-      averaging.advance(model, solver, history);
+      join(model, solver, history);
       EXPECT_NEAR(elongation(ends, history.plastic_rest_positions), 0.5, 1e-9) << slices << " slices";
     }
   }
@@ -77,9 +82,8 @@ TEST(Averaging, KeepsTheMeanOfEveryConnectedPart) {
   support::Random random(142);
   History history(model);
   for (ElementPoints& y : history.rest_shape) y = about_mean(mapped(y, Mat3::Identity() + random.matrix(0.3)));
-  Averaging averaging(model);
   PreconditionedConjugateGradients solver(1e-12, 10000);
-  EXPECT_FALSE(averaging.advance(model, solver, history).skipped);
+  EXPECT_FALSE(join(model, solver, history).skipped);
   for (const int first : {0, one.num_nodes()}) {
     const Vec3 before = positions.middleRows(first, one.num_nodes()).colwise().mean();
     const Vec3 after = history.plastic_rest_positions.middleRows(first, one.num_nodes()).colwise().mean();
@@ -97,18 +101,17 @@ TEST(Averaging, NeverRaisesTheMisfitAndArrives) {
       y = about_mean(ElementPoints(mapped(y, random.rotation() * (Mat3::Identity() + random.matrix(0.3))) +
                                    ElementPoints(random.field(kCorners, size * kEdge / 2))));
     }
-    Averaging averaging(model);
     PreconditionedConjugateGradients solver(1e-12, 10000);
     double before = misfit(model, history);
     for (int k = 0; k < 30; ++k) {
-      averaging.advance(model, solver, history);
+      join(model, solver, history);
       const double after = misfit(model, history);
       ASSERT_LE(after, before * (1 + 1e-12));
       before = after;
     }
     // at the minimum one more step changes nothing
     const PointArray arrived = history.plastic_rest_positions;
-    averaging.advance(model, solver, history);
+    join(model, solver, history);
     EXPECT_LE(support::max_abs(history.plastic_rest_positions - arrived), 1e-6 * kEdge);
   }
 }
@@ -126,9 +129,8 @@ TEST(Averaging, JoinsPiecesOfATwistedBarWhateverTheSize) {
   for (const int refine : {1, 2, 4}) {
     const Model model(support::block({3 * refine, 2 * refine, 8 * refine}, kEdge / refine), {Material{}}, kJoined);
     History history = cut_from(model, support::stretched_and_twisted(model.mesh, 1.2, 1.0));
-    Averaging averaging(model);
     PreconditionedConjugateGradients solver = averaging_solver(model);
-    for (int k = 0; k < 12; ++k) EXPECT_TRUE(averaging.advance(model, solver, history).converged);
+    for (int k = 0; k < 12; ++k) EXPECT_TRUE(join(model, solver, history).converged);
     const EndSections ends = end_sections(model.mesh);
     EXPECT_NEAR(elongation(ends, history.plastic_rest_positions), 0.2, 1e-6);
     EXPECT_NEAR(twist(model.mesh, ends, history.plastic_rest_positions), 1.0, 1e-6) << "refine " << refine;
@@ -176,8 +178,8 @@ TEST(Averaging, ByMultigridAgreesWithTheDirectSolverOnTornBodies) {
   History iterated = torn, exact = torn;
   PreconditionedConjugateGradients multigrid(1e-11, 1000, Preconditioner::kMultigrid);
   CholeskySolver cholesky;
-  Averaging(model).advance(model, multigrid, iterated);
-  Averaging(model).advance(model, cholesky, exact);
+  join(model, multigrid, iterated);
+  join(model, cholesky, exact);
   EXPECT_GT(support::max_abs(exact.plastic_rest_positions - torn.plastic_rest_positions), 1e-2 * kEdge);
   EXPECT_LE(support::max_abs(iterated.plastic_rest_positions - exact.plastic_rest_positions), 1e-6 * kEdge);
 }
@@ -187,9 +189,8 @@ TEST(Averaging, LeavesShapesThatFitUntouched) {
   const Model model = elastic_model(support::distorted_block({2, 2, 3}, kEdge, 0.15, 146));
   History history(model);
   for (ElementPoints& y : history.rest_shape) y = mapped(y, random.rotation());  // each in a frame of its own
-  Averaging averaging(model);
   PreconditionedConjugateGradients solver(1e-12, 10000);
-  EXPECT_TRUE(averaging.advance(model, solver, history).skipped);
+  EXPECT_TRUE(join(model, solver, history).skipped);
   EXPECT_EQ(history.plastic_rest_positions, model.mesh.positions());
 }
 
@@ -222,15 +223,12 @@ TEST(Averaging, OfABodyFollowsATightSolutionOverManySteps) {
   Body body(support::distorted_block({8, 8, 20}, kEdge / 2, 0.1, 150), {twistable(0.0025)}, kJoined);
   const Model& model = body.state().model;
   History history(model);
-  Linearization at(model);
-  FlowWorkspace work(model, history);
   PreconditionedConjugateGradients exact(1e-12, 10000);
   for (int k = 1; k <= 100; ++k) {
     const double fraction = std::min(1.0, k / 40.0);
     const PointArray current = support::stretched_and_twisted(model.mesh, 1 + 0.3 * fraction, 2 * fraction);
     body.flow(current, 0.01);
-    linearize(model, history, current, at);
-    flow(model, at, 0.01, exact, history, work);
+    plain::flow(model, current, 0.01, exact, history);
   }
   EXPECT_LE(support::max_abs(body.state().history.plastic_rest_positions - history.plastic_rest_positions),
             1e-6 * kEdge);
@@ -238,8 +236,7 @@ TEST(Averaging, OfABodyFollowsATightSolutionOverManySteps) {
 
 /// Angle between the original and the plastic rest shape of a distorted bar after it was stretched and twisted [rad].
 double tilt_after_a_twist(bool turns_isolated_shapes) {
-  Body body(support::distorted_block({2, 2, 6}, kEdge, 0.2, 151), {twistable(0.005)},
-            {.rest_shape = RestShape::kJoined, .implementation = Implementation::kPlain});
+  Body body(support::distorted_block({2, 2, 6}, kEdge, 0.2, 151), {twistable(0.005)}, kJoined);
   body.state().model.turns_isolated_shapes = turns_isolated_shapes;
   for (int k = 1; k <= 60; ++k) {
     const double fraction = std::min(1.0, k / 40.0);

@@ -23,7 +23,7 @@ using support::Slab;
 using support::slab_mesh;
 
 /// On which the bounds of iterations were measured.
-const Settings kMeasured = published_element();
+const Settings kMeasured;
 
 /// Of a node of the slab's matrix, roughly.
 double stiffness_of_node(double young_modulus) { return kSlabStep * kSlabStep * young_modulus * 0.01; }
@@ -147,9 +147,9 @@ TEST_P(OtherTerms, LeaveThePreconditionerAndTheResidualAsTheyAre) {
           EXPECT_LE(residual, 1.001e-6) << what;
           // where ties are a million times as stiff as the body, the residual of the iterations drifts by 3e-9
           EXPECT_NEAR(report.residual, residual, ratio > 1e3 ? 1e-8 : 1e-10) << what;
-          // at most 1.23 times as many were measured: by the diagonal in mixed precision, whose corrections begin anew
+          // at most 1.5 times as many were measured: in mixed precision, whose corrections begin anew
           if (ratio > GetParam().max_fraction) continue;
-          EXPECT_LE(report.iterations, 1.35 * alone) << what;
+          EXPECT_LE(report.iterations, 1.6 * alone) << what;
         }
       }
 }
@@ -186,24 +186,23 @@ TEST(OtherTerms, LeaveTheReportedResidualTrueAtAnyToleranceHoweverStiffTheyAre) 
         }
 }
 
-// The products of a body in mixed precision leave out what its coefficients round to, above tolerances of 1e-3. Beside
-// other terms it is no more than alone.
+// The products of a body in mixed precision leave out what its coefficients round to, above tolerances of 1e-3: of
+// these random loads 4.3e-3 alone. Beside other terms it is not much more: 5.8e-3.
 TEST(OtherTerms, LeaveTheResidualAsTrueAsThatOfOneBodyInMixedPrecision) {
+  constexpr double kLeftOut = 0x1p-7;
   for (const Preconditioner preconditioner : {Preconditioner::kMultigrid, Preconditioner::kDiagonal})
     for (const double tolerance : {3e-2, 1e-2, 3e-3}) {
-      double of_one = 0;
       for (const double ratio : {0.0, 0.01, 1.0, 100.0}) {
         Slab tied = one_body(1e6, Precision::kMixed);
         support::Random random(11);
         tied.bodies.front().linearize(tied.mesh.positions() + random.field(tied.num_nodes(), 2e-3));
         if (ratio > 0) tie_oblique_plane(tied, ratio * stiffness_of_node(1e6));
         const auto [report, x, residual] = solve(tied, tolerance, preconditioner);
-        if (ratio == 0) of_one = std::abs(report.residual - residual);
-        const std::string what = fmt::format("tolerance {}, share {}: {} iterations, {} in place of {}, {} alone",
-                                             tolerance, ratio, report.iterations, report.residual, residual, of_one);
+        const std::string what = fmt::format("tolerance {}, share {}: {} iterations, {} in place of {}", tolerance,
+                                             ratio, report.iterations, report.residual, residual);
         EXPECT_TRUE(report.converged) << what;
-        EXPECT_LE(residual, tolerance + of_one) << what;
-        EXPECT_NEAR(report.residual, residual, of_one) << what;
+        EXPECT_LE(residual, tolerance + kLeftOut) << what;
+        EXPECT_NEAR(report.residual, residual, kLeftOut) << what;
       }
     }
 }

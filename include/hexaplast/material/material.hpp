@@ -108,8 +108,8 @@ enum class Precision {
 
 /// What computes a body.
 enum class Implementation {
-  kFast,  ///< kernels for every instruction set, multigrid, all threads; no allocation in a time step
-  kPlain  ///< one element after the other in double precision: the paper to be read, with all of its variants
+  kAuto,  ///< the kernels, in double and mixed precision, with multigrid, where they have what is asked for
+  kPlain  ///< the paper to be read, with all of its variants, in double precision and without multigrid
 };
 
 /// What holds for a whole body. Each member has a row (material/rows.hpp).
@@ -134,7 +134,7 @@ struct Settings {
   int averaging_steps = 1;            ///< per time step, in [1, 1000]
   double averaging_tolerance = 1e-6;  ///< relative residual of its linear systems, > 0
   Precision precision = Precision::kDouble;
-  Implementation implementation = Implementation::kFast;
+  Implementation implementation = Implementation::kAuto;
   double volume_restitution = 1;     ///< c [1/s], >= 0; c dt < 2/3
   double inversion_threshold = 0.1;  ///< elements whose smallest det F or det J ratio lies below do not flow; in [0, 1)
 
@@ -158,6 +158,9 @@ bool can_stretch(const Material& material);
 bool can_rotate(const Material& material, const Settings& settings);
 /// Whether one of the two can in some hexahedron of a body.
 bool can_flow(const std::vector<Material>& materials, const Settings& settings);
+
+/// Whether the plain implementation computes a body: where it is asked for, and where the kernels do not have what is.
+bool is_plain(const std::vector<Material>& materials, const Settings& settings);
 
 /// [byte] of memory per hexahedron of such a body in a running scene: the body, its state, a solver with multigrid and
 /// what a run writes. Measured (docs/performance.md). A sparse direct solver takes more, and ever more the larger the

@@ -118,7 +118,7 @@ bench::Outcome measure_bars(const BenchOptions& options, bool prints) {
   if (!options.sizes.empty()) wanted.sizes = parse_sizes(options.sizes);
   wanted.threads = options.threads;
   wanted.quick = options.quick;
-  wanted.rest_shapes = options.rest_shapes;
+  wanted.flow = options.flow;
 
   const bench::MachineLimits limits(options.threads);
   if (prints) {

@@ -16,10 +16,10 @@ struct BenchOptions {
   std::vector<std::string> sizes;   ///< of the bars; empty: 1k, 10k, 100k, or those of a batch
   std::vector<int> threads{1, 2};
   bool quick = false;
-  bool rest_shapes = false;  ///< joined and isolated ones of the default element, in turn
-  bool is_batch = false;     ///< many small bodies in place of a large one
-  int bodies = 64;           ///< of a batch
-  std::string simd;          ///< instruction set; empty: the best
+  bool flow = false;      ///< an elastic step, and those in which a part flows and all does, in turn
+  bool is_batch = false;  ///< many small bodies in place of a large one
+  int bodies = 64;        ///< of a batch
+  std::string simd;       ///< instruction set; empty: the best
   std::optional<std::filesystem::path> baseline;
   double ratio = 0.5;  ///< of the baseline's lead over the dense peer
   SceneOptions scene;  ///< measured instead of the bars where it has a file

@@ -142,7 +142,8 @@ Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : 
 Json json_of(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 Json json_of(const ModelCheck& body) {
-  return {{"parts", body.num_parts},
+  return {{"implementation", body.is_plain ? "plain" : "kernels"},
+          {"parts", body.num_parts},
           {"extent", json_of(body.extent)},
           {"volume", body.volume},
           {"least_scaled_jacobian", body.quality.min_scaled_jacobian},
@@ -215,6 +216,7 @@ void print(const ModelCheck& body) {
   if (yields || turns)
     fmt::print("  rates times dt      flow {:.4g}, rotation flow {:.4g}, volume restitution {:.4g}\n",
                body.flow_per_step, body.rotation_flow_per_step, body.restitution_per_step);
+  if (body.is_plain) fmt::print("  implementation      plain, in double precision and without multigrid\n");
   if (body.wave_speed > 0) {
     fmt::print("  mass                {:.6g} kg, {:.6g} kg/m^3\n", body.mass, body.density);
     fmt::print("  waves               {:.4g} m/s, CFL number {:.3g}, across the body in {:.3g} steps\n",
