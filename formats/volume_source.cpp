@@ -101,7 +101,7 @@ bool is_gzip(std::string_view content) { return content.starts_with("\x1f\x8b");
 
 LabelledVolume read_voxels(const VolumeGeometry& geometry, const NumberType& type, ByteSource& source,
                            const std::string& name, const VoxelCells& planned) {
-  const auto& [nx, ny, nz] = geometry.size;
+  const auto nx = geometry.size[0], ny = geometry.size[1], nz = geometry.size[2];
   const double size = static_cast<double>(nx) * static_cast<double>(ny) * static_cast<double>(nz);
   source.require_room_for(std::min(size, kMaxVoxels + 1) * static_cast<double>(type.bytes));
   if (size > kMaxVoxels)

@@ -80,7 +80,7 @@ std::vector<std::string> model_warnings(const ModelCheck& check, Names names) {
       fmt::format("{} nodes belong to no hexahedron", check.quality.num_unused_nodes));
   say(check.num_parts > 1, fmt::format("the body has {} unconnected parts", check.num_parts));
   say(check.locks && check.max_poisson_ratio > kNearlyIncompressible,
-      fmt::format("{} = {}: above {} hexahedra lock in bending unless volumetric is volumeRatio or mean",
+      fmt::format("{} = {}: above {} hexahedra lock in bending unless volumetric is volumeRatio",
                   called("poisson_ratio", names), check.max_poisson_ratio, kNearlyIncompressible));
   say(std::isfinite(check.yield_strain) && check.yield_strain > kLargeYieldStrain,
       fmt::format("{} is reached only at a strain of {:.3g}", called("yield_stress", names), check.yield_strain));

@@ -28,11 +28,11 @@ std::vector<Remark> MultigridCG::heed(const SolveReport& report) {
     return {{"preconditioner",
              fmt::format("is multigrid, which is not positive definite in a step: the preconditioner is {} there",
                          name_of(report.preconditioner))}};
-  return {
-      {"preconditioner",
-       fmt::format("is multigrid, which needs a body whose hexahedra form a lattice of more than a few, in shapes of "
-                   "which its cycle is positive definite: the preconditioner is {} instead",
-                   name_of(report.preconditioner))}};
+  return {{"preconditioner",
+           fmt::format("is multigrid, which needs a body whose hexahedra form a lattice of more than a few, computed "
+                       "by the kernels and in shapes of which its cycle is positive definite: the preconditioner is {} "
+                       "instead",
+                       name_of(report.preconditioner))}};
 }
 
 }  // namespace hexaplast::parts

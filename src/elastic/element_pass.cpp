@@ -4,8 +4,6 @@
 #define HWY_TARGET_INCLUDE "elastic/element_pass.cpp"
 #include "hwy/foreach_target.h"
 //
-#include <limits>
-
 #include "elastic/element_kernels-inl.hpp"
 #include "elastic/element_pass.hpp"
 #include "element/lane_elements-inl.hpp"

@@ -84,13 +84,6 @@ void gather_mean_plastic(const CoarseMesh& mesh, const Of& of, AlignedVector<flo
   });
 }
 
-/// Cells know no assumed strain: what bends freely on a fine mesh bends so on a coarse one by its samples.
-Sampling cell_sampling(const Settings& settings) {
-  Sampling sampling = sampling_of(settings);
-  if (sampling.assumed != Assumed::kNothing) sampling = {};
-  return sampling;
-}
-
 }  // namespace
 
 ElementHierarchy::Level::Level(const CoarseMesh& mesh, RestShape rest_shape)
@@ -146,7 +139,6 @@ std::span<const CoarseOperator> ElementHierarchy::update(const Model& model, con
       };
       gather_mean_plastic(mesh, of_element, level.mean_plastic);
     }
-    level.op.kind.sampling = cell_sampling(model.settings);
     parallel_for(mesh.partition->num_chunks, [&](int chunk) {
       linearize_cells(*mesh.partition, level.plastic_rest.data(), level.current.data(),
                       has_flowed ? level.mean_plastic.data() : nullptr, model.length, chunk, level.op);

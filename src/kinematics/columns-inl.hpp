@@ -137,9 +137,8 @@ HWY_INLINE void begin_columns(const RestLanes<kGeneral, kAssumed, N>& rest, cons
     modes(u, of);
     for (int l = 0; l < 4; ++l)
       for (int i = 0; i < 3; ++i) at.Q[l][i] = quarter * of.at[3 + l][i];
-    if constexpr (!kGeneral)
-      for (int n = 0; n < 3; ++n)
-        for (int i = 0; i < 3; ++i) at.mean(n, i) = quarter * of.at[n][i];
+    for (int n = 0; n < 3; ++n)
+      for (int i = 0; i < 3; ++i) at.mean(n, i) = quarter * of.at[n][i];
   } else {
     edges(u, at.e);
     if constexpr (kAssumed != Assumed::kNothing) hourglass_modes(at.e, at.Q);

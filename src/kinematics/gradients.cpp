@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "kinematics/gradients.hpp"
 
-#include <cmath>
-
 namespace hexaplast {
 
 namespace {

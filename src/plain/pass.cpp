@@ -6,7 +6,6 @@
 //
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "hexaplast/base/parallel.hpp"
 #include "plain/flow-inl.hpp"

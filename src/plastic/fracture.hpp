@@ -6,11 +6,8 @@
 namespace hexaplast {
 
 /// Whether a step has carried an element past its limits at some corner: its yield stress by hardening, or its plastic
-/// stretch (null where the model does not track it). A yield stress that lies beyond the limit without having grown
+/// stretch. A yield stress that lies beyond the limit without having grown
 /// there breaks nothing: an element without one, for which it is infinite, may still flow by rotation.
-bool is_broken(const Material& material, const CornerValues& yield_stress_before, const CornerValues& yield_stress,
-               const CornerTensors* plastic_stretch);
-/// The same of an element that has flowed from one history to the next.
 bool is_broken(const Model& model, const History& before, const History& next, int element);
 
 }  // namespace hexaplast

@@ -127,7 +127,7 @@ HWY_INLINE Mat<V> expm1(const Mat<V>& M, std::uint32_t& fails) {
 }
 
 /// exp(fraction dev log S) - 1, and the logarithm of the power. Lanes need another form, because the search for
-/// eigenvectors branches; tests/elastic/kernels_test.cpp compares the two. eq. 22
+/// eigenvectors branches; tests/plain/plain_test.cpp compares the two.                        eq. 22
 template <class V>
 HWY_INLINE Mat<V> stretch_power(const Sym<V>& S, V fraction, Mat<V>& log, std::uint32_t& fails) {
   log = deviatoric_log(S, fails);

@@ -16,11 +16,11 @@ namespace hexaplast {
 /// Everything plastic; changes once per accepted time step, by flow(), and between two steps when the host takes
 /// elements out or changes the material (Body). A checkpoint saves exactly this.
 struct History {
-  std::vector<ElementPoints> rest_shape;       ///< y per element
-  std::vector<Mat3> rotation_map;              ///< Pi per element, or per element and corner (Model::maps_per_element)
-  std::vector<CornerValues> yield_stress;      ///< [Pa] tau per element
-  std::vector<CornerValues> rotation_yield;    ///< [rad] tau^R per element; empty until the model can rotate
-  PointArray plastic_rest_positions;           ///< [m] x: joined rest shape, num_nodes x 3; all that elasticity sees
+  std::vector<ElementPoints> rest_shape;     ///< y per element
+  std::vector<Mat3> rotation_map;            ///< Pi per element, or per element and corner (Model::maps_per_element)
+  std::vector<CornerValues> yield_stress;    ///< [Pa] tau per element
+  std::vector<CornerValues> rotation_yield;  ///< [rad] tau^R per element; empty until the model can rotate
+  PointArray plastic_rest_positions;  ///< [m] x: joined rest shape, num_nodes x 3; the initial one of isolated ones
   std::vector<CornerValues> plastic_strain;    ///< [-] per element
   std::vector<CornerTensors> plastic_stretch;  ///< per element; empty unless the model tracks it
   std::vector<CornerTensors> plastic_inverse;  ///< G = (F^p)^-1 per element, of isolated rest shapes: in place of y, Pi
@@ -30,11 +30,9 @@ struct History {
   std::vector<unsigned char> alive;            ///< per element: 0 once it is removed
   std::vector<int> removed;                    ///< removed elements in the order of their removal
   PointArray averaging_increment;  ///< [m] latest step of the averaging, from which the next one starts; num_nodes x 3
-                                   ///< in mixed precision, otherwise empty
   std::vector<CornerSymmetric> branch_strain;   ///< b = q / (2 g mu) per element and viscoelastic branch
   std::vector<CornerSymmetric> branch_stretch;  ///< dev S at the latest step, per element; empty without branches
-  long version =
-      0;  ///< grows whenever `plastic_rest_positions` or `alive` changes, so that derived data know they are old
+  long version = 0;  ///< grows whenever something changes, so that derived data know they are old
 
   /// The initial state of a model: plastic rest positions = initial positions.
   explicit History(const Model& model);

@@ -71,7 +71,7 @@ class ReleasedShapeOf : public testing::TestWithParam<Implementation> {
   }
 };
 INSTANTIATE_TEST_SUITE_P(Of, ReleasedShapeOf, testing::Values(Implementation::kPlain, Implementation::kAuto),
-                         [](const auto& test) { return test.param == Implementation::kPlain ? "plain" : "fast"; });
+                         [](const auto& test) { return test.param == Implementation::kPlain ? "plain" : "kernels"; });
 
 TEST_P(ReleasedShapeOf, OneDeformationOfAllIsTheMeshThatIsDeformedSo) {
   Random random(701);

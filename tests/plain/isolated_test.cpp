@@ -185,7 +185,7 @@ struct Form {
   double distortion = 0.15;  // 0: parallelepipeds, which have coefficients of their own
 };
 std::vector<Form> all_forms() {
-  std::vector<Form> all{{"assumedCorner"}, {"blended"}, {"fast"}, {"fastBoxes", {}, 0}};
+  std::vector<Form> all{{"assumedCorner"}, {"blended"}, {"kernels"}, {"kernelsBoxes", {}, 0}};
   all[1].settings.bending = Bending::kBlended;
   all[1].settings.volumetric = Volumetric::kSample;
   all[2].settings = all[3].settings = isolated();
@@ -437,7 +437,7 @@ class IsolatedBody : public testing::TestWithParam<Implementation> {
 };
 
 INSTANTIATE_TEST_SUITE_P(Of, IsolatedBody, testing::Values(Implementation::kPlain, Implementation::kAuto),
-                         [](const auto& test) { return test.param == Implementation::kPlain ? "plain" : "fast"; });
+                         [](const auto& test) { return test.param == Implementation::kPlain ? "plain" : "kernels"; });
 
 TEST_P(IsolatedBody, GoesOnFromWhatWasSavedBitForBitAndBeginsAgain) {
   Body straight = made(), second = made();

@@ -42,7 +42,7 @@ Settings relaxing(std::vector<double> relaxation, RestShape rest_shape = RestSha
 }
 
 std::string name_of(Implementation implementation) {
-  return implementation == Implementation::kPlain ? "plain" : "fast";
+  return implementation == Implementation::kPlain ? "plain" : "kernels";
 }
 
 /// By either implementation.

@@ -116,6 +116,25 @@ TEST(Averaging, NeverRaisesTheMisfitAndArrives) {
   }
 }
 
+// Rest shapes that fit no mesh: Gauss-Newton steps overshoot, and are replaced.
+TEST(Averaging, ReplacesStepsThatOvershoot) {
+  support::Random random(405);
+  int num_fell_back = 0;
+  for (int round = 0; round < 30; ++round) {
+    const Model model = elastic_model(support::distorted_block({3, 2, 2}, kEdge, 0.1, 406 + round));
+    History history(model);
+    for (ElementPoints& y : history.rest_shape)
+      y = about_mean(std::exp(random.uniform(-3, 3)) * ElementPoints(random.field(kCorners, kEdge)));
+    PreconditionedConjugateGradients solver(1e-14, 10000);
+    for (int step = 0; step < 3; ++step) {
+      const double before = misfit(model, history);
+      num_fell_back += join(model, solver, history).fell_back;
+      EXPECT_LE(misfit(model, history), before * (1 + 1e-9)) << round;
+    }
+  }
+  EXPECT_GT(num_fell_back, 0);
+}
+
 /// Rest shapes cut from the mesh in other positions, each in a frame of its own.
 History cut_from(const Model& model, const PointArray& positions) {
   support::Random random(147);

@@ -34,7 +34,8 @@ struct Material {
 
 /// How the deformation gradients of the eight samples follow from the corners. All carry V/8 per sample.
 enum class Bending {
-  kBlended,        ///< mean of corner and centre, shifted to the exact mean: passes the patch test; stiff in bending
+  kBlended,        ///< mean of corner and centre, shifted to the exact mean: passes the patch test; stiff; plain
+                   ///< implementation
   kAssumedCorner,  ///< about corners, with an assumed strain that bends freely
   kVertex,         ///< corners alone: stiff; plain implementation
   kCentre          ///< the centre alone, eight times: soft, with hourglass modes; plain implementation
@@ -42,7 +43,7 @@ enum class Bending {
 
 /// What resists a change of volume.
 enum class Volumetric {
-  kSample,      ///< every sample: locks towards Poisson's ratio 1/2
+  kSample,      ///< every sample: locks towards Poisson's ratio 1/2; plain implementation
   kVolumeRatio  ///< the exact volume of the hexahedron, and a bounded modulus for what samples deviate from their mean
 };
 
@@ -75,7 +76,8 @@ enum class YieldStressMeasure {
 
 /// Where permanent deformation lives.
 enum class RestShape {
-  kJoined,   ///< one mesh fits the rest shapes of all elements best: no residual stress
+  kJoined,   ///< one mesh fits the rest shapes of all elements best: no residual stress; flows in the plain
+             ///< implementation
   kIsolated  ///< each sample keeps its own: residual stress                                       theory.md section 5.9
 };
 
@@ -167,8 +169,8 @@ bool is_plain(const std::vector<Material>& materials, const Settings& settings);
 /// body is.
 double bytes_per_hexahedron(const std::vector<Material>& materials, const Settings& settings);
 
-/// Throws InputError naming the first value outside its range and the element it belongs to, or the option that only
-/// the other implementation has.
+/// Throws InputError naming the first value outside its range and the element it belongs to, or the option that needs
+/// another precision.
 void validate(const std::vector<Material>& materials, Names names = Names::kMembers);
 void validate(const Settings& settings, Names names = Names::kMembers);
 /// Throws InputError where something flows with RestShape::kIsolated and settings that it has not, a flow of rotation
