@@ -16,7 +16,7 @@ inline CornerTensors no_tensors() {
   return tensors;
 }
 
-/// The eight samples of one hexahedron, by the formulas of the kernels.
+/// The eight samples of one hexahedron.
 struct ElementSamples {
   std::array<Mat3, kCorners> F;       ///< deformation gradients, of isolated rest shapes F^e       eq. 7, E11c, P1
   std::array<Polar, kCorners> polar;  ///< R, S of them                                                eq. 6
