@@ -103,29 +103,90 @@ constexpr const Attribute& attribute_of(const Description& description, std::str
   throw std::logic_error("no such attribute");
 }
 
-/// The attributes of one table, then those of another.
-template <std::size_t N, std::size_t M>
-constexpr std::array<Attribute, N + M> joined(const Attribute (&first)[N], const Attribute (&then)[M]) {
-  std::array<Attribute, N + M> all;
-  std::copy_n(then, M, std::copy_n(first, N, all.begin()));
+/// A row of a table: `reals("times", {.unit = "s"}, "Key times, ascending.")`. In braces stands what is not the
+/// default.
+template <Type kType>
+struct RowOf {
+  constexpr Attribute operator()(std::string_view name, Attribute rest, std::string_view help) const {
+    rest.name = name;
+    rest.type = kType;
+    rest.help = help;
+    return rest;
+  }
+  constexpr Attribute operator()(std::string_view name, std::string_view help) const { return (*this)(name, {}, help); }
+};
+inline constexpr RowOf<Type::kBool> boolean;
+inline constexpr RowOf<Type::kInteger> integer;
+inline constexpr RowOf<Type::kReal> real;
+inline constexpr RowOf<Type::kVector3> vector3;
+inline constexpr RowOf<Type::kIntegers> integers;
+inline constexpr RowOf<Type::kReals> reals;
+inline constexpr RowOf<Type::kVectors3> vectors3;
+inline constexpr RowOf<Type::kBoxes> boxes;
+inline constexpr RowOf<Type::kHexahedra> hexahedra;
+inline constexpr RowOf<Type::kText> free_text;
+inline constexpr RowOf<Type::kWord> one_of;
+inline constexpr RowOf<Type::kLink> link;
+
+/// Numbers of nodes or elements.
+constexpr Attribute indices(std::string_view name, Attribute rest, std::string_view help) {
+  rest.range = kIndex;
+  return integers(name, rest, help);
+}
+constexpr Attribute indices(std::string_view name, std::string_view help) { return indices(name, {}, help); }
+
+constexpr Attribute output(Attribute row) {
+  row.access = Access::kOutput;
+  return row;
+}
+
+/// The attributes of some tables, one after the other.
+template <std::size_t... kSizes>
+constexpr auto joined(const std::array<Attribute, kSizes>&... tables) {
+  std::array<Attribute, (kSizes + ...)> all;
+  auto at = all.begin();
+  ((at = std::ranges::copy(tables, at).out), ...);
   return all;
 }
 
 /// What every node and component takes besides its own attributes.
-inline constexpr Attribute kCommon[] = {
-    {.name = "name", .type = Type::kText, .help = "Name in links; default: ClassName1, ClassName2, ..."},
-    {.name = "src",
-     .type = Type::kLink,
-     .help = "A component, mostly a loader: every attribute that it has too, and that is not given here, follows its."},
-    {.name = "printLog", .type = Type::kBool, .initial = "false", .access = Access::kIgnored, .help = "Ignored here."},
-    {.name = "listening", .type = Type::kBool, .initial = "false", .access = Access::kIgnored, .help = "Ignored here."},
-    {.name = "tags", .type = Type::kText, .access = Access::kIgnored, .help = "Ignored here."},
-    {.name = "bbox", .type = Type::kText, .access = Access::kIgnored, .help = "Visual: ignored here."},
+inline constexpr std::array kCommon = {
+    free_text("name", "Name in links; default: ClassName1, ClassName2, ..."),
+    link("src",
+         "A component, mostly a loader: every attribute that it has too, and that is not given here, follows its."),
+    boolean("printLog", {.initial = "false", .access = Access::kIgnored}, "Ignored here."),
+    boolean("listening", {.initial = "false", .access = Access::kIgnored}, "Ignored here."),
+    free_text("tags", {.access = Access::kIgnored}, "Ignored here."),
+    free_text("bbox", {.access = Access::kIgnored}, "Visual: ignored here."),
 };
+
+/// Of force fields that have a stiffness.
+inline constexpr Attribute kForceRayleigh =
+    real("rayleighStiffness", {.initial = "0", .unit = "s", .range = kNotNegative},
+         "Stiffness-proportional damping in the system matrix alone, besides the solver's own.");
 
 inline constexpr std::string_view kVec3Templates = "Vec3 Vec3d";
 inline constexpr std::string_view kMatrixTemplates =
     "CompressedRowSparseMatrix CompressedRowSparseMatrixd CompressedRowSparseMatrixMat3x3 "
     "CompressedRowSparseMatrixMat3x3d";
+
+/// Describes components of a category that accept the same templates: `topology("MeshTopology", "Nodes ...", kRows)`.
+struct Category {
+  std::string_view name = {};
+  std::string_view templates = {};
+
+  constexpr Description operator()(std::string_view class_name, std::string_view help,
+                                   std::span<const Attribute> attributes) const {
+    return {.class_name = class_name, .category = name, .help = help, .templates = templates, .attributes = attributes};
+  }
+};
+inline constexpr Category force_field{"ForceField", kVec3Templates};
+inline constexpr Category engine{"Engine", kVec3Templates};
+inline constexpr Category topology{"Topology"};
+inline constexpr Category mesh_loader{"MeshLoader"};
+inline constexpr Category mass{"Mass", "Vec3 Vec3d Vec3,double Vec3d,double Vec3,Vec3"};
+inline constexpr Category projective_constraint{"ProjectiveConstraint", kVec3Templates};
+inline constexpr Category ode_solver{"OdeSolver"};
+inline constexpr Category mapping{"Mapping", "Vec3,Vec3 Vec3d,Vec3d"};
 
 }  // namespace hexaplast::attributes

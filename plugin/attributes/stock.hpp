@@ -17,48 +17,27 @@
 /// SOFA's components as the embedded host knows them: names, defaults and meaning are SOFA's.
 namespace hexaplast::attributes {
 
-inline constexpr Attribute kNodeAttributes[] = {
-    {.name = "dt",
-     .type = Type::kReal,
-     .initial = "0.01",
-     .unit = "s",
-     .range = kPositive,
-     .help = "Time step; that of the root counts."},
-    {.name = "gravity",
-     .type = Type::kVector3,
-     .initial = "0 -9.81 0",
-     .unit = "m/s^2",
-     .help = "Acceleration of every mass; that of the root counts."},
-    {.name = "time",
-     .type = Type::kReal,
-     .initial = "0",
-     .unit = "s",
-     .range = {.min = 0, .max = 0},
-     .help = "Every run begins at 0."},
-    {.name = "animate", .type = Type::kBool, .initial = "false", .access = Access::kIgnored, .help = "Ignored here."},
-    ignored_attribute("sleeping", "Ignored here: every node takes part in every step."),
-    ignored_attribute("canChangeSleepingState", "Ignored here: every node takes part in every step."),
-    ignored_attribute("depend", "Ignored here: nodes are in the order of the scene."),
-    visual_attribute("showBoundingTree"),
-    visual_attribute("showBoundingCollisionModels"),
-    visual_attribute("showBehaviorModels"),
-    visual_attribute("showCollisionModels"),
-    visual_attribute("showMappings"),
-    visual_attribute("showMechanicalMappings"),
-    visual_attribute("showForceFields"),
-    visual_attribute("showInteractionForceFields"),
-    visual_attribute("showVisualModels"),
-    visual_attribute("showWireFrame"),
-    visual_attribute("showWireframe"),
-    visual_attribute("showNormals"),
-};
+inline constexpr auto kNodeAttributes = joined(
+    std::array{
+        real("dt", {.initial = "0.01", .unit = "s", .range = kPositive}, "Time step; that of the root counts."),
+        vector3("gravity", {.initial = "0 -9.81 0", .unit = "m/s^2"},
+                "Acceleration of every mass; that of the root counts."),
+        real("time", {.initial = "0", .unit = "s", .range = {.min = 0, .max = 0}}, "Every run begins at 0."),
+        boolean("animate", {.initial = "false", .access = Access::kIgnored}, "Ignored here."),
+        ignored_attribute("sleeping", "Ignored here: every node takes part in every step."),
+        ignored_attribute("canChangeSleepingState", "Ignored here: every node takes part in every step."),
+        ignored_attribute("depend", "Ignored here: nodes are in the order of the scene."),
+    },
+    visual_attributes("showBoundingTree", "showBoundingCollisionModels", "showBehaviorModels", "showCollisionModels",
+                      "showMappings", "showMechanicalMappings", "showForceFields", "showInteractionForceFields",
+                      "showVisualModels", "showWireFrame", "showWireframe", "showNormals"));
 inline constexpr Description kNode{.class_name = "Node",
                                    .category = "Node",
                                    .help = "Holds components and further nodes.",
                                    .attributes = kNodeAttributes};
 
-inline constexpr Attribute kRequiredPluginAttributes[] = {
-    {.name = "pluginName", .type = Type::kText, .help = "Names of plugins, separated by blanks; default: `name`."},
+inline constexpr std::array kRequiredPluginAttributes = {
+    free_text("pluginName", "Names of plugins, separated by blanks; default: `name`."),
     ignored_attribute("suffixMap", "Ignored here: a plugin is found by its name alone."),
     ignored_attribute("stopAfterFirstNameFound", "Ignored here: all names are loaded."),
     ignored_attribute("stopAfterFirstSuffixFound", "Ignored here: a plugin is found by its name alone."),
@@ -71,7 +50,7 @@ inline constexpr Description kRequiredPlugin{
     .help = "Loads plugins by name. Names that begin with Sofa. are modules of SOFA, and are not loaded here.",
     .attributes = kRequiredPluginAttributes};
 
-inline constexpr Attribute kDefaultAnimationLoopAttributes[] = {
+inline constexpr std::array kDefaultAnimationLoopAttributes = {
     ignored_attribute("parallelODESolving", "Ignored here: solvers run one after another."),
     ignored_attribute("computeBoundingBox", "Visual: ignored here."),
 };

@@ -7,13 +7,8 @@
 /// Prescribed motion. See stock.hpp.
 namespace hexaplast::attributes {
 
-inline constexpr Attribute kFixedIndices{.name = "indices",
-                                         .type = Type::kIntegers,
-                                         .initial = "0",
-                                         .range = kIndex,
-                                         .help = "Nodes that receive no acceleration."};
-inline constexpr Attribute kFixAll{
-    .name = "fixAll", .type = Type::kBool, .initial = "false", .help = "Fixes every node."};
+inline constexpr Attribute kFixedIndices = indices("indices", {.initial = "0"}, "Nodes that receive no acceleration.");
+inline constexpr Attribute kFixAll = boolean("fixAll", {.initial = "false"}, "Fixes every node.");
 constexpr Attribute project_velocity(std::string_view name) {
   return {.name = name,
           .type = Type::kBool,
@@ -21,23 +16,16 @@ constexpr Attribute project_velocity(std::string_view name) {
           .help = "Also takes away the velocity that a node begins with."};
 }
 // Outputs that SOFA's constraints do not have.
-inline constexpr Attribute kReaction{
-    .name = "reaction",
-    .type = Type::kVector3,
-    .unit = "N",
-    .access = Access::kOutput,
-    .help =
-        "Sum of the forces of constraints on its nodes in the last step, in the directions that are held; jumps of a "
-        "prescribed velocity come on top. Of EulerImplicitSolver only, and not in SOFA."};
-inline constexpr Attribute kReactionTorque{.name = "reactionTorque",
-                                           .type = Type::kVector3,
-                                           .unit = "N m",
-                                           .access = Access::kOutput,
-                                           .help = "Moment of these forces about the origin."};
+inline constexpr Attribute kReaction =
+    output(vector3("reaction", {.unit = "N"},
+                   "Sum of the forces of constraints on its nodes in the last step, in the directions that are held; "
+                   "jumps of a prescribed velocity come on top. Of EulerImplicitSolver only, and not in SOFA."));
+inline constexpr Attribute kReactionTorque =
+    output(vector3("reactionTorque", {.unit = "N m"}, "Moment of these forces about the origin."));
 inline constexpr Attribute kConstraintTopology =
     ignored_attribute("topology", "Ignored here: nodes keep their numbers.");
 
-inline constexpr Attribute kFixedProjectiveConstraintAttributes[] = {
+inline constexpr std::array kFixedProjectiveConstraintAttributes = {
     kFixedIndices,
     kFixAll,
     project_velocity("activate_projectVelocity"),
@@ -47,21 +35,16 @@ inline constexpr Attribute kFixedProjectiveConstraintAttributes[] = {
     visual_attribute("showObject"),
     visual_attribute("drawSize"),
 };
-inline constexpr Description kFixedProjectiveConstraint{
-    .class_name = "FixedProjectiveConstraint",
-    .category = "ProjectiveConstraint",
-    .help = "Holds nodes: their acceleration is zero, so that a velocity they begin with persists.",
-    .templates = kVec3Templates,
-    .attributes = kFixedProjectiveConstraintAttributes};
+inline constexpr Description kFixedProjectiveConstraint =
+    projective_constraint("FixedProjectiveConstraint",
+                          "Holds nodes: their acceleration is zero, so that a velocity they begin with persists.",
+                          kFixedProjectiveConstraintAttributes);
 
-inline constexpr Attribute kPartialFixedProjectiveConstraintAttributes[] = {
+inline constexpr std::array kPartialFixedProjectiveConstraintAttributes = {
     kFixedIndices,
     kFixAll,
-    {.name = "fixedDirections",
-     .type = Type::kIntegers,
-     .initial = "1 1 1",
-     .range = {.min = 0, .max = 1},
-     .help = "1 for each of x, y, z that is held, 0 where nodes move freely."},
+    integers("fixedDirections", {.initial = "1 1 1", .range = {.min = 0, .max = 1}},
+             "1 for each of x, y, z that is held, 0 where nodes move freely."),
     project_velocity("projectVelocity"),
     kConstraintTopology,
     kReaction,
@@ -69,27 +52,17 @@ inline constexpr Attribute kPartialFixedProjectiveConstraintAttributes[] = {
     visual_attribute("showObject"),
     visual_attribute("drawSize"),
 };
-inline constexpr Description kPartialFixedProjectiveConstraint{
-    .class_name = "PartialFixedProjectiveConstraint",
-    .category = "ProjectiveConstraint",
-    .help = "Holds nodes in some directions.",
-    .templates = kVec3Templates,
-    .attributes = kPartialFixedProjectiveConstraintAttributes};
+inline constexpr Description kPartialFixedProjectiveConstraint = projective_constraint(
+    "PartialFixedProjectiveConstraint", "Holds nodes in some directions.", kPartialFixedProjectiveConstraintAttributes);
 
-inline constexpr Attribute kMovedIndices{
-    .name = "indices", .type = Type::kIntegers, .initial = "0", .range = kIndex, .help = "Nodes that are moved."};
-inline constexpr Attribute kKeyTimes{
-    .name = "keyTimes", .type = Type::kReals, .initial = "0", .unit = "s", .help = "Key times, ascending."};
-inline constexpr Attribute kMovements{
-    .name = "movements",
-    .type = Type::kVectors3,
-    .initial = "0 0 0",
-    .unit = "m",
-    .help =
-        "Movement at each key time, linear in between. Nodes are free before the first time and from the last one on: "
-        "to hold them, repeat the last movement at a far later time."};
+inline constexpr Attribute kMovedIndices = indices("indices", {.initial = "0"}, "Nodes that are moved.");
+inline constexpr Attribute kKeyTimes = reals("keyTimes", {.initial = "0", .unit = "s"}, "Key times, ascending.");
+inline constexpr Attribute kMovements =
+    vectors3("movements", {.initial = "0 0 0", .unit = "m"},
+             "Movement at each key time, linear in between. Nodes are free before the first time and from the last one "
+             "on: to hold them, repeat the last movement at a far later time.");
 
-inline constexpr Attribute kLinearMovementProjectiveConstraintAttributes[] = {
+inline constexpr std::array kLinearMovementProjectiveConstraintAttributes = {
     kMovedIndices,
     kKeyTimes,
     kMovements,
@@ -98,56 +71,39 @@ inline constexpr Attribute kLinearMovementProjectiveConstraintAttributes[] = {
     kReactionTorque,
     visual_attribute("showMovement"),
 };
-inline constexpr Description kLinearMovementProjectiveConstraint{
-    .class_name = "LinearMovementProjectiveConstraint",
-    .category = "ProjectiveConstraint",
-    .help = "Moves nodes along a history. A step from t to t + dt ends with the movement at t, as in SOFA.",
-    .templates = kVec3Templates,
-    .attributes = kLinearMovementProjectiveConstraintAttributes};
+inline constexpr Description kLinearMovementProjectiveConstraint = projective_constraint(
+    "LinearMovementProjectiveConstraint",
+    "Moves nodes along a history. A step from t to t + dt ends with the movement at t, as in SOFA.",
+    kLinearMovementProjectiveConstraintAttributes);
 
-inline constexpr Attribute kPartialLinearMovementProjectiveConstraintAttributes[] = {
+inline constexpr std::array kPartialLinearMovementProjectiveConstraintAttributes = {
     kMovedIndices,
     kKeyTimes,
     kMovements,
-    {.name = "movedDirections",
-     .type = Type::kIntegers,
-     .initial = "1 1 1",
-     .range = {.min = 0, .max = 1},
-     .help = "1 for each of x, y, z in which nodes are moved, 0 where they are free."},
+    integers("movedDirections", {.initial = "1 1 1", .range = {.min = 0, .max = 1}},
+             "1 for each of x, y, z in which nodes are moved, 0 where they are free."),
     kConstraintTopology,
     kReaction,
     kReactionTorque,
-    {.name = "linearMovementBetweenNodesInIndices",
-     .type = Type::kWord,
-     .initial = "false",
-     .words = "false 0",
-     .help = "Only false here."},
+    one_of("linearMovementBetweenNodesInIndices", {.initial = "false", .words = "false 0"}, "Only false here."),
     visual_attribute("showMovement"),
 };
-inline constexpr Description kPartialLinearMovementProjectiveConstraint{
-    .class_name = "PartialLinearMovementProjectiveConstraint",
-    .category = "ProjectiveConstraint",
-    .help =
-        "Moves nodes along a history in some directions. In the others they keep their velocity (SOFA overwrites it).",
-    .templates = kVec3Templates,
-    .attributes = kPartialLinearMovementProjectiveConstraintAttributes};
+inline constexpr Description kPartialLinearMovementProjectiveConstraint = projective_constraint(
+    "PartialLinearMovementProjectiveConstraint",
+    "Moves nodes along a history in some directions. In the others they keep their velocity (SOFA overwrites it).",
+    kPartialLinearMovementProjectiveConstraintAttributes);
 
-inline constexpr Attribute kAttachProjectiveConstraintAttributes[] = {
-    {.name = "object1",
-     .type = Type::kLink,
-     .help = "The mechanical state that the other one follows; default: that of the node. Without twoWay it may be a "
-             "mapped one."},
-    {.name = "object2",
-     .type = Type::kLink,
-     .help = "The mechanical state whose nodes are tied to it; default: that of the node. One time integrator moves "
-             "both."},
-    {.name = "indices1", .type = Type::kIntegers, .range = kIndex, .help = "Nodes of object1."},
-    {.name = "indices2", .type = Type::kIntegers, .range = kIndex, .help = "Nodes of object2, as many, each once."},
-    {.name = "twoWay",
-     .type = Type::kBool,
-     .initial = "false",
-     .help = "Both nodes of a pair have the mean of their accelerations, and forces pass between the states; not with "
-             "direct solvers. Otherwise the second node does not accelerate, and no force passes."},
+inline constexpr std::array kAttachProjectiveConstraintAttributes = {
+    link("object1",
+         "The mechanical state that the other one follows; default: that of the node. Without twoWay it may be a "
+         "mapped one."),
+    link("object2",
+         "The mechanical state whose nodes are tied to it; default: that of the node. One time integrator moves both."),
+    indices("indices1", "Nodes of object1."),
+    indices("indices2", "Nodes of object2, as many, each once."),
+    boolean("twoWay", {.initial = "false"},
+            "Both nodes of a pair have the mean of their accelerations, and forces pass between the states; not with "
+            "direct solvers. Otherwise the second node does not accelerate, and no force passes."),
     ignored_attribute("freeRotations", "Ignored here: nodes do not turn."),
     ignored_attribute("lastFreeRotation", "Ignored here: nodes do not turn."),
     ignored_attribute("restRotations", "Ignored here: nodes do not turn."),

@@ -8,9 +8,16 @@ namespace hexaplast::attributes {
 
 /// An attribute that is accepted unread.
 constexpr Attribute ignored_attribute(std::string_view name, std::string_view help) {
-  return {.name = name, .type = Type::kText, .access = Access::kIgnored, .help = help};
+  return free_text(name, {.access = Access::kIgnored}, help);
 }
 constexpr Attribute visual_attribute(std::string_view name) { return ignored_attribute(name, "Visual: ignored here."); }
+
+template <class... Names>
+constexpr std::array<Attribute, sizeof...(Names)> visual_attributes(Names... names) {
+  return {visual_attribute(names)...};
+}
+inline constexpr auto kDrawnCells =
+    visual_attributes("drawEdges", "drawTriangles", "drawQuads", "drawTetrahedra", "drawHexahedra");
 
 /// A component that is accepted with whatever attributes it has.
 constexpr Description ignored_component(std::string_view class_name, std::string_view category, std::string_view help) {

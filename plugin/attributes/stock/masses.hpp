@@ -7,67 +7,34 @@
 /// Masses. See stock.hpp.
 namespace hexaplast::attributes {
 
-inline constexpr Attribute kMassRayleigh{
-    .name = "rayleighMass",
-    .type = Type::kReal,
-    .initial = "0",
-    .unit = "1/s",
-    .range = kNotNegative,
-    .help = "Damping by this mass in the system matrix alone, besides the solver's own."};
+inline constexpr Attribute kMassRayleigh =
+    real("rayleighMass", {.initial = "0", .unit = "1/s", .range = kNotNegative},
+         "Damping by this mass in the system matrix alone, besides the solver's own.");
 
-inline constexpr Attribute kSeparateGravity{.name = "separateGravity",
-                                            .type = Type::kWord,
-                                            .initial = "false",
-                                            .words = "false 0",
-                                            .help = "Only false here: gravity is one of the forces."};
+inline constexpr Attribute kSeparateGravity = one_of("separateGravity", {.initial = "false", .words = "false 0"},
+                                                     "Only false here: gravity is one of the forces.");
 
-inline constexpr Attribute kUniformMassAttributes[] = {
-    {.name = "totalMass",
-     .type = Type::kReal,
-     .unit = "kg",
-     .range = kPositive,
-     .help = "Divided equally among all nodes."},
-    {.name = "vertexMass",
-     .type = Type::kReal,
-     .unit = "kg",
-     .range = kPositive,
-     .help = "Of each node, unless totalMass is given."},
+inline constexpr std::array kUniformMassAttributes = {
+    real("totalMass", {.unit = "kg", .range = kPositive}, "Divided equally among all nodes."),
+    real("vertexMass", {.unit = "kg", .range = kPositive}, "Of each node, unless totalMass is given."),
     kMassRayleigh,
     kSeparateGravity,
     ignored_attribute("preserveTotalMass", "Ignored here: nodes stay when hexahedra tear."),
     visual_attribute("showGravityCenter"),
     visual_attribute("showAxisSizeFactor"),
 };
-inline constexpr Description kUniformMass{.class_name = "UniformMass",
-                                          .category = "Mass",
-                                          .help = "The same mass at every node.",
-                                          .templates = "Vec3 Vec3d Vec3,double Vec3d,double Vec3,Vec3",
-                                          .attributes = kUniformMassAttributes};
+inline constexpr Description kUniformMass = mass("UniformMass", "The same mass at every node.", kUniformMassAttributes);
 
-inline constexpr Attribute kMassTopology{
-    .name = "topology", .type = Type::kLink, .help = "The hexahedra; default: the nearest topology."};
+inline constexpr Attribute kMassTopology = link("topology", "The hexahedra; default: the nearest topology.");
 
-inline constexpr Attribute kDiagonalMassAttributes[] = {
-    {.name = "totalMass",
-     .type = Type::kReal,
-     .unit = "kg",
-     .range = kPositive,
-     .help = "Of the whole body, spread by volume. Counts before massDensity, and that before vertexMass; 1 kg if none "
-             "is given."},
-    {.name = "massDensity",
-     .type = Type::kReal,
-     .unit = "kg/m^3",
-     .range = kPositive,
-     .help = "Mass per volume at rest."},
-    {.name = "vertexMass",
-     .type = Type::kReals,
-     .unit = "kg",
-     .range = kNotNegative,
-     .help = "One value for all nodes, or one per node."},
-    {.name = "computeMassOnRest",
-     .type = Type::kBool,
-     .initial = "true",
-     .help = "Whether volumes are those of the rest positions or of the first positions."},
+inline constexpr std::array kDiagonalMassAttributes = {
+    real("totalMass", {.unit = "kg", .range = kPositive},
+         "Of the whole body, spread by volume. Counts before massDensity, and that before vertexMass; 1 kg if none is "
+         "given."),
+    real("massDensity", {.unit = "kg/m^3", .range = kPositive}, "Mass per volume at rest."),
+    reals("vertexMass", {.unit = "kg", .range = kNotNegative}, "One value for all nodes, or one per node."),
+    boolean("computeMassOnRest", {.initial = "true"},
+            "Whether volumes are those of the rest positions or of the first positions."),
     kMassRayleigh,
     kSeparateGravity,
     kMassTopology,
@@ -75,10 +42,7 @@ inline constexpr Attribute kDiagonalMassAttributes[] = {
     visual_attribute("showGravityCenter"),
     visual_attribute("showAxisSizeFactor"),
 };
-inline constexpr Description kDiagonalMass{.class_name = "DiagonalMass",
-                                           .category = "Mass",
-                                           .help = "Each hexahedron gives an eighth of its mass to each of its nodes.",
-                                           .templates = "Vec3 Vec3d Vec3,double Vec3d,double Vec3,Vec3",
-                                           .attributes = kDiagonalMassAttributes};
+inline constexpr Description kDiagonalMass =
+    mass("DiagonalMass", "Each hexahedron gives an eighth of its mass to each of its nodes.", kDiagonalMassAttributes);
 
 }  // namespace hexaplast::attributes
