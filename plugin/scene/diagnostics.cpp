@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "attributes/words.hpp"
 #include "formats/text.hpp"
 
 namespace hexaplast::scene {
@@ -59,10 +58,6 @@ void Diagnostics::throw_errors() const {
 }
 
 std::vector<Message> Diagnostics::take_warnings() { return std::exchange(warnings_, {}); }
-
-std::string nearest(std::string_view name, const std::vector<std::string_view>& names) {
-  return attributes::nearest(name, names);
-}
 
 std::string did_you_mean(std::string_view name, const std::vector<std::string_view>& names) {
   const std::string candidate = nearest(name, names);

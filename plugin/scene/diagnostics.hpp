@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "attributes/words.hpp"
+
 namespace hexaplast::scene {
 
 /// Where something was written.
@@ -69,9 +71,7 @@ class Diagnostics {
   long num_errors_ = 0;
 };
 
-/// The one of `names` that `name` probably means: equal but for case, or at most two edits (insert, delete, replace,
-/// swap of neighbours) away, and nearer than half its length. Empty when there is none.
-std::string nearest(std::string_view name, const std::vector<std::string_view>& names);
+using attributes::nearest;
 
 /// "did you mean 'x'?" for the nearest of `names`, or empty.
 std::string did_you_mean(std::string_view name, const std::vector<std::string_view>& names);

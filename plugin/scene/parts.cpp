@@ -28,24 +28,12 @@ std::vector<OdeSolver*> integrators_of(Scene& scene) {
   return at_least_one(scene, scene.root().all<OdeSolver>(), "time integrator");
 }
 
-namespace {
-
-/// Whether a name can be that of a column, or stand in one.
-bool is_plain(std::string_view name) {
-  return !name.empty() && std::ranges::all_of(name, [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
-           c == '.';
-  });
-}
-
-}  // namespace
-
 std::vector<SceneBody> bodies_of(Scene& scene) {
   std::vector<SceneBody> bodies;
   for (ForceField* field : scene.root().all<ForceField>()) {
     if (!field->body()) continue;
     std::string name = field->node().name();
-    if (!is_plain(name) || std::ranges::find(bodies, name, &SceneBody::name) != bodies.end())
+    if (!is_plain_name(name) || std::ranges::find(bodies, name, &SceneBody::name) != bodies.end())
       name = fmt::format("body_{}", bodies.size() + 1);
     bodies.push_back({std::move(name), field, field->node().nearest<MechanicalState>()});
   }
@@ -123,7 +111,7 @@ std::vector<Probe*> probes_of(Scene& scene) {
     const auto refuse = [&](const std::string& what) {
       throw SceneError(format_error(probes[p]->place(), fmt::format("Probe '{}': {}", name, what)));
     };
-    if (!is_plain(name)) refuse("names a column of history.csv: the name must be of letters, digits, _, - and .");
+    if (!is_plain_name(name)) refuse("names a column of history.csv: the name must be of letters, digits, _, - and .");
     for (std::size_t other = 0; other < p; ++other)
       if (probes[other]->name() == name)
         refuse("a second probe of that name; columns of history.csv need names of their own");

@@ -123,13 +123,6 @@ bool lies_below(const std::filesystem::path& file, const std::filesystem::path& 
   return true;
 }
 
-bool is_plain_name(std::string_view name) {
-  return !name.empty() && name[0] != '.' && std::ranges::all_of(name, [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
-           c == '.';
-  });
-}
-
 }  // namespace
 
 PluginLoader::PluginLoader(Factory& factory, std::vector<std::filesystem::path> directories,
@@ -149,7 +142,7 @@ void PluginLoader::load(const std::string& name) {
       message += fmt::format("{}{}", &directory == &directories_.front() ? "" : ":", directory.string());
     return message;
   };
-  if (!is_plain_name(name))
+  if (!is_plain_name(name) || name[0] == '.')
     throw PluginError(refusal("plugins are loaded by name (letters, digits, _ - .), never by path"));
 
   for (const std::filesystem::path& directory : directories_) {

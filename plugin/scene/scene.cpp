@@ -46,14 +46,9 @@ void Scene::init() {
 
   Clock& clock = root_->clock();
   clock = {.time = 0, .dt = root_->real("dt"), .gravity = root_->vector3("gravity")};
-  init(*root_);
+  root_->for_each<Component>([this](Component& component) { init(component); });
   bwd_init(*root_);
   diagnostics_->throw_errors();
-}
-
-void Scene::init(Node& node) {
-  for (const auto& component : node.components()) init(*component);
-  for (const auto& child : node.children()) init(*child);
 }
 
 void Scene::init(Component& component) {

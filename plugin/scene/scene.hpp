@@ -50,7 +50,6 @@ class Scene {
   double dt() { return root_->clock().dt; }
 
  private:
-  void init(Node& node);
   void init(Component& component);
   void bwd_init(Node& node);
   void restore(Archive& archive);

@@ -9,7 +9,6 @@
 #include <type_traits>
 
 #include "attributes/admissible.hpp"
-#include "attributes/words.hpp"
 #include "hexaplast/base/error.hpp"
 
 namespace hexaplast::scene {
@@ -35,29 +34,24 @@ void check_range(const Range& range, Number number) {
   throw InputError(attributes::inadmissible(range, number));
 }
 
-double read_real(std::string_view word, const Range& range) {
+/// what: "a number", which the word is not.
+template <class Number>
+Number read_number(std::string_view word, const Range& range, const char* what) {
   const std::string_view digits = without_plus(word);
-  double number = 0;
+  Number number = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
   if (error == std::errc::result_out_of_range) throw InputError(fmt::format("{} is out of range", quoted(word)));
-  if (error != std::errc() || end != digits.data() + digits.size()) {
-    throw InputError(fmt::format("{} is not a number", quoted(word)));
-  }
-  if (!std::isfinite(number)) throw InputError(fmt::format("{} is not finite", quoted(word)));
+  if (error != std::errc() || end != digits.data() + digits.size())
+    throw InputError(fmt::format("{} is not {}", quoted(word), what));
+  if (!std::isfinite(static_cast<double>(number))) throw InputError(fmt::format("{} is not finite", quoted(word)));
   check_range(range, number);
   return number;
 }
 
+double read_real(std::string_view word, const Range& range) { return read_number<double>(word, range, "a number"); }
+
 std::int64_t read_integer(std::string_view word, const Range& range) {
-  const std::string_view digits = without_plus(word);
-  std::int64_t number = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  if (error == std::errc::result_out_of_range) throw InputError(fmt::format("{} is out of range", quoted(word)));
-  if (error != std::errc() || end != digits.data() + digits.size()) {
-    throw InputError(fmt::format("{} is not a whole number", quoted(word)));
-  }
-  check_range(range, number);
-  return number;
+  return read_number<std::int64_t>(word, range, "a whole number");
 }
 
 // `7`, `3-9`, `9-3`, `3-9-2` or `9-3--2`. A minus sign at the beginning of a number belongs to it.
@@ -148,7 +142,10 @@ std::string checked_word(const Attribute& attribute, std::string_view word) {
 
 }  // namespace
 
-std::vector<std::string_view> split_words(std::string_view text) { return attributes::split_words(text); }
+bool is_plain_name(std::string_view name) {
+  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.";
+  return !name.empty() && name.find_first_not_of(kPlain) == name.npos;
+}
 
 Value read_value(const Attribute& attribute, std::string_view text) {
   switch (attribute.type) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "attributes/attribute.hpp"
+#include "attributes/words.hpp"
 
 namespace hexaplast::scene {
 
@@ -29,7 +30,9 @@ std::string write_value(const Value& value);
 /// Throws InputError like read_value.
 void check_value(const attributes::Attribute& attribute, const Value& value);
 
-/// The words of a text separated by blanks, without copying it.
-std::vector<std::string_view> split_words(std::string_view text);
+using attributes::split_words;
+
+/// Whether a name is of letters, digits, _, - and . alone: it can be that of a file, or of a column.
+bool is_plain_name(std::string_view name);
 
 }  // namespace hexaplast::scene
