@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "runner/look/command_page.hpp"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+#include <vector>
 
+#include "runner/command.hpp"
+#include "runner/look/component_page.hpp"
+#include "runner/report_errors.hpp"
+
+/// What shells and manuals say of the command, made from the tree that its arguments are parsed by.
 namespace hexaplast::runner {
 namespace {
 
@@ -94,9 +100,9 @@ void add_command(const CLI::App& command, const std::string& path, std::string& 
 // ---- completion
 
 /// What follows an option or stands by its place: words to choose from, files, or nothing that could be known.
-std::string values_of(const CLI::Option& option, const std::vector<std::string>& components) {
+std::string values_of(const CLI::Option& option, const std::string& components) {
   const std::string type = type_of(option);
-  if (type == "COMPONENT") return fmt::format("{}", fmt::join(components, " "));
+  if (type == "COMPONENT") return components;
   const bool is_choice = type.find('|') != std::string::npos &&
                          type.find_first_not_of("abcdefghijklmnopqrstuvwxyz|-_0123456789") == std::string::npos;
   if (is_choice) {
@@ -109,8 +115,7 @@ std::string values_of(const CLI::Option& option, const std::vector<std::string>&
   return "";
 }
 
-void add_cases(const CLI::App& command, const std::string& path, const std::vector<std::string>& components,
-               std::string& script) {
+void add_cases(const CLI::App& command, const std::string& path, const std::string& components, std::string& script) {
   std::string commands, options, values, places;
   for (const CLI::App* inner : subcommands_of(command)) commands += inner->get_name() + " ";
   for (const CLI::Option* option : options_of(command)) {
@@ -138,8 +143,7 @@ void add_cases(const CLI::App& command, const std::string& path, const std::vect
     add_cases(*inner, path.empty() ? inner->get_name() : path + " " + inner->get_name(), components, script);
 }
 
-}  // namespace
-
+/// Manual page hexaplast(1) in man's macros: every subcommand with all its options.
 std::string man_page(const CLI::App& app, const std::string& version) {
   std::string page = fmt::format(
       ".TH HEXAPLAST 1 \"\" \"Hexaplast {0}\" \"User Commands\"\n"
@@ -161,7 +165,9 @@ std::string man_page(const CLI::App& app, const std::string& version) {
   return page;
 }
 
-std::string bash_completion(const CLI::App& app, const std::vector<std::string>& components) {
+/// Completion for bash: subcommands, options, and their values where they are a choice of words, a file, or one of the
+/// components.
+std::string bash_completion(const CLI::App& app, const std::string& components) {
   std::string cases;
   add_cases(app, "", components, cases);
   return "# bash completion for hexaplast\n"
@@ -199,9 +205,20 @@ std::string bash_completion(const CLI::App& app, const std::vector<std::string>&
          "complete -F _hexaplast hexaplast\n";
 }
 
-void add_page(CLI::App& app, std::string& format) {
-  CLI::App* page = app.add_subcommand("page", "Print the manual page, or completion for bash")->group("");
-  page->add_option("format", format, "man or bash")->check(CLI::IsMember({"man", "bash"}))->required();
+}  // namespace
+
+void add_page(CLI::App& app, Call& call) {
+  const auto format = std::make_shared<std::string>();
+  CLI::App* command = app.add_subcommand("page", "Print the manual page, or completion for bash")->group("");
+  command->add_option("format", *format, "man or bash")->check(CLI::IsMember({"man", "bash"}))->required();
+  command->callback([&app, format, &call] {
+    call.exit_code = report_errors("hexaplast", [&] {
+      if (*format == "man") return fmt::print("{}", man_page(app, HEXAPLAST_VERSION));
+      std::vector<std::string_view> components;
+      for (const attributes::Description* component : known_components()) components.push_back(component->class_name);
+      fmt::print("{}", bash_completion(app, fmt::format("{}", fmt::join(components, " "))));
+    });
+  });
 }
 
 }  // namespace hexaplast::runner

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "runner/look/compare.hpp"
-
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "formats/text.hpp"
 #include "page/comparison.hpp"
 #include "record/files.hpp"
+#include "runner/run/common_options.hpp"
+#include "runner/subcommand.hpp"
 
 namespace hexaplast::runner {
 namespace {
@@ -29,19 +30,13 @@ void print(const output::ComparisonTable& table) {
   if (!table.note.empty()) fmt::print("  {}\n", printable_line(table.note));
 }
 
-}  // namespace
+struct CompareOptions {
+  std::filesystem::path a, b;                ///< directories of runs
+  std::optional<std::filesystem::path> out;  ///< page to write
+};
 
-CLI::App* add_compare(CLI::App& app, CompareOptions& options) {
-  CLI::App* command = app.add_subcommand("compare", "Print where two runs of a body are farthest apart");
-  command->add_option("run_a", options.a, "Directory of a run")->type_name("RUN_A")->required();
-  command->add_option("run_b", options.b, "Directory of another one")->type_name("RUN_B")->required();
-  command
-      ->add_option("-o,--out", options.out,
-                   "Write the comparison with the curves of both runs as a page; replaces an older file")
-      ->type_name("FILE.html");
-  return command;
-}
-
+/// Prints where two runs are farthest apart, and writes the page. Throws OutputError and InputError; then no page is
+/// written.
 void compare(const CompareOptions& options) {
   const std::vector<output::ComparisonTable> tables = output::compare_runs(options.a, options.b);
   if (options.out) {
@@ -53,6 +48,20 @@ void compare(const CompareOptions& options) {
     page.commit();
   }
   for (const output::ComparisonTable& table : tables) print(table);
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, Call& call) {
+  const auto [command, options] =
+      add_subcommand(app, call, "compare", "Print where two runs of a body are farthest apart", compare,
+                     [](const CompareOptions&) { return "hexaplast compare"; });
+  command.add_option("run_a", options.a, "Directory of a run")->type_name("RUN_A")->required();
+  command.add_option("run_b", options.b, "Directory of another one")->type_name("RUN_B")->required();
+  command
+      .add_option("-o,--out", options.out,
+                  "Write the comparison with the curves of both runs as a page; replaces an older file")
+      ->type_name("FILE.html");
 }
 
 }  // namespace hexaplast::runner

@@ -11,6 +11,7 @@
 
 #include "attributes/admissible.hpp"
 #include "attributes/examples.hpp"
+#include "attributes/stock.hpp"
 #include "scene/value.hpp"
 
 namespace hexaplast::runner {
@@ -157,7 +158,7 @@ std::string section(const Description& component, std::vector<Described>& earlie
   return text;
 }
 
-std::string ignored_components(const std::vector<const Description*>& components) {
+std::string ignored_components(const Descriptions& components) {
   std::map<std::string_view, std::string> names_of;  // by what is said about them
   for (const Description* component : components) {
     if (!component->takes_anything) continue;
@@ -173,6 +174,14 @@ std::string ignored_components(const std::vector<const Description*>& components
 
 }  // namespace
 
+Descriptions known_components(const SceneOptions& options) {
+  scene::Factory factory;
+  load_components(factory, options);
+  Descriptions components = {&attributes::kNode, &attributes::kRequiredPlugin};
+  std::ranges::copy(factory.descriptions(), std::back_inserter(components));
+  return components;
+}
+
 std::string_view describe(Access access) {
   switch (access) {
     case Access::kInput:
@@ -187,7 +196,7 @@ std::string_view describe(Access access) {
   return {};
 }
 
-std::vector<ComponentGroup> grouped(const std::vector<const Description*>& components) {
+std::vector<ComponentGroup> grouped(const Descriptions& components) {
   std::vector<ComponentGroup> groups;
   for (const std::string_view category :
        {"Node", "Settings", "AnimationLoop", "OdeSolver", "NewtonRaphsonSolver", "LinearSolver", "MeshLoader",
@@ -205,7 +214,7 @@ std::vector<ComponentGroup> grouped(const std::vector<const Description*>& compo
   return groups;
 }
 
-std::string component_page(const std::vector<const Description*>& components) {
+std::string component_page(const Descriptions& components) {
   std::string page = fmt::format(fmt::runtime(kIntroduction), attributes::kExampleScene);
   page += attribute_table(rows_with_effect(attributes::kCommon));
   std::vector<Described> described;

@@ -1,21 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "runner/look/list.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "attributes/admissible.hpp"
-#include "attributes/stock.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/look/component_page.hpp"
-#include "runner/run/scene_file.hpp"
-#include "scene/factory.hpp"
+#include "runner/run/common_options.hpp"
+#include "runner/subcommand.hpp"
 
 namespace hexaplast::runner {
 namespace {
@@ -23,15 +22,6 @@ namespace {
 using attributes::Attribute;
 using attributes::Description;
 using Json = nlohmann::ordered_json;
-using Descriptions = std::vector<const Description*>;
-
-Descriptions descriptions(const ListOptions& options) {
-  scene::Factory factory;
-  load_components(factory, options.plugins, options.plugin_path);
-  Descriptions components = {&attributes::kNode, &attributes::kRequiredPlugin};
-  for (const Description* component : factory.descriptions()) components.push_back(component);
-  return components;
-}
 
 Json words(std::string_view text) {
   Json list = Json::array();
@@ -129,16 +119,15 @@ const Description& named(const Descriptions& components, const std::string& name
   throw UsageError(fmt::format("no component '{}'", name), hint_of(name, names));
 }
 
-}  // namespace
-
-std::vector<std::string> component_names() {
-  std::vector<std::string> names;
-  for (const Description* component : descriptions({})) names.emplace_back(component->class_name);
-  return names;
-}
+struct ListOptions {
+  std::optional<std::string> component;  ///< all of them where it is not given
+  bool json = false;
+  bool markdown = false;  ///< the page docs/components.md
+  SceneOptions plugins;
+};
 
 void list(const ListOptions& options) {
-  const Descriptions components = descriptions(options);
+  const Descriptions components = known_components(options.plugins);
   const Description* one = options.component ? &named(components, *options.component) : nullptr;
   if (options.markdown) {
     fmt::print("{}", component_page(components));
@@ -149,6 +138,21 @@ void list(const ListOptions& options) {
   } else {
     print(components);
   }
+}
+
+}  // namespace
+
+void add_list(CLI::App& app, Call& call) {
+  const auto [command, options] =
+      add_subcommand(app, call, "list", "Print the components that scenes may name, and what they take", list,
+                     [](const ListOptions&) { return "hexaplast"; });
+  CLI::Option* component =
+      command.add_option("component", options.component, "One component with its attributes")->type_name("COMPONENT");
+  CLI::Option* json = command.add_flag("--json", options.json, "As JSON");
+  command.add_flag("--markdown", options.markdown, "As the page docs/components.md")
+      ->excludes(component)
+      ->excludes(json);
+  add_plugins(command, options.plugins);
 }
 
 }  // namespace hexaplast::runner

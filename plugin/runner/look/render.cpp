@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "runner/look/render.hpp"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
+#include <optional>
+#include <string>
 
 #include "picture/film.hpp"
 #include "picture/gallery.hpp"
@@ -15,12 +16,29 @@
 #include "record/files.hpp"
 #include "record/recorded_run.hpp"
 #include "runner/exit_code.hpp"
+#include "runner/run/common_options.hpp"
 #include "runner/run/staging.hpp"
+#include "runner/subcommand.hpp"
 
 namespace hexaplast::runner {
 namespace {
 
 using output::RecordedRun;
+
+/// `hexaplast render`, as the command line gives it.
+struct RenderOptions {
+  std::filesystem::path run;  ///< directory of a run, or its .pvd file
+  std::filesystem::path out = "render.png";
+  std::optional<std::filesystem::path> video;  ///< film of all states, instead of one picture
+  std::optional<double> time;                  ///< [s] the state nearest to it; otherwise the last one
+  std::optional<long> step;
+  std::string field, range, view, camera, size, slice, sections;  ///< see add_render; empty: not given
+  std::string shape = "current";
+  std::string ghost = "initial";
+  std::string show;  ///< surfaces, hexahedra or both; empty: as the scene says
+  bool no_edges = false;
+  bool no_marks = false;
+};
 
 constexpr int kMinSize = 64, kMaxSize = 4096;  // [pixels]
 constexpr int kMaxSections = 100;
@@ -265,98 +283,8 @@ output::Drawing picture_of(const Subject& subject, const RenderOptions& options)
   return picture;
 }
 
-}  // namespace
-
-CLI::Option* add_field(CLI::App& command, std::string& field) {
-  std::vector<std::string> words;
-  std::string names;
-  for (const output::QuantityEntry& entry : output::kQuantities) {
-    words.emplace_back(entry.word);
-    names += fmt::format("{}{}", names.empty() ? "" : "|", entry.word);
-  }
-  return command.add_option("--field", field, "What colours show. Default plastic_strain")
-      ->type_name(names)
-      ->check(CLI::IsMember(words));
-}
-
-output::Quantity quantity_named(const std::string& field) {
-  return output::quantity_of(field).value_or(output::Quantity::kPlasticStrain);
-}
-
-std::string refuse_film_name(const std::string& file) {
-  return output::is_film_name(file) ? "" : fmt::format("{}: a film's name must end in .mp4, .png or .apng", file);
-}
-
-CLI::App* add_render(CLI::App& app, RenderOptions& options) {
-  CLI::App* command = app.add_subcommand("render", "Make a picture or a film of a run that is finished");
-  command->add_option("run", options.run, "Directory of the run, or its .pvd file")->type_name("DIR|PVD")->required();
-  CLI::Option* out = command->add_option("-o,--out", options.out, "PNG file to write; replaces an older one")
-                         ->type_name("FILE")
-                         ->capture_default_str();
-  CLI::Option* time =
-      command->add_option("--time", options.time, "The state nearest to this time [s]; otherwise the last one")
-          ->type_name("T");
-  CLI::Option* step =
-      command->add_option("--step", options.step, "The state after this step")->type_name("N")->excludes(time);
-  add_field(*command, options.field);
-  command->add_option("--range", options.range, "Values at the ends of the colour bar; otherwise those that are shown")
-      ->type_name("LO:HI");
-  CLI::Option* view =
-      command
-          ->add_option("--view", options.view,
-                       "Where the viewer stands: front (z), back, left, right (x), top (y), bottom, or a direction")
-          ->type_name("SIDE|X,Y,Z");
-  CLI::Option* camera =
-      command
-          ->add_option(
-              "--camera", options.camera,
-              "Picture in perspective: where the camera stands [m], what it looks at [m], angle from the lower "
-              "to the upper border [deg]")
-          ->type_name("X,Y,Z:X,Y,Z:DEG")
-          ->excludes(view);
-  command->add_option("--size", options.size, "Of the picture [pixels]. Default 1280x720")->type_name("WxH");
-  CLI::Option* slice =
-      command
-          ->add_option("--slice", options.slice,
-                       "Cut the body through at a place on an axis [m] and leave the viewer's side out")
-          ->type_name("AXIS:X");
-  CLI::Option* sections = command
-                              ->add_option("--sections", options.sections,
-                                           "Instead of the body, so many sections across an axis, side by side")
-                              ->type_name("AXIS:N")
-                              ->excludes(slice)
-                              ->excludes(view)
-                              ->excludes(camera);
-  command->add_option("--shape", options.shape, "The current shape of the body, or its rest shape, without loads")
-      ->check(CLI::IsMember({"current", "rest"}))
-      ->type_name("current|rest")
-      ->capture_default_str();
-  command->add_option("--ghost", options.ghost, "Pale shape behind the body")
-      ->check(CLI::IsMember({"initial", "rest", "none"}))
-      ->type_name("initial|rest|none")
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--show", options.show,
-          "Surfaces that the hexahedra carry, the hexahedra, or surfaces and edges of hexahedra. Default: as the "
-          "scene says; hexahedra with --slice")
-      ->check(CLI::IsMember({"surfaces", "hexahedra", "both"}))
-      ->type_name("surfaces|hexahedra|both")
-      ->excludes(sections);
-  command->add_flag("--no-edges", options.no_edges, "Leave out the edges of hexahedra");
-  command->add_flag("--no-marks", options.no_marks, "Leave out fixed nodes, springs, loads, instruments and gravity");
-  command
-      ->add_option("--video", options.video,
-                   "Film of all states in real time instead of a picture: .mp4 by ffmpeg, or .png, animated")
-      ->type_name("FILE")
-      ->check(refuse_film_name)
-      ->excludes(out)
-      ->excludes(time)
-      ->excludes(step)
-      ->excludes(sections);
-  return command;
-}
-
+/// Makes a picture or a film of a run that is finished. Throws what the modules below throw, and UsageError for options
+/// that make no sense, alone or for this run.
 void render(const RenderOptions& given) {
   staging_of(given);  // what is wrong with the options is said before anything is read
   RenderOptions options = given;
@@ -371,6 +299,74 @@ void render(const RenderOptions& given) {
   const std::unique_ptr<output::Renderer> renderer = output::load_renderer();
   if (options.video) return render_film(subject, options, *renderer);
   output::write_png(options.out, renderer->render(picture_of(subject, options)));
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, Call& call) {
+  const auto [command, options] =
+      add_subcommand(app, call, "render", "Make a picture or a film of a run that is finished", render,
+                     [](const RenderOptions& given) { return given.run.string(); });
+  command.add_option("run", options.run, "Directory of the run, or its .pvd file")->type_name("DIR|PVD")->required();
+  CLI::Option* out = command.add_option("-o,--out", options.out, "PNG file to write; replaces an older one")
+                         ->type_name("FILE")
+                         ->capture_default_str();
+  CLI::Option* time =
+      command.add_option("--time", options.time, "The state nearest to this time [s]; otherwise the last one")
+          ->type_name("T");
+  CLI::Option* step =
+      command.add_option("--step", options.step, "The state after this step")->type_name("N")->excludes(time);
+  add_field(command, options.field);
+  command.add_option("--range", options.range, "Values at the ends of the colour bar; otherwise those that are shown")
+      ->type_name("LO:HI");
+  CLI::Option* view =
+      command
+          .add_option("--view", options.view,
+                      "Where the viewer stands: front (z), back, left, right (x), top (y), bottom, or a direction")
+          ->type_name("SIDE|X,Y,Z");
+  CLI::Option* camera =
+      command
+          .add_option("--camera", options.camera,
+                      "Picture in perspective: where the camera stands [m], what it looks at [m], angle from the lower "
+                      "to the upper border [deg]")
+          ->type_name("X,Y,Z:X,Y,Z:DEG")
+          ->excludes(view);
+  command.add_option("--size", options.size, "Of the picture [pixels]. Default 1280x720")->type_name("WxH");
+  CLI::Option* slice = command
+                           .add_option("--slice", options.slice,
+                                       "Cut the body through at a place on an axis [m] and leave the viewer's side out")
+                           ->type_name("AXIS:X");
+  CLI::Option* sections = command
+                              .add_option("--sections", options.sections,
+                                          "Instead of the body, so many sections across an axis, side by side")
+                              ->type_name("AXIS:N")
+                              ->excludes(slice)
+                              ->excludes(view)
+                              ->excludes(camera);
+  command.add_option("--shape", options.shape, "The current shape of the body, or its rest shape, without loads")
+      ->check(CLI::IsMember({"current", "rest"}))
+      ->type_name("current|rest")
+      ->capture_default_str();
+  command.add_option("--ghost", options.ghost, "Pale shape behind the body")
+      ->check(CLI::IsMember({"initial", "rest", "none"}))
+      ->type_name("initial|rest|none")
+      ->capture_default_str();
+  command
+      .add_option(
+          "--show", options.show,
+          "Surfaces that the hexahedra carry, the hexahedra, or surfaces and edges of hexahedra. Default: as the "
+          "scene says; hexahedra with --slice")
+      ->check(CLI::IsMember({"surfaces", "hexahedra", "both"}))
+      ->type_name("surfaces|hexahedra|both")
+      ->excludes(sections);
+  command.add_flag("--no-edges", options.no_edges, "Leave out the edges of hexahedra");
+  command.add_flag("--no-marks", options.no_marks, "Leave out fixed nodes, springs, loads, instruments and gravity");
+  add_video(command, options.video,
+            "Film of all states in real time instead of a picture: .mp4 by ffmpeg, or .png, animated")
+      ->excludes(out)
+      ->excludes(time)
+      ->excludes(step)
+      ->excludes(sections);
 }
 
 }  // namespace hexaplast::runner

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "runner/look/view.hpp"
-
 #include <dlfcn.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
 #include <string_view>
 
 #include "formats/text.hpp"
@@ -21,6 +21,7 @@
 #include "runner/run/rounded.hpp"
 #include "runner/run/simulation.hpp"
 #include "runner/run/staging.hpp"
+#include "runner/subcommand.hpp"
 #include "scene/reader.hpp"
 #include "view/recording.hpp"
 #include "view/window.hpp"
@@ -29,6 +30,21 @@ namespace hexaplast::runner {
 namespace {
 
 using std::filesystem::path;
+
+/// `hexaplast view`, as the command line gives it.
+struct ViewOptions {
+  SceneOptions scene;
+  bool is_running = false;                           ///< from the beginning
+  bool is_free = false;                              ///< as fast as it goes, instead of real time
+  double speed = 1;                                  ///< in real time
+  std::optional<long> steps;                         ///< after which the window closes
+  std::filesystem::path pictures = ".";              ///< where those go that are taken by hand
+  std::optional<std::filesystem::path> picture;      ///< of the window's last moment
+  std::optional<std::filesystem::path> final_state;  ///< JSON of the last state
+  std::optional<std::filesystem::path> record;       ///< scene that repeats what was done
+  std::optional<int> threads;
+  int width = 1440, height = 860;  ///< [pixels]
+};
 
 /// The window's code, loaded from its place beside the installed libraries.
 view::ShowWindow load_window() {
@@ -74,38 +90,6 @@ void print_outcome(Simulation& simulation, const std::string& title) {
   fmt::print("  volume error        {:+.4f} %\n", rounded(100 * (measures.plastic_rest_volume_ratio - 1), 1e-4));
   fmt::print("  dissipated energy   {:.4g} J\n", bodies.dissipated_energy());
   fmt::print("  state hash          {}\n", simulation.state_hash());
-}
-
-}  // namespace
-
-void add_view_options(CLI::App& view, ViewOptions& options) {
-  view.add_flag("--run", options.is_running, "Run from the beginning; otherwise the scene waits for Space");
-  view.add_option("--speed", options.speed, "Seconds of the simulation per second of the clock; default 1: real time")
-      ->type_name("F")
-      ->check(CLI::Range(0.001, 1000.0));
-  view.add_flag("--free", options.is_free, "As fast as it goes, not in real time");
-  CLI::Option* steps =
-      add_steps(view, options.steps, "Run so many time steps as fast as they go, then close the window");
-  view.add_option("--picture", options.picture, "Write a picture of the window when --steps are done")
-      ->type_name("FILE.png")
-      ->needs(steps);
-  view.add_option("--pictures", options.pictures, "Directory for the pictures that are taken by hand")
-      ->type_name("DIR")
-      ->check(CLI::ExistingDirectory)
-      ->capture_default_str();
-  add_final_state(view, options.final_state);
-  view.add_option("--record", options.record,
-                  "Write a scene that repeats, without the window, what was done in it: with hexaplast run")
-      ->type_name("FILE.scn");
-  add_threads(view, options.threads);
-  view.add_option("--width", options.width, "Width of the window [pixels]")
-      ->type_name("N")
-      ->check(CLI::Range(800, 16'000))
-      ->capture_default_str();
-  view.add_option("--height", options.height, "Height of the window [pixels]")
-      ->type_name("N")
-      ->check(CLI::Range(500, 16'000))
-      ->capture_default_str();
 }
 
 /// What says where the hexahedra of a scene belong.
@@ -161,6 +145,9 @@ int view_run(const ViewOptions& options, view::ShowWindow show) {
   return exit_code();
 }
 
+/// Shows a scene, or a run that is finished, in a window until that is closed, and prints what became of it. Throws
+/// PluginError where the window is not part of the build or cannot be loaded, OutputError where none can be opened,
+/// NumericalError where it was closed on a step that failed, and what the modules below throw.
 int view(const ViewOptions& options) {
   const view::ShowWindow show = load_window();
   if (options.threads) set_num_threads(*options.threads);
@@ -212,6 +199,44 @@ int view(const ViewOptions& options) {
                         simulation.velocities(), *simulation.bodies());
   print_outcome(simulation, title);
   return exit_code();
+}
+
+}  // namespace
+
+void add_view(CLI::App& app, Call& call) {
+  const auto [command, options] = add_subcommand(
+      app, call, "view", "Run a scene in a window, and pull and push at it with the mouse; or look at a finished run",
+      view, [](const ViewOptions& given) { return given.scene.file.string(); });
+  add_scene(command, options.scene);
+  command.add_flag("--run", options.is_running, "Run from the beginning; otherwise the scene waits for Space");
+  command
+      .add_option("--speed", options.speed, "Seconds of the simulation per second of the clock; default 1: real time")
+      ->type_name("F")
+      ->check(CLI::Range(0.001, 1000.0));
+  command.add_flag("--free", options.is_free, "As fast as it goes, not in real time");
+  CLI::Option* steps =
+      add_steps(command, options.steps, "Run so many time steps as fast as they go, then close the window");
+  command.add_option("--picture", options.picture, "Write a picture of the window when --steps are done")
+      ->type_name("FILE.png")
+      ->needs(steps);
+  command.add_option("--pictures", options.pictures, "Directory for the pictures that are taken by hand")
+      ->type_name("DIR")
+      ->check(CLI::ExistingDirectory)
+      ->capture_default_str();
+  add_final_state(command, options.final_state);
+  command
+      .add_option("--record", options.record,
+                  "Write a scene that repeats, without the window, what was done in it: with hexaplast run")
+      ->type_name("FILE.scn");
+  add_threads(command, options.threads);
+  command.add_option("--width", options.width, "Width of the window [pixels]")
+      ->type_name("N")
+      ->check(CLI::Range(800, 16'000))
+      ->capture_default_str();
+  command.add_option("--height", options.height, "Height of the window [pixels]")
+      ->type_name("N")
+      ->check(CLI::Range(500, 16'000))
+      ->capture_default_str();
 }
 
 }  // namespace hexaplast::runner

@@ -1,25 +1,35 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "runner/mesh/cage.hpp"
+#include "hexaplast/geometry/cage.hpp"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 
 #include "formats/text.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/geometry/cage.hpp"
+#include "runner/mesh/command.hpp"
 #include "runner/mesh/file.hpp"
+#include "runner/subcommand.hpp"
 
 namespace hexaplast::runner {
 namespace {
+
+struct MeshCageOptions {
+  std::filesystem::path surface;
+  int cells = 0;  ///< cubes along the longest side of the surface's box
+  std::filesystem::path out;
+  bool allow_parts = false;
+};
 
 void save_cage(const Cage& cage, const MeshCageOptions& options) {
   const HexMesh& mesh = cage.mesh;
   std::vector<double> enclosed(static_cast<std::size_t>(mesh.num_elements()), 1);
   std::fill_n(enclosed.begin(), cage.num_touched, 0);
   save_mesh(options.out,
-            {.points = {mesh.positions().data(), static_cast<std::size_t>(mesh.positions().size())},
+            {.points = coordinates_of(mesh.positions()),
              .hexahedra = mesh.hexahedra(),
              .cell_fields = {{.name = "enclosed", .values = enclosed}}},
             InputFiles({options.surface}));
@@ -34,8 +44,8 @@ void print_summary(const MeshCageOptions& options, const Cage& cage, const CageG
   fmt::print("  parts               {}\n", cage.num_parts);
 }
 
-}  // namespace
-
+/// Writes the coarse hexahedra around a surface as .vtu, with the cell data `enclosed` (1 where the surface does not
+/// pass), and prints what they are.
 void make_cage(const MeshCageOptions& options) {
   require_vtu(options.out);
   const ImportedMesh surface = load_mesh(options.surface);
@@ -50,6 +60,23 @@ void make_cage(const MeshCageOptions& options) {
 
   save_cage(cage, options);
   print_summary(options, cage, grid);
+}
+
+}  // namespace
+
+void add_mesh_cage(CLI::App& mesh, Call& call) {
+  const auto [command, options] =
+      add_subcommand(mesh, call, "cage", "Lay coarse hexahedra around a surface of triangles or quads", make_cage,
+                     [](const MeshCageOptions& given) { return given.surface.string(); });
+  command.add_option("surface", options.surface, "Mesh file: .obj, .stl, .vtk, .vtu or .msh")
+      ->type_name("SURFACE")
+      ->required();
+  command.add_option("--cells", options.cells, "Number of cubes along the longest side of the surface's box")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1'000'000))
+      ->required();
+  add_out(command, options.out);
+  command.add_flag("--allow-parts", options.allow_parts, "Accept a cage with unconnected parts");
 }
 
 }  // namespace hexaplast::runner

@@ -1,34 +1,25 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <CLI/App.hpp>
+#include <filesystem>
 
-#include "runner/mesh/cage.hpp"
-#include "runner/mesh/export.hpp"
-#include "runner/mesh/info.hpp"
-#include "runner/mesh/make.hpp"
-#include "runner/mesh/voxels.hpp"
+#include "runner/command.hpp"
 
 namespace hexaplast::runner {
 
-/// What the subcommands of `mesh` take.
-struct MeshOptions {
-  MeshExportOptions scene_export;
-  MeshCageOptions cage;
-  MeshOffsetOptions offset;
-  MeshGridOptions grid;
-  MeshSheetOptions sheet;
-  MeshTubeOptions tube;
-  MeshSpherePatchOptions sphere_patch;
-  MeshVoxelsOptions voxels;
-  MeshInfoOptions info;
-  MeshConvertOptions convert;
-};
+// The subcommands of `mesh`.
+void add_mesh_export(CLI::App& mesh, Call& call);
+void add_mesh_offset(CLI::App& mesh, Call& call);
+void add_mesh_cage(CLI::App& mesh, Call& call);
+void add_mesh_grid(CLI::App& mesh, Call& call);
+void add_mesh_sheet(CLI::App& mesh, Call& call);
+void add_mesh_tube(CLI::App& mesh, Call& call);
+void add_mesh_sphere_patch(CLI::App& mesh, Call& call);
+void add_mesh_voxels(CLI::App& mesh, Call& call);
+void add_mesh_info(CLI::App& mesh, Call& call);
+void add_mesh_convert(CLI::App& mesh, Call& call);
 
-/// `hexaplast mesh` and its subcommands.
-void add_mesh(CLI::App& app, MeshOptions& options);
-
-/// Carries out the subcommand that the command line names and returns its exit code.
-int run_mesh(const CLI::App& mesh, const MeshOptions& options);
+/// -o, --out: the mesh file to write.
+void add_out(CLI::App& command, std::filesystem::path& out);
 
 }  // namespace hexaplast::runner

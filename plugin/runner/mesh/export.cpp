@@ -1,15 +1,26 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "runner/mesh/export.hpp"
-
 #include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
 
 #include "hexaplast/body.hpp"
 #include "record/vtu.hpp"
+#include "runner/mesh/command.hpp"
 #include "runner/mesh/file.hpp"
+#include "runner/run/common_options.hpp"
 #include "runner/run/scene_file.hpp"
+#include "runner/subcommand.hpp"
 
 namespace hexaplast::runner {
+namespace {
 
+struct MeshExportOptions {
+  SceneOptions scene;
+  std::filesystem::path out;
+};
+
+/// Writes the bodies of a scene, as they are before the first step, for other programs.
 void export_mesh(const MeshExportOptions& options) {
   require_vtu(options.out);
   scene::Scene scene = load_scene(options.scene);
@@ -25,6 +36,16 @@ void export_mesh(const MeshExportOptions& options) {
   PointArray x, v;
   const PointArray& positions = scene::positions_of(states, x);
   output::write_vtu(out, bodies, positions, scene::velocities_of(states, v), bodies.fields(positions));
+}
+
+}  // namespace
+
+void add_mesh_export(CLI::App& mesh, Call& call) {
+  const auto [command, options] =
+      add_subcommand(mesh, call, "export", "Write the scene's bodies for other programs", export_mesh,
+                     [](const MeshExportOptions& given) { return given.scene.file.string(); });
+  add_scene(command, options.scene);
+  add_out(command, options.out);
 }
 
 }  // namespace hexaplast::runner

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -11,8 +12,10 @@
 #include "formats/text.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/geometry/offset.hpp"
+#include "runner/mesh/command.hpp"
 #include "runner/mesh/file.hpp"
 #include "runner/standard_output.hpp"
+#include "runner/subcommand.hpp"
 
 namespace hexaplast::runner {
 namespace {
@@ -20,7 +23,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// What is found in a file.
-struct Findings {
+struct MeshFindings {
   ImportedMesh file;
   Vec3 extent = Vec3::Zero();  // [m] of the box around all nodes
   std::optional<HexMesh> mesh;
@@ -29,8 +32,8 @@ struct Findings {
   std::string no_surface;  // why quads and triangles make none
 };
 
-Findings look_at(const std::filesystem::path& name) {
-  Findings found;
+MeshFindings look_at(const std::filesystem::path& name) {
+  MeshFindings found;
   found.file = load_mesh(name);
   const ImportedMesh& file = found.file;
   if (file.positions.rows() > 0)
@@ -68,10 +71,8 @@ Json json_of(const HexMesh& mesh) {
           {"longest_edge", shape.longest_edge}};
 }
 
-// JSON has no infinity: what is not limited is null.
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-Json json_of(const Findings& found) {
+/// What is not limited is infinite, which is null in the text of JSON.
+Json json_of(const MeshFindings& found) {
   int num_skipped = 0;
   for (const auto& [kind, count] : found.file.skipped) num_skipped += count;
   Json json = {{"nodes", found.file.positions.rows()},
@@ -87,14 +88,14 @@ Json json_of(const Findings& found) {
                {"surface", nullptr}};
   if (found.surface)
     json["surface"] = {{"closed", found.surface->is_closed()},
-                       {"most_inward", number_or_null(found.limits.inward)},
-                       {"most_outward", number_or_null(found.limits.outward)}};
+                       {"most_inward", found.limits.inward},
+                       {"most_outward", found.limits.outward}};
   return json;
 }
 
 std::string limit(double value) { return std::isfinite(value) ? fmt::format("less than {:.4g} m", value) : "any way"; }
 
-void print(const Findings& found, const std::string& title) {
+void print(const MeshFindings& found, const std::string& title) {
   fmt::print("{}\n", printable_line(title));
   fmt::print("  nodes               {}\n", found.file.positions.rows());
   for (const auto& [name, count] :
@@ -117,6 +118,42 @@ void warn_of_skipped(const std::filesystem::path& file, const ImportedMesh& mesh
     spdlog::warn("{}: warning: {}", printable_line(file.string()), printable_line(sentence));
 }
 
+struct MeshInfoOptions {
+  std::filesystem::path file;
+  bool json = false;
+};
+
+/// Prints what a mesh file holds: counts, size, volume and shape of hexahedra, and how far a surface of quads can be
+/// offset. Throws InputError for hexahedra that make no mesh.
+void print_info(const MeshInfoOptions& options) {
+  const MeshFindings found = look_at(options.file);
+  if (options.json)
+    fmt::print("{}\n", json_of(found).dump(2));
+  else
+    print(found, options.file.stem().string());
+  flush_standard_output();
+  warn_of_skipped(options.file, found.file);
+}
+
+struct MeshConvertOptions {
+  std::filesystem::path file;
+  std::filesystem::path out;
+};
+
+/// Nothing is judged or changed; cells of kinds that we do not read are left out, with a warning.
+void convert(const MeshConvertOptions& options) {
+  require_vtu(options.out);
+  const ImportedMesh mesh = load_mesh(options.file);
+  warn_of_skipped(options.file, mesh);
+  save_mesh(options.out,
+            {.points = coordinates_of(mesh.positions),
+             .edges = mesh.edges,
+             .triangles = mesh.triangles,
+             .quads = mesh.quads,
+             .hexahedra = mesh.hexahedra},
+            InputFiles({options.file}));
+}
+
 }  // namespace
 
 void print_hexahedra(const HexMesh& mesh) {
@@ -132,27 +169,20 @@ void print_hexahedra(const HexMesh& mesh) {
              shape.min_scaled_jacobian, shape.worst_element, shape.shortest_edge, shape.longest_edge);
 }
 
-void print_info(const MeshInfoOptions& options) {
-  const Findings found = look_at(options.file);
-  if (options.json)
-    fmt::print("{}\n", json_of(found).dump(2));
-  else
-    print(found, options.file.stem().string());
-  flush_standard_output();
-  warn_of_skipped(options.file, found.file);
+void add_mesh_info(CLI::App& mesh, Call& call) {
+  const auto [command, options] =
+      add_subcommand(mesh, call, "info", "Print what a mesh file holds, its size, volume and shape", print_info,
+                     [](const MeshInfoOptions& given) { return given.file.string(); });
+  command.add_option("file", options.file, "Mesh file: .vtu, .vtk, .msh, .obj or .stl")->type_name("FILE")->required();
+  command.add_flag("--json", options.json, "As JSON");
 }
 
-void convert(const MeshConvertOptions& options) {
-  require_vtu(options.out);
-  const ImportedMesh mesh = load_mesh(options.file);
-  warn_of_skipped(options.file, mesh);
-  save_mesh(options.out,
-            {.points = {mesh.positions.data(), static_cast<std::size_t>(mesh.positions.size())},
-             .edges = mesh.edges,
-             .triangles = mesh.triangles,
-             .quads = mesh.quads,
-             .hexahedra = mesh.hexahedra},
-            InputFiles({options.file}));
+void add_mesh_convert(CLI::App& mesh, Call& call) {
+  const auto [command, options] =
+      add_subcommand(mesh, call, "convert", "Write the cells of a mesh file as .vtu", convert,
+                     [](const MeshConvertOptions& given) { return given.file.string(); });
+  command.add_option("file", options.file, "Mesh file: .vtu, .vtk, .msh, .obj or .stl")->type_name("FILE")->required();
+  add_out(command, options.out);
 }
 
 }  // namespace hexaplast::runner

@@ -1,27 +1,39 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "runner/mesh/voxels.hpp"
+#include "hexaplast/geometry/voxels.hpp"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <set>
 
 #include "formats/text.hpp"
 #include "formats/vtu_grid.hpp"
-#include "hexaplast/base/error.hpp"
 #include "hexaplast/formats/mesh_export.hpp"
 #include "hexaplast/formats/volume_import.hpp"
 #include "hexaplast/formats/whole_file.hpp"
-#include "hexaplast/geometry/voxels.hpp"
+#include "runner/mesh/command.hpp"
 #include "runner/mesh/file.hpp"
 #include "runner/standard_output.hpp"
-#include "scene/reader.hpp"
+#include "runner/subcommand.hpp"
 
 namespace hexaplast::runner {
 namespace {
+
+struct MeshVoxelsOptions {
+  std::filesystem::path segmentation;
+  std::vector<int> labels;  ///< empty: all but 0
+  int coarsening = 1;
+  bool largest_part = false;
+  std::string unit = "m";  ///< of the written lengths: m, cm or mm
+  bool ascii = false;      ///< numbers as text
+  bool surfaces = false;   ///< besides, FILE_LABEL.obj for each label
+  std::filesystem::path out;
+};
 
 constexpr double kCubicMillimetresPerMillilitre = 1000;
 
@@ -30,19 +42,9 @@ double mm_per(const std::string& unit) {
   return unit == "cm" ? 10 : 1000;
 }
 
-ImportedVolume load_volume(const std::filesystem::path& file, const VoxelCells& planned) {
-  scene::require_readable(file);
-  try {
-    return read_volume(file, planned);
-  } catch (const InputError& error) {  // says the place itself
-    throw scene::SceneError(scene::format_error({"hexaplast", 0}, error.what()));
-  }
-}
-
 void write_vtu(const std::filesystem::path& file, const VoxelMesh& made, bool ascii) {
   const HexMesh& mesh = made.mesh;
-  VtuGrid grid{.points = {mesh.positions().data(), static_cast<std::size_t>(mesh.positions().size())},
-               .connectivity = std::as_bytes(std::span(mesh.hexahedra()))};
+  VtuGrid grid{.points = coordinates_of(mesh.positions()), .connectivity = std::as_bytes(std::span(mesh.hexahedra()))};
   grid.add_cells(mesh.hexahedra().size(), kVtkHexahedron, kCorners);
   const std::vector<std::int32_t> labels(made.labels.begin(), made.labels.end());
   grid.cell_data.push_back(scalars("Int32", "label", labels));
@@ -65,8 +67,7 @@ void write_surfaces(const MeshVoxelsOptions& options, const ImportedVolume& foun
   for (const int label : std::set<int>(made.labels.begin(), made.labels.end())) {
     const VoxelSurface surface = surface_of_label(made, label, cell);
     WholeFile file(output_place(surface_place(options.out, label), InputFiles(found.files)));
-    file.write(obj_text({.points = {surface.positions.data(), static_cast<std::size_t>(surface.positions.size())},
-                         .quads = surface.quads}));
+    file.write(obj_text({.points = coordinates_of(surface.positions), .quads = surface.quads}));
     file.commit();
   }
 }
@@ -110,15 +111,16 @@ void warn_of_lost_labels(const MeshVoxelsOptions& options, const LabelledVolume&
   for (const int label : lost) spdlog::warn("warning: no hexahedron has the label {}, though voxels have it", label);
 }
 
-}  // namespace
-
+/// Writes the labelled voxels of a segmentation as hexahedra (.vtu), with the cell data `label`, and prints what they
+/// are; surfaces of the labels too (.obj), if they are wanted.
 void make_voxels(const MeshVoxelsOptions& options) {
   require_vtu(options.out);
   const VoxelCells cells{.labels = options.labels,
                          .coarsening = options.coarsening,
                          .largest_part = options.largest_part,
                          .mm_per_length = mm_per(options.unit)};
-  const ImportedVolume found = load_volume(options.segmentation, cells);
+  const ImportedVolume found =
+      load_file(options.segmentation, [&] { return read_volume(options.segmentation, cells); });
   const VoxelMesh made = mesh_of_voxels(found.volume, cells);
   write_vtu(output_place(options.out, InputFiles(found.files)), made, options.ascii);
   if (options.surfaces) write_surfaces(options, found, cells, made);
@@ -130,6 +132,39 @@ void make_voxels(const MeshVoxelsOptions& options) {
   if (made.num_hinges > 0)
     spdlog::warn("warning: hexahedra meet at {} nodes without sharing a face there: they fold freely about them",
                  made.num_hinges);
+}
+
+}  // namespace
+
+void add_mesh_voxels(CLI::App& mesh, Call& call) {
+  const auto [command, options] =
+      add_subcommand(mesh, call, "voxels", "Make hexahedra of the labelled voxels of a segmented image", make_voxels,
+                     [](const MeshVoxelsOptions& given) { return given.segmentation.string(); });
+  command
+      .add_option("segmentation", options.segmentation, "Volume of labels: .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd")
+      ->type_name("SEGMENTATION")
+      ->required();
+  add_out(command, options.out);
+  command.add_option("--labels", options.labels, "Labels that become hexahedra. Default: all but 0, the background")
+      ->type_name("L,L,...")
+      ->delimiter(',');
+  command
+      .add_option(
+          "--coarsen", options.coarsening,
+          "One hexahedron for N x N x N voxels, if at least half of them have a label; it has the most frequent "
+          "one")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMaxCoarsening))
+      ->capture_default_str();
+  command.add_flag("--largest-part", options.largest_part,
+                   "Leave out hexahedra that are not connected by faces to the largest part");
+  command.add_flag("--ascii", options.ascii, "Write numbers as text, as SOFA's MeshVTKLoader reads them");
+  command.add_flag("--surfaces", options.surfaces,
+                   "Write a smooth surface around the hexahedra of each label, too: FILE_LABEL.obj");
+  command.add_option("--unit", options.unit, "Unit of the coordinates that are written")
+      ->type_name("m|cm|mm")
+      ->check(CLI::IsMember({"m", "cm", "mm"}))
+      ->capture_default_str();
 }
 
 }  // namespace hexaplast::runner

@@ -1,27 +1,46 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "runner/run/bench.hpp"
+#include "bench/bench.hpp"
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstdint>
 #include <cstdio>
+#include <filesystem>
+#include <optional>
 
 #include "base/simd.hpp"
 #include "bench/batch.hpp"
-#include "bench/bench.hpp"
 #include "formats/text.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "record/recorder.hpp"
 #include "runner/exit_code.hpp"
+#include "runner/run/common_options.hpp"
 #include "runner/run/simulation.hpp"
 #include "runner/standard_output.hpp"
+#include "runner/subcommand.hpp"
 
 namespace hexaplast::runner {
 namespace {
+
+/// `hexaplast bench`, as the command line gives it.
+struct BenchOptions {
+  std::optional<std::string> json;  ///< file of the records; "-": standard output, and no table
+  std::vector<std::string> sizes;   ///< of the bars; empty: 1k, 10k, 100k, or those of a batch
+  std::vector<int> threads{1, 2};
+  bool quick = false;
+  bool flow = false;      ///< an elastic step, and those in which a part flows and all does, in turn
+  bool is_batch = false;  ///< many small bodies in place of a large one
+  int bodies = 64;        ///< of a batch
+  std::string simd;       ///< instruction set; empty: the best
+  std::optional<std::filesystem::path> baseline;
+  double ratio = 0.5;  ///< of the baseline's lead over the dense peer
+  SceneOptions scene;  ///< measured instead of the bars where it has a file
+};
 
 constexpr int kLargestSize = 2'000'000;  // what a machine of 8 GB holds
 constexpr long kSceneSteps = 100;        // of a scene that does not say how many
@@ -187,8 +206,9 @@ Report measure(const BenchOptions& options, bool prints, const std::vector<bench
   return {bench::to_json(outcome.records), std::move(outcome.failures)};
 }
 
-}  // namespace
-
+/// Measures, prints the table, writes the records. Throws NumericalError, after everything is written, where threads
+/// disagree, a body of a batch has other bits than alone, a solver stalls or a record falls behind the baseline;
+/// UsageError for a size or instruction set that makes no sense; what the modules below throw.
 void bench(const BenchOptions& options) {
   choose_simd(options.simd);
   const bool prints = options.json != "-";
@@ -207,6 +227,63 @@ void bench(const BenchOptions& options) {
   }
   flush_standard_output();
   if (!report.failures.empty()) throw NumericalError(fmt::format("{}", fmt::join(report.failures, "; ")));
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app, Call& call) {
+  const auto [command, options] = add_subcommand(
+      app, call, "bench",
+      "Measure implicit steps of a soft bar, of many small ones, or of a scene, and of a dense reference "
+      "implementation; check that results do not depend on threads",
+      bench,
+      [](const BenchOptions& given) { return given.scene.file.empty() ? "hexaplast" : given.scene.file.string(); });
+  command.add_option("--json", options.json, "Write the records as JSON; - for standard output, without the table")
+      ->type_name("FILE|-");
+  CLI::Option* sizes =
+      command
+          .add_option("--sizes", options.sizes,
+                      "Hexahedra of the bars; k for a thousand. Default 1k,10k,100k; with --batch 90,250,1k")
+          ->type_name("N,N,...")
+          ->delimiter(',');
+  command.add_option("--threads", options.threads, "Numbers of threads, which must agree bit for bit. Default 1,2")
+      ->type_name("N,N,...")
+      ->delimiter(',')
+      ->check(CLI::Range(1, kMaxThreads));
+  CLI::Option* quick = command.add_flag("--quick", options.quick, "One iteration count, one solver, few repetitions");
+  command.add_option("--simd", options.simd, "Instruction set of the kernels; otherwise the machine's best")
+      ->type_name("TARGET");
+  CLI::Option* baseline =
+      command.add_option("--baseline", options.baseline, "Fail where records fall behind those of an earlier --json")
+          ->type_name("FILE");
+  command
+      .add_option("--ratio", options.ratio,
+                  "Fraction of the baseline's speed relative to the dense reference that is required. Default 0.5")
+      ->type_name("R")
+      ->check(CLI::Range(0.0, 10.0))
+      ->needs(baseline);
+  CLI::Option* scene = command.add_option("--scene", options.scene.file, "Measure a scene instead of the bars")
+                           ->type_name("SCENE")
+                           ->excludes(sizes)
+                           ->excludes(quick);
+  CLI::Option* flow = command
+                          .add_flag("--flow", options.flow,
+                                    "Measure what flow costs, step by step in turn: elastic bars, those of which a "
+                                    "twentieth and all flows, and those that relax")
+                          ->excludes(scene);
+  CLI::Option* batch = command
+                           .add_flag("--batch", options.is_batch,
+                                     "Measure many small bars in one process: one after the other, and stepped at "
+                                     "once; check that each has the bits that it has alone")
+                           ->excludes(scene)
+                           ->excludes(flow)
+                           ->excludes(baseline);
+  command.add_option("--bodies", options.bodies, "How many. Default 64")
+      ->type_name("N")
+      ->check(CLI::Range(1, 100'000))
+      ->needs(batch);
+  add_mesh_path(command, options.scene);
+  add_plugins(command, options.scene);
 }
 
 }  // namespace hexaplast::runner

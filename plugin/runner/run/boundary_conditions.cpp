@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "hexaplast/geometry/sections.hpp"
 #include "runner/run/loads.hpp"
 #include "scene/load.hpp"
 #include "scene/visuals.hpp"
@@ -91,6 +92,25 @@ std::vector<int> fixed_nodes(Simulation& simulation) {
       if (is_free.row(node).isZero(0)) fixed.push_back(simulation.bodies()->all()[i].first_node + node);
   }
   return fixed;
+}
+
+bool measures_ends(Simulation& simulation) {
+  const output::Bodies* bodies = simulation.bodies();
+  if (!bodies) return false;
+  if (simulation.end_sections() != "auto") return simulation.end_sections() == "yes";
+  if (!bodies->is_one() || !simulation.scene().root().all<scene::Instrument>().empty()) return false;
+
+  std::set<int> acted_on = loaded_nodes(simulation);
+  for (const int node : fixed_nodes(simulation)) acted_on.insert(node);
+  const auto is_acted_on = [&](int node) { return acted_on.contains(node); };
+  const EndSections ends = end_sections(bodies->mesh());
+  if (std::ranges::none_of(ends.min, is_acted_on) || std::ranges::none_of(ends.max, is_acted_on)) return false;
+  for (const std::vector<int>* end : {&ends.min, &ends.max})
+    for (const int node : *end) acted_on.erase(node);
+  for (const std::vector<int>& section : ends.layers)
+    if (std::ranges::all_of(section, is_acted_on))
+      for (const int node : section) acted_on.erase(node);
+  return acted_on.empty();
 }
 
 }  // namespace hexaplast::runner

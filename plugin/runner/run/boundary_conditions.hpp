@@ -19,4 +19,9 @@ std::vector<int> fixed_nodes(Simulation& simulation);
 /// Nodes of the bodies that carry prescribed forces.
 std::set<int> loaded_nodes(Simulation& simulation);
 
+/// Whether elongation and twist between the end sections of the longest axis are measured: as RunSettings.endSections
+/// says, or if there is one body that is stretched or twisted by its ends: what fixes, moves or loads nodes acts on
+/// both end sections, and otherwise on whole cross sections alone.
+bool measures_ends(Simulation& simulation);
+
 }  // namespace hexaplast::runner

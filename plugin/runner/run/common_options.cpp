@@ -2,30 +2,30 @@
 #include "runner/run/common_options.hpp"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "hexaplast/base/parallel.hpp"
+#include "picture/film.hpp"
 
 namespace hexaplast::runner {
 namespace {
 
 std::string names_of_fields() {
-  std::string names;
-  for (const output::FieldEntry& entry : output::kFields)
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", entry.word);
-  return names;
+  std::vector<std::string_view> names;
+  for (const output::FieldEntry& entry : output::kFields) names.push_back(entry.word);
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 }  // namespace
 
-void add_plugin_options(CLI::App& command, std::vector<std::string>& plugins,
-                        std::vector<std::filesystem::path>& plugin_path) {
-  command.add_option("--plugin", plugins, "Plugin to load, by name; may be repeated")
+void add_plugins(CLI::App& command, SceneOptions& options) {
+  command.add_option("--plugin", options.plugins, "Plugin to load, by name; may be repeated")
       ->type_name("NAME")
       ->allow_extra_args(false);
-  command.add_option("--plugin-path", plugin_path, "Directory to look for plugins in; may be repeated")
+  command.add_option("--plugin-path", options.plugin_path, "Directory to look for plugins in; may be repeated")
       ->type_name("DIR")
       ->allow_extra_args(false);
 }
@@ -39,13 +39,12 @@ void add_mesh_path(CLI::App& command, SceneOptions& options) {
 }
 
 void add_scene(CLI::App& command, SceneOptions& options) {
-  command.footer(kExitCodes);
   command.add_option("scene", options.file, "Scene file")->type_name("SCENE")->required();
   command.add_option("--set", options.overrides, "Replace an attribute of the scene; may be repeated")
       ->type_name("PATH.attribute=VALUE")
       ->allow_extra_args(false);
   add_mesh_path(command, options);
-  add_plugin_options(command, options.plugins, options.plugin_path);
+  add_plugins(command, options);
 }
 
 void add_threads(CLI::App& command, std::optional<int>& threads, const char* help) {
@@ -92,6 +91,33 @@ void add_strict(CLI::App& command, bool& strict) {
                    "A run ends with 4 if hexahedra are inverted, if a solver stops before its tolerance, or if the "
                    "error of the energy balance, or the energy "
                    "added by the integrator, exceeds a fifth of the supplied energy");
+}
+
+void add_quiet(CLI::App& command, bool& quiet) {
+  const auto quieten = [&quiet] {
+    quiet = true;
+    spdlog::default_logger()->sinks().front()->set_level(spdlog::level::err);
+  };
+  command.add_flag_callback("--quiet", quieten, "Print nothing but errors");
+}
+
+CLI::Option* add_field(CLI::App& command, std::string& field) {
+  std::vector<std::string> words;
+  for (const output::QuantityEntry& entry : output::kQuantities) words.emplace_back(entry.word);
+  return command.add_option("--field", field, "What colours show. Default plastic_strain")
+      ->type_name(fmt::format("{}", fmt::join(words, "|")))
+      ->check(CLI::IsMember(words));
+}
+
+output::Quantity quantity_named(const std::string& field) {
+  return output::quantity_of(field).value_or(output::Quantity::kPlasticStrain);
+}
+
+CLI::Option* add_video(CLI::App& command, std::optional<std::filesystem::path>& video, const char* help) {
+  const auto refuse = [](const std::string& file) {
+    return output::is_film_name(file) ? "" : fmt::format("{}: a film's name must end in .mp4, .png or .apng", file);
+  };
+  return command.add_option("--video", video, help)->type_name("FILE")->check(refuse);
 }
 
 }  // namespace hexaplast::runner

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "picture/quantity.hpp"
 #include "record/state_stream.hpp"
 #include "runner/run/scene_file.hpp"
 
@@ -14,13 +15,7 @@ namespace hexaplast::runner {
 
 // Options that several commands share.
 
-inline constexpr const char* kExitCodes =
-    "Exit codes: 0 ok, 2 usage, 3 scene or mesh rejected, 4 numerical failure, 5 input/output, 6 plugin, 130/143 "
-    "interrupted.";
-
-void add_plugin_options(CLI::App& command, std::vector<std::string>& plugins,
-                        std::vector<std::filesystem::path>& plugin_path);
-
+void add_plugins(CLI::App& command, SceneOptions& options);
 void add_mesh_path(CLI::App& command, SceneOptions& options);
 
 /// What every command that reads a scene takes.
@@ -41,5 +36,15 @@ CLI::Option* add_fields(CLI::App& command, std::vector<output::Field>& fields);
 CLI::Option* add_every(CLI::App& command, long& every);
 
 void add_strict(CLI::App& command, bool& strict);
+
+/// --quiet, which quietens the terminal at once; warnings are kept for the manifest of the run.
+void add_quiet(CLI::App& command, bool& quiet);
+
+/// --field: what pictures show; the quantity of it; plastic strain where none is given.
+CLI::Option* add_field(CLI::App& command, std::string& field);
+output::Quantity quantity_named(const std::string& field);
+
+/// --video: a film.
+CLI::Option* add_video(CLI::App& command, std::optional<std::filesystem::path>& video, const char* help);
 
 }  // namespace hexaplast::runner

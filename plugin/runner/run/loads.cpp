@@ -15,21 +15,6 @@ PointArray loads_at(double time, scene::Scene& scene, scene::MechanicalState& st
   return loads;
 }
 
-double time_of_greatest_loads(scene::Scene& scene, std::span<scene::MechanicalState* const> states, long num_steps,
-                              long stride) {
-  double greatest = -1, found = 0, time = 0;
-  for (long step = 0; step < num_steps; ++step, time += scene.dt()) {
-    if (step % stride != 0) continue;
-    double size = 0;
-    for (scene::MechanicalState* state : states) size += loads_at(time, scene, *state).rowwise().norm().sum();
-    // what is held is held within rounding
-    if (size <= greatest * (1 + 1e-12)) continue;
-    greatest = size;
-    found = time;
-  }
-  return found;
-}
-
 PointArray free_directions(scene::Scene& scene, scene::MechanicalState& state) {
   PointArray is_free = PointArray::Ones(state.num_nodes(), 3);
   for (const scene::ProjectiveConstraint* constraint : scene.root().all<scene::ProjectiveConstraint>())

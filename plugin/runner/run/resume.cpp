@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "runner/run/resume.hpp"
-
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
 
 #include "base/simd.hpp"
 #include "formats/text.hpp"
@@ -14,8 +15,9 @@
 #include "runner/run/common_options.hpp"
 #include "runner/run/directory_lock.hpp"
 #include "runner/run/run.hpp"
-#include "runner/run/scene_identity.hpp"
+#include "runner/run/scene_record.hpp"
 #include "runner/run/simulation.hpp"
+#include "runner/subcommand.hpp"
 #include "scene/diagnostics.hpp"
 
 namespace hexaplast::runner {
@@ -76,28 +78,16 @@ void require_ready(const output::Checkpoint& start, const RunRecord& record, con
   output::require_saved_files(directory, saved);
 }
 
-}  // namespace
+/// `hexaplast resume`, as the command line gives it.
+struct ResumeOptions {
+  fs::path run;     ///< directory of a run, whose newest checkpoint counts, or a checkpoint in it
+  RunOptions call;  ///< steps: of the whole run; otherwise as many as it was to have
+};
 
-CLI::App* add_resume(CLI::App& app, ResumeOptions& options) {
-  CLI::App* resume = app.add_subcommand("resume", "Go on with a run from its newest checkpoint");
-  resume->add_option("run", options.run, "Directory of a run that wrote checkpoints, or one of them")
-      ->type_name("DIR|FILE")
-      ->required();
-  add_steps(*resume, options.steps, "Number of time steps of the whole run, if it is to be another one")
-      ->type_name("TOTAL");
-  add_threads(*resume, options.threads);
-  add_final_state(*resume, options.final_state);
-  resume->add_option("--summary", options.summary, "Write what the run came to as JSON")->type_name("FILE");
-  resume
-      ->add_option("--plugin-path", options.plugin_path,
-                   "Directory to look for plugins in, not below the run's; may be repeated")
-      ->type_name("DIR")
-      ->allow_extra_args(false);
-  resume->add_flag("--quiet", options.quiet, "Print nothing but errors");
-  add_strict(*resume, options.strict);
-  return resume;
-}
-
+/// Goes on with a run from a checkpoint and returns what `run` returns. A stranger may have made the directory: nothing
+/// in it says what is loaded, or written where outside of it; that is for these options alone. No plugin is loaded
+/// before all is checked that can be without it. Throws OutputError when there is no checkpoint or it cannot be read,
+/// InputError when it is damaged, of another format version or of another scene, and what `run` throws.
 int resume(const ResumeOptions& options) {
   std::error_code unknown;
   const bool is_run = fs::is_directory(options.run, unknown);
@@ -110,29 +100,46 @@ int resume(const ResumeOptions& options) {
   const output::Checkpoint start = open(directory, file);
 
   RunRecord record;
+  record.options = options.call;
   Archive archive = start.section("run");
   try {
     serialize(archive, record);
     require_sound(record.options, file);
-    RunOptions& run_options = record.options;
-    run_options.out = fs::absolute(directory);
-    run_options.threads = options.threads;
-    run_options.quiet = options.quiet;
-    run_options.strict = options.strict;
-    run_options.command = options.command;
-    run_options.final_state = options.final_state;
-    run_options.summary = options.summary;
-    run_options.scene.plugin_path = options.plugin_path;
-    run_options.scene.untrusted = directory;
-    if (options.steps) run_options.steps = options.steps;
+    record.options.out = fs::absolute(directory);
+    record.options.scene.untrusted = directory;
+    if (options.call.steps) record.options.steps = options.call.steps;
     require_ready(start, record, directory);
     if (record.simd != simd_target())
       spdlog::warn("warning: the run was on {} and is resumed on {}: its last bits will differ",
                    printable_line(record.simd), simd_target());
-    return run(run_options, &start);
+    return run(record.options, &start);
   } catch (const InputError& error) {
     refuse(error);
   }
+}
+
+}  // namespace
+
+void add_resume(CLI::App& app, Call& call) {
+  const auto [command, options] = add_subcommand(app, call, "resume", "Go on with a run from its newest checkpoint",
+                                                 resume, [](const ResumeOptions& given) { return given.run.string(); });
+  RunOptions& run_options = options.call;
+  run_options.command = call.words;
+  command.add_option("run", options.run, "Directory of a run that wrote checkpoints, or one of them")
+      ->type_name("DIR|FILE")
+      ->required();
+  add_steps(command, run_options.steps, "Number of time steps of the whole run, if it is to be another one")
+      ->type_name("TOTAL");
+  add_threads(command, run_options.threads);
+  add_final_state(command, run_options.final_state);
+  command.add_option("--summary", run_options.summary, "Write what the run came to as JSON")->type_name("FILE");
+  command
+      .add_option("--plugin-path", run_options.scene.plugin_path,
+                  "Directory to look for plugins in, not below the run's; may be repeated")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
+  add_quiet(command, run_options.quiet);
+  add_strict(command, run_options.strict);
 }
 
 }  // namespace hexaplast::runner

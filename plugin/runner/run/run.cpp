@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -18,26 +20,25 @@
 #include "record/files.hpp"
 #include "record/recorder.hpp"
 #include "runner/exit_code.hpp"
-#include "runner/look/render.hpp"
+#include "runner/log.hpp"
 #include "runner/run/boundary_conditions.hpp"
+#include "runner/run/common_options.hpp"
 #include "runner/run/data_file.hpp"
 #include "runner/run/directory_lock.hpp"
-#include "runner/run/ends.hpp"
 #include "runner/run/interrupt.hpp"
 #include "runner/run/journal.hpp"
-#include "runner/run/kept_warnings.hpp"
 #include "runner/run/loads.hpp"
 #include "runner/run/progress.hpp"
 #include "runner/run/regions.hpp"
 #include "runner/run/result_checks.hpp"
 #include "runner/run/rounded.hpp"
-#include "runner/run/scene_identity.hpp"
 #include "runner/run/scene_record.hpp"
 #include "runner/run/simulation.hpp"
 #include "runner/run/staging.hpp"
 #include "runner/run/summary_file.hpp"
 #include "runner/standard_output.hpp"
 #include "runner/study/measured.hpp"
+#include "runner/subcommand.hpp"
 #include "scene/description.hpp"
 #include "scene/visuals.hpp"
 
@@ -405,6 +406,19 @@ void note_failure(Journal& journal, const char* reason) {
   }
 }
 
+int run_from_beginning(const RunOptions& options) { return run(options); }
+
+long parse_every(const std::string& text) {
+  constexpr std::string_view kEvery = "every=";
+  long steps = 0;
+  const char* end = text.data() + text.size();
+  if (text.starts_with(kEvery)) {
+    const auto [stop, error] = std::from_chars(text.data() + kEvery.size(), end, steps);
+    if (error == std::errc() && stop == end && steps >= 1 && steps <= 1'000'000'000L) return steps;
+  }
+  throw CLI::ValidationError("--checkpoint", fmt::format("'{}' must be every=N with a number of steps from 1", text));
+}
+
 }  // namespace
 
 InputError another_scene(const output::Checkpoint& start) {
@@ -520,6 +534,49 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
                          signal == 0 ? "All steps done" : fmt::format("Ended by signal {}", signal));
   }
   return signal == 0 ? kOk : kSignalled + signal;
+}
+
+void add_run(CLI::App& app, Call& call) {
+  const auto [command, options] = add_subcommand(app, call, "run", "Run a scene headless", run_from_beginning,
+                                                 [](const RunOptions& given) { return given.scene.file.string(); });
+  options.command = call.words;
+  add_scene(command, options.scene);
+  add_steps(command, options.steps);
+  CLI::Option* out =
+      command
+          .add_option(
+              "--out", options.out,
+              "Write history.csv, mesh.pvd, frames, plot.svg, manifest.json and report.html into this directory")
+          ->type_name("DIR");
+  add_final_state(command, options.final_state);
+  command.add_option("--summary", options.summary, "Write the results of the run as JSON")->type_name("FILE");
+  CLI::Option* data =
+      command.add_option("--data", options.data, "Write states for other programs into an HDF5 file (docs/studies.md)")
+          ->type_name("FILE.h5");
+  CLI::Option* fields = add_fields(command, options.fields);
+  data->needs(fields);
+  add_every(command, options.every)->needs(fields);
+  // for programs in Python
+  command.add_option("--stream", options.stream)->group("");
+  command.add_option("--measure", options.measures)->delimiter(',')->group("");
+  command.add_option("--parent", options.parent)->group("");
+  add_threads(command, options.threads);
+  command.add_option("--frames", options.frames, "Number of pictures, spread over the run; 0 for none")
+      ->type_name("N")
+      ->check(CLI::Range(0, 100'000))
+      ->needs(out);
+  command
+      .add_option_function<std::string>(
+          "--checkpoint", [&every = options.checkpoint_every](const std::string& text) { every = parse_every(text); },
+          "Write a checkpoint every N steps, at the end and when a signal ends the run: hexaplast resume continues "
+          "from it")
+      ->type_name("every=N")
+      ->needs(out);
+  add_field(command, options.field)->needs(out);
+  add_video(command, options.video, "Film of the run in real time: .mp4 by ffmpeg, or .png, animated")->needs(out);
+  command.add_flag("--force", options.force, "Replace files of an earlier run");
+  add_quiet(command, options.quiet);
+  add_strict(command, options.strict);
 }
 
 }  // namespace hexaplast::runner

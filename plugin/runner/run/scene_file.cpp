@@ -20,13 +20,12 @@ path installed_plugins() {
 
 }  // namespace
 
-scene::PluginLoader load_components(scene::Factory& factory, const std::vector<std::string>& plugins,
-                                    const std::vector<path>& plugin_path, const path& untrusted) {
-  scene::PluginLoader loader(factory, plugin_path, installed_plugins(), untrusted);
+scene::PluginLoader load_components(scene::Factory& factory, const SceneOptions& options) {
+  scene::PluginLoader loader(factory, options.plugin_path, installed_plugins(), options.untrusted);
 
   // The stock components live in a plugin too: every scene needs it, whether it says so or not.
   std::vector<std::string> names = {"Hexaplast"};
-  names.insert(names.end(), plugins.begin(), plugins.end());
+  names.insert(names.end(), options.plugins.begin(), options.plugins.end());
   for (const std::string& name : names) {
     try {
       loader.load(name);
@@ -40,7 +39,7 @@ scene::PluginLoader load_components(scene::Factory& factory, const std::vector<s
 scene::Scene read_scene(const SceneOptions& options) {
   // Both are needed for reading alone: the code of a loaded plugin stays.
   scene::Factory factory;
-  scene::PluginLoader plugins = load_components(factory, options.plugins, options.plugin_path, options.untrusted);
+  scene::PluginLoader plugins = load_components(factory, options);
 
   scene::Scene scene = scene::read_scene(options.file, factory, plugins, scene::SearchPath(options.mesh_path));
   // A scene with mistakes may lack what an override is meant for: then init reports the mistakes.

@@ -21,12 +21,10 @@ struct SceneOptions {
 };
 
 /// Loads our own components and the named plugins into a factory. Throws PluginError.
-scene::PluginLoader load_components(scene::Factory& factory, const std::vector<std::string>& plugins = {},
-                                    const std::vector<std::filesystem::path>& plugin_path = {},
-                                    const std::filesystem::path& untrusted = {});
+scene::PluginLoader load_components(scene::Factory& factory, const SceneOptions& options = {});
 
-/// Reads a scene, replaces the attributes, without init. A scene with mistakes
-/// is left as read: init throws them. Throws what reading a scene throws (scene/reader.hpp).
+/// Reads a scene, replaces the attributes, without init. A scene with mistakes is left as read: init throws them.
+/// Throws what reading a scene throws (scene/reader.hpp).
 scene::Scene read_scene(const SceneOptions& options);
 
 /// Reads and initialises a scene, and logs its warnings. Throws what reading a scene throws (scene/reader.hpp).

@@ -8,7 +8,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "runner/exit_code.hpp"
-#include "runner/run/scene_identity.hpp"
+#include "runner/run/scene_record.hpp"
 #include "scene/visuals.hpp"
 
 namespace hexaplast::runner {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hexaplast/mesh/quality.hpp"
-#include "runner/run/ends.hpp"
+#include "runner/run/boundary_conditions.hpp"
 #include "runner/run/result_checks.hpp"
 
 namespace hexaplast::runner {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "runner/study/describe.hpp"
-
 #include <fmt/format.h>
 
 #include <iostream>
@@ -10,10 +8,11 @@
 #include "base/simd.hpp"
 #include "hexaplast/base/error.hpp"
 #include "runner/exit_code.hpp"
+#include "runner/run/boundary_conditions.hpp"
 #include "runner/run/common_options.hpp"
-#include "runner/run/ends.hpp"
 #include "runner/run/scene_record.hpp"
 #include "runner/study/measured.hpp"
+#include "runner/subcommand.hpp"
 #include "scene/reader.hpp"
 
 namespace hexaplast::runner {
@@ -101,16 +100,16 @@ Json describe_curve(SceneOptions options, const Json& asked, const Json& places,
   return found;
 }
 
-}  // namespace
-
-CLI::App* add_describe(CLI::App& app, SceneOptions& options) {
-  CLI::App* command = app.add_subcommand("describe", "Describe a scene for hexaplast-sweep and hexaplast-fit");
-  command->group("");
-  add_scene(*command, options);
-  return command;
-}
-
-void describe(const SceneOptions& options) {
+/// Reads a request (JSON) from standard input, and prints what it needs to know of the scene (JSON):
+///
+///   version, simd, scene_hash; steps: those of RunSettings, or null; inputs: device and inode of each file that is
+///   read vary: [{option, attribute, values}]  -> attributes: [{unit}]; every value is checked free: [{option,
+///   attribute, limits}]  -> free: [{unit, given}]; given: the value of the scene, null if not one number curve:
+///   {steps, pulls, assignments}   -> curve: {dt, bodies, ends, probes: [{name, unit}], pulls}: of the scene with
+///                                           the assignments, initialised; pulls: per step [N], if asked for
+///
+/// Throws what reading a scene throws, and UsageError.
+void describe_scene(const SceneOptions& options) {
   const Json asked = Json::parse(std::cin);
   if (const std::string why = why_no_fields(asked.value("fields", std::vector<std::string>())); !why.empty())
     throw UsageError("--fields: " + why);
@@ -127,6 +126,16 @@ void describe(const SceneOptions& options) {
   found["vary"] = describe_varied(scene, asked.value("vary", Json::array()));
   if (asked.contains("curve")) found["curve"] = describe_curve(options, asked["curve"], places, found["input"]);
   fmt::print("{}\n", found.dump());
+}
+
+}  // namespace
+
+void add_describe(CLI::App& app, Call& call) {
+  const auto [command, options] =
+      add_subcommand(app, call, "describe", "Describe a scene for hexaplast-sweep and hexaplast-fit", describe_scene,
+                     [](const SceneOptions& given) { return given.file.string(); });
+  command.group("");
+  add_scene(command, options);
 }
 
 }  // namespace hexaplast::runner

@@ -1,21 +1,24 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "runner/study/element.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/material/rows.hpp"
 #include "inspect.hpp"
+#include "runner/run/common_options.hpp"
+#include "runner/subcommand.hpp"
 #include "scene/reader.hpp"
 
 namespace hexaplast::runner {
@@ -86,26 +89,24 @@ double number(const std::string& key, const Json& value, bool null_is_infinite =
   return value.get<double>();
 }
 
+/// shape: "three rows of three numbers", which the value must be.
+template <class Rows>
+Rows rows_of(const std::string& key, const Json& value, const char* shape) {
+  const auto is_row = [](const Json& row) { return row.is_array() && row.size() == 3; };
+  Rows rows;
+  if (!value.is_array() || std::ssize(value) != rows.rows() || !std::all_of(value.begin(), value.end(), is_row))
+    reject(key, value, shape);
+  for (int i = 0; i < rows.rows(); ++i)
+    for (int j = 0; j < 3; ++j) rows(i, j) = number(key, value[i][j]);
+  return rows;
+}
+
 ElementPoints points(const std::string& key, const Json& value) {
-  ElementPoints x;
-  const bool shape =
-      value.is_array() && value.size() == kCorners &&
-      std::all_of(value.begin(), value.end(), [](const Json& row) { return row.is_array() && row.size() == 3; });
-  if (!shape) reject(key, value, "eight rows of three numbers");
-  for (int a = 0; a < kCorners; ++a)
-    for (int d = 0; d < 3; ++d) x(a, d) = number(key, value[a][d]);
-  return x;
+  return rows_of<ElementPoints>(key, value, "eight rows of three numbers");
 }
 
 Mat3 matrix(const std::string& key, const Json& value) {
-  Mat3 m;
-  const bool shape =
-      value.is_array() && value.size() == 3 &&
-      std::all_of(value.begin(), value.end(), [](const Json& row) { return row.is_array() && row.size() == 3; });
-  if (!shape) reject(key, value, "three rows of three numbers");
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) m(i, j) = number(key, value[i][j]);
-  return m;
+  return rows_of<Mat3>(key, value, "three rows of three numbers");
 }
 
 CornerValues corner_values(const std::string& key, const Json& value) {
@@ -244,16 +245,13 @@ Element read_element(const Json& given) {
 
 // ---- output ---------------------------------------------------------------------------------------------------------
 
-Json to_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+// What is not finite is null in the text of JSON.
+Json to_json(double value) { return value; }
 
 template <class Derived>
 Json to_json(const Eigen::MatrixBase<Derived>& m) {
   Json rows = Json::array();
-  for (int i = 0; i < m.rows(); ++i) {
-    Json row = Json::array();
-    for (int j = 0; j < m.cols(); ++j) row.push_back(to_json(m(i, j)));
-    rows.push_back(row);
-  }
+  for (const auto& row : m.rowwise()) rows.push_back(std::vector<double>(row.begin(), row.end()));
   return rows;
 }
 
@@ -374,8 +372,14 @@ void write_path(const Element& element, const std::vector<PathPoint>& path, std:
       Names::kScenes);
 }
 
-}  // namespace
+struct ElementOptions {
+  std::string file = "-";                     ///< JSON that describes the hexahedron; "-": standard input
+  std::optional<std::filesystem::path> path;  ///< CSV of deformation gradients over time to drive it through
+};
 
+/// One hexahedron, every intermediate of its elasticity and of one plastic step as JSON on standard output, or with a
+/// path its response over time as CSV. The format is docs/element.md. Throws InputError naming the key and value that
+/// is wrong, scene::FileError for a file that cannot be read.
 void run_element(const ElementOptions& options) {
   Json json;
   try {
@@ -397,6 +401,21 @@ void run_element(const ElementOptions& options) {
     write_path(element, read_path(*options.path), std::cout);
   else
     std::cout << all_blocks(element).dump(1) << '\n';
+}
+
+}  // namespace
+
+void add_element(CLI::App& app, Call& call) {
+  const auto [command, options] =
+      add_subcommand(app, call, "element", "Print all intermediate results of one hexahedron as JSON", run_element,
+                     [](const ElementOptions& given) { return given.file; });
+  command
+      .add_option("file", options.file, "JSON that describes the hexahedron (docs/element.md); - for standard input")
+      ->type_name("FILE.json|-");
+  command
+      .add_option("--path", options.path,
+                  "CSV rows time,F11,F12,...,F33: deform the hexahedron along them and print its response as CSV")
+      ->type_name("FILE.csv");
 }
 
 }  // namespace hexaplast::runner

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <CLI/App.hpp>
+#include <memory>
+#include <utility>
+
+#include "runner/command.hpp"
+#include "runner/report_errors.hpp"
+
+namespace hexaplast::runner {
+
+/// Defines a subcommand, which does `act(options)` when the command line names it. subject_of(options): what messages
+/// of errors are about. Returns the subcommand and its options, which live as long as it does.
+template <class Options, class Result, class Subject>
+std::pair<CLI::App&, Options&> add_subcommand(CLI::App& app, Call& call, const char* name, const char* help,
+                                              Result (*act)(const Options&), const Subject& subject_of) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(name, help);
+  command->footer(
+      "Exit codes: 0 ok, 2 usage, 3 scene or mesh rejected, 4 numerical failure, 5 input/output, 6 plugin, 130/143 "
+      "interrupted.");
+  command->callback([options, act, subject_of, &call] {
+    call.exit_code = report_errors(subject_of(*options), [&] { return act(*options); });
+  });
+  return {*command, *options};
+}
+
+}  // namespace hexaplast::runner
