@@ -50,33 +50,6 @@ TEST(Statics, AHangingBarGrowsByItsWeight) {
   EXPECT_NEAR(x(2, 0), 1.05, 1e-12);
 }
 
-// Two halves that are tied are one body. Forces that cancel at the tie leave their rounding there, which is no reason
-// to end: the tolerance asks for less than that is.
-TEST(Statics, TiedHalvesStandAsOneBodyDoes) {
-  const auto half = [](const std::string& name, const std::string& grid, const std::string& rest = "") {
-    return "<Node name='" + name + "'><RegularGridTopology " + grid +
-           "/><MechanicalObject name='nodes'/><DiagonalMass massDensity='1000'/><HexahedronElastoplasticFEMForceField "
-           "youngModulus='5000'/>" +
-           rest + "</Node>";
-  };
-  const std::string head =
-      "<Node dt='.01' gravity='1 0 -9.81'><DefaultAnimationLoop/><StaticSolver/><NewtonRaphsonSolver "
-      "maxNbIterationsNewton='50' absoluteResidualStoppingThreshold='1e-9'/><MultigridCGLinearSolver "
-      "tolerance='1e-12' iterations='3000'/>";
-  const std::string held = "<FixedProjectiveConstraint indices='0-8'/>";
-  scene::Scene one = read_and_init(head + half("a", "n='3 3 5' max='.04 .04 .08'", held) + "</Node>");
-  scene::Scene two = read_and_init(
-      head + half("a", "n='3 3 3' max='.04 .04 .04'", held) + half("b", "n='3 3 3' min='0 0 .04' max='.04 .04 .08'") +
-      "<AttachProjectiveConstraint object1='@a/nodes' object2='@b/nodes' indices1='18-26' indices2='0-8' "
-      "twoWay='true'/></Node>");
-  support::run(one, 4);
-  support::run(two, 4);
-  const PointArray& whole = at<scene::MechanicalState>(one, "a/nodes").positions();
-  const auto largest = [](const auto& difference) { return difference.cwiseAbs().maxCoeff(); };
-  EXPECT_LT(largest(at<scene::MechanicalState>(two, "a/nodes").positions() - whole.topRows(27)), 1e-7);  // [m]
-  EXPECT_LT(largest(at<scene::MechanicalState>(two, "b/nodes").positions() - whole.bottomRows(27)), 1e-7);
-}
-
 // Stretch 1.1 and stress 100 Pa in equilibrium, yield stress 50 Pa: gamma = 2 x 0.02 x (100 - 50) / 100 = 0.02, and of
 // the stretch's logarithm the part without change of volume flows.
 TEST(Statics, FlowFollowsEquilibrium) {

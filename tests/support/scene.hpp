@@ -66,6 +66,13 @@ inline std::string warnings_of(scene::Scene& scene) {
   return said;
 }
 
+/// What changes an attribute of a component at each of some times.
+inline std::string attribute_change(const std::string& component, const std::string& attribute,
+                                    const std::string& times, const std::string& values) {
+  return "<AttributeChange component='@" + component + "' attribute='" + attribute + "' keyTimes='" + times +
+         "' values='" + values + "'/>";
+}
+
 /// A component or node by its path from the root.
 template <class T>
 T& at(scene::Scene& scene, std::string_view path) {
@@ -94,6 +101,8 @@ inline std::vector<std::byte> saved(scene::Scene& scene) { return written(scene)
 
 /// Puts a scene where another one is, by way of a checkpoint.
 inline void go_on_in(scene::Scene& from, scene::Scene& into) { read_from(saved(from), into); }
+
+inline std::string in_node(const std::string& components) { return "<Node>" + components + "</Node>"; }
 
 /// A scene with solvers and the given components.
 inline std::string in_root(const std::string& attributes, const std::string& lines) {
