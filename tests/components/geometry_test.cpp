@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "base/memory.hpp"
 #include "hexaplast/body.hpp"
 #include "support/compare.hpp"
@@ -9,14 +11,7 @@
 namespace {
 
 using namespace hexaplast;
-using support::at;
-using support::errors_of;
-using support::four_nodes;
-using support::in_root;
-using support::read_and_init;
-using support::rows;
-
-std::string in_node(const std::string& components) { return "<Node>" + components + "</Node>"; }
+using namespace hexaplast::support;
 
 const std::string kTwoCells =
     "position='0 0 0  1 0 0  2 0 0  0 1 0  1 1 0  2 1 0  0 0 1  1 0 1  2 0 1  0 1 1  1 1 1  2 1 1' "
@@ -41,10 +36,10 @@ TEST(MeshTopology, HoldsWhatIsGivenAndTheFacesOfItsHexahedra) {
 }
 
 TEST(MeshTopology, RefusesNodesItDoesNotHaveAndBrokenGroups) {
-  support::expect_errors(
-      in_node, {{"<MeshTopology position='0 0 0  1 0 0' edges='0 2'/>", "MeshTopology.edges: 2 must lie in [0, 2)"},
-                {"<MeshTopology position='0 0 0  1 0 0' quads='0 1 0'/>",
-                 "MeshTopology.quads: 3 numbers given, must be groups of 4"}});
+  expect_errors(in_node,
+                {{"<MeshTopology position='0 0 0  1 0 0' edges='0 2'/>", "MeshTopology.edges: 2 must lie in [0, 2)"},
+                 {"<MeshTopology position='0 0 0  1 0 0' quads='0 1 0'/>",
+                  "MeshTopology.quads: 3 numbers given, must be groups of 4"}});
 }
 
 // A mesh may know its cells alone; the nodes are then those of the state.
@@ -86,7 +81,7 @@ TEST(Grid, TakesTheNumberOrTheWidthOfItsCells) {
   };
   EXPECT_EQ(grid("n='3 4 5' min='1 2 3' max='2 4 6'"), 24u);
   EXPECT_EQ(grid("cellWidth='0.7' min='1 2 3' max='2 4 6'"), 2u * 3u * 5u);
-  support::expect_errors(
+  expect_errors(
       in_node,
       {{"<RegularGridTopology n='2 2 1'/>", "RegularGridTopology.n: 1 must lie in [2, 2147483646]"},
        {"<RegularGridTopology n='2 2'/>", "RegularGridTopology.n: 2 numbers given, must be three"},
@@ -123,6 +118,34 @@ TEST(State, FieldsHaveOneRowPerNode) {
             "test.scn:1: error: MechanicalObject.velocity: 1 vectors given for 2 nodes");
   EXPECT_EQ(errors_of(in_root("", "<MechanicalObject/><UniformMass totalMass='1'/>")),
             "test.scn:1: error: MechanicalObject: has no nodes: needs position or a topology");
+}
+
+TEST(ShapeTopology, MakesWhatItsNameSays) {
+  scene::Scene scene = read_and_init(
+      "<Node><TubeGridTopology name='straight' cells='1 8 4' innerRadius='1' outerRadius='2' length='4'/>"
+      "<TubeGridTopology name='bent' cells='1 8 4' innerRadius='1' outerRadius='2' length='10' bend='90'/>"
+      "<TubeGridTopology name='along' cells='1 8 4' innerRadius='1' outerRadius='2' centreline='0 0 0  0 0 1  0 0 4'/>"
+      "<SheetGridTopology name='sheet' cells='3 2 1' size='3 2' thickness='0.5'/>"
+      "<SpherePatchGridTopology name='patch' cells='2 2 1' innerRadius='1' outerRadius='2' angle='90'/></Node>");
+  auto& straight = at<scene::Topology>(scene, "straight");
+  EXPECT_EQ(straight.positions().rows(), 2 * 8 * 5);
+  EXPECT_EQ(straight.hexahedra().size(), 32u);
+  EXPECT_EQ(straight.quads().size(), (32u * 6 + 2 * 8 * 4 + 2 * 8) / 2);
+  EXPECT_EQ(straight.integers("edges").size(), 2u * (8 * 5 + 2 * 8 * 5 + 2 * 8 * 4));
+  EXPECT_DOUBLE_EQ(straight.positions().col(2).maxCoeff(), 4);
+  EXPECT_LT((at<scene::Topology>(scene, "along").positions() - straight.positions()).cwiseAbs().maxCoeff(), 0.02);
+  EXPECT_NEAR(at<scene::Topology>(scene, "bent").positions().col(0).maxCoeff(), 20 / std::acos(-1), 1e-12);
+  EXPECT_EQ(at<scene::Topology>(scene, "sheet").positions().row(0), Eigen::RowVector3d(-1.5, -1, -0.25));
+  EXPECT_TRUE(at<scene::Topology>(scene, "patch").positions().row(4).isApprox(Eigen::RowVector3d(0, 0, 1)));
+}
+
+// What else makes none is refused by Shapes and Options.
+TEST(ShapeTopology, RefusesWhatMakesNone) {
+  expect_errors(in_node, {{"<TubeGridTopology cells='1000 1000 1000'/>",
+                           "TubeGridTopology.cells: 1e+09 cells, must be at most 16777216"},
+                          {"<TubeGridTopology innerRadius='2'/>",
+                           "TubeGridTopology: an inner radius of 2 m and an outer one of 0.012 m: must be the lesser "
+                           "one"}});
 }
 
 }  // namespace

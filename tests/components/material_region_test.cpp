@@ -6,20 +6,13 @@
 #include "hexaplast/body.hpp"
 #include "hexaplast/material/rows.hpp"
 #include "scene/region.hpp"
-#include "support/pulled_bar.hpp"
 #include "support/rows.hpp"
 #include "support/scene.hpp"
 
 namespace {
 
 using namespace hexaplast;
-using support::at;
-using support::errors_of;
-using support::in_root;
-using support::read_and_init;
-using support::run;
-
-const std::string kRegion = "test.scn:1: error: MaterialRegion";
+using namespace hexaplast::support;
 
 /// A row of four hexahedra along x, of 1 m each.
 std::string row_of_four(const std::string& body, const std::string& behind = "", const std::string& before = "") {
@@ -84,7 +77,7 @@ TEST(MaterialRegion, LaterOnesCountMoreThanEarlierOnes) {
 // Whatever rows the core has.
 TEST(MaterialRegion, GivesEveryMemberOfAMaterial) {
   for (const Row<Material>& row : material_rows()) {
-    const double value = support::another(row, row.at.get({}));
+    const double value = another(row, row.at.get({}));
     scene::Scene scene =
         read_and_init(row_of_four(row.name == "rotationFlowRate" ? "restShape='joined'" : "",
                                   fmt::format("<MaterialRegion indices='2' {}='{}'/>", row.name, value)));
@@ -93,20 +86,6 @@ TEST(MaterialRegion, GivesEveryMemberOfAMaterial) {
       for (const int e : {1, 2})
         EXPECT_EQ(other.at.get(body.material(e)), &other == &row && e == 2 ? value : other.at.get({})) << other.name;
   }
-}
-
-// Without lateral contraction a bar of two materials is two springs in series.
-TEST(MaterialRegion, ABarOfTwoMaterialsIsTwoSpringsInSeries) {
-  std::string text = support::pulled_bar();
-  const std::string end = "</Node>";
-  text.replace(text.rfind(end), end.size(), "<MaterialRegion indices='1' youngModulus='700'/>" + end);
-  scene::Scene scene = read_and_init(text);
-  run(scene, 11);
-  const PointArray& x = scene.root().local<scene::MechanicalState>()->positions();
-  const double force = 50, length = 0.5;
-  const double first = force * length / (2000 * support::kSection), second = force * length / (700 * support::kSection);
-  EXPECT_NEAR(x(1, 0) - 0.5, first, 1e-9);
-  EXPECT_NEAR(x(2, 0) - 1, first + second, 1e-9);
 }
 
 // Hexahedra that the surface passes through are half full.
@@ -153,43 +132,34 @@ TEST(MaterialRegion, MayChangeDuringARunAndWhatFlowedStays) {
   EXPECT_THROW(scene.step(), scene::SceneError);
 }
 
-TEST(MaterialRegion, TellsWhichHexahedraAndWhoseTheyAre) {
-  scene::Scene scene =
-      read_and_init(row_of_four("", kBox + "<MaterialRegion name='r' hexahedra='@roi.hexahedraInROI' hardening='1'/>"));
-  auto& region = at<scene::MaterialRegion>(scene, "r");
-  EXPECT_TRUE(std::ranges::equal(region.hexahedra(), std::vector<int>{1, 2}));
-  EXPECT_EQ(region.field(), &at<scene::ForceField>(scene, "body"));
-  EXPECT_TRUE(scene.diagnostics().take_warnings().empty());
-}
-
 TEST(MaterialRegion, RefusesWhatCannotBe) {
-  const std::string small = "<BoxROI name='roi' box='0 0 0 0.5 1 1'/>",
-                    none = "has no hexahedron, must have at least one of the body", first = "0 1 6 5 10 11 16 15";
-  for (const auto& [attributes, message] : std::vector<std::pair<std::string, std::string>>{
-           {"youngModulus='1'", "hexahedra: is not given, nor is indices: one of the two is needed"},
-           {"hexahedra='" + first + "' indices='0'", "indices: is given besides hexahedra: must be one of the two"},
-           {"indices=''", "indices: " + none},
-           {"hexahedra='@roi.hexahedraInROI'", "hexahedra: " + none},
-           {"indices='0 4'", "indices: 4 must lie in [0, 4)"},
-           {"indices='0 1 0'", "indices: hexahedron 0 is given twice, must be given once"},
-           {"hexahedra='" + first + " " + first + "'", "hexahedra: hexahedron 0 is given twice, must be given once"},
-           {"hexahedra='0 1 2'", "hexahedra: 3 numbers given, must be groups of 8"},
-           {"hexahedra='0 1 6 5 10 11 16 14'",
-            "hexahedra: 0 1 6 5 10 11 16 14 are the nodes of no hexahedron of the body, must be of one"},
-           {"indices='0 1' youngModulus='1 2 3'",
-            "youngModulus: 3 values given, must be one or 2 (one per hexahedron of the region)"},
-           {"indices='0 1' youngModulus=''",
-            "youngModulus: 0 values given, must be one or 2 (one per hexahedron of the region)"},
-           {"indices='0 1' poissonRatio='0.5'", "poissonRatio: 0.5 must lie in [0, 0.5)"},
-           {"indices='0 1' hardening='1 2'", "hardening: 2 values given, must be one"},
-           {"indices='0 1' plasticFlowRate='51'", "plasticFlowRate: 51 times dt = 0.02 s is 1.02: must be at most 1"},
-           {"indices='0' averaging='jacobi'",
-            "averaging: unknown attribute\n  hint: 'hexaplast list MaterialRegion' shows its attributes"},
-           {"indices='0' body='@grid'",
-            "body: the link leads to RegularGridTopology 'grid', must lead to a body of hexahedra"}})
-    EXPECT_EQ(errors_of(row_of_four("", small + "<MaterialRegion " + attributes + "/>")), kRegion + "." + message);
-  EXPECT_EQ(errors_of(support::four_nodes("<MaterialRegion indices='0'/>")),
-            kRegion + ": needs a body of hexahedra in its node or above, or a link to one");
+  const std::string none = "has no hexahedron, must have at least one of the body", first = "0 1 6 5 10 11 16 15",
+                    region = "MaterialRegion.";
+  expect_errors(
+      [](const std::string& attributes) {
+        return row_of_four("", "<BoxROI name='roi' box='0 0 0 0.5 1 1'/><MaterialRegion " + attributes + "/>");
+      },
+      {{"youngModulus='1'", region + "hexahedra: is not given, nor is indices: one of the two is needed"},
+       {"hexahedra='" + first + "' indices='0'",
+        region + "indices: is given besides hexahedra: must be one of the two"},
+       {"indices=''", region + "indices: " + none},
+       {"hexahedra='@roi.hexahedraInROI'", region + "hexahedra: " + none},
+       {"indices='0 4'", region + "indices: 4 must lie in [0, 4)"},
+       {"indices='0 1 0'", region + "indices: hexahedron 0 is given twice, must be given once"},
+       {"hexahedra='" + first + " " + first + "'",
+        region + "hexahedra: hexahedron 0 is given twice, must be given once"},
+       {"hexahedra='0 1 2'", region + "hexahedra: 3 numbers given, must be groups of 8"},
+       {"hexahedra='0 1 6 5 10 11 16 14'",
+        region + "hexahedra: 0 1 6 5 10 11 16 14 are the nodes of no hexahedron of the body, must be of one"},
+       {"indices='0 1' youngModulus='1 2 3'",
+        region + "youngModulus: 3 values given, must be one or 2 (one per hexahedron of the region)"},
+       {"indices='0 1' hardening='1 2'", region + "hardening: 2 values given, must be one"},
+       {"indices='0 1' plasticFlowRate='51'",
+        region + "plasticFlowRate: 51 times dt = 0.02 s is 1.02: must be at most 1"},
+       {"indices='0' body='@grid'",
+        region + "body: the link leads to RegularGridTopology 'grid', must lead to a body of hexahedra"}});
+  expect_errors(four_nodes, {{"<MaterialRegion indices='0'/>",
+                              "MaterialRegion: needs a body of hexahedra in its node or above, or a link to one"}});
 }
 
 TEST(MaterialRegion, AllThatIsWrongIsSaidOnce) {
@@ -204,7 +174,7 @@ TEST(MaterialRegion, AllThatIsWrongIsSaidOnce) {
 
 TEST(MaterialRegion, WarnsWhereItGivesNothing) {
   scene::Scene scene = read_and_init(row_of_four("", "<MaterialRegion indices='1'/>"));
-  EXPECT_EQ(support::warnings_of(scene),
+  EXPECT_EQ(warnings_of(scene),
             "test.scn:1: warning: MaterialRegion: gives its hexahedra no value: it has no effect\n");
 }
 

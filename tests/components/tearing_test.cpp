@@ -12,8 +12,7 @@
 namespace {
 
 using namespace hexaplast;
-using support::at;
-using support::read_and_init;
+using namespace hexaplast::support;
 
 /// What the listeners of all scenes have heard, in the order of the calls.
 std::vector<std::string> heard;
@@ -39,15 +38,13 @@ class Listener final : public scene::Component {
 };
 
 scene::Scene read_and_listen(const std::string& text) {
-  static scene::Factory factory;
-  static scene::PluginLoader loader = [] {
-    scene::PluginLoader plugins(factory, {HEXAPLAST_TEST_PLUGINS});
-    plugins.load("Hexaplast");
-    factory.add<Listener>(kListener);
-    return plugins;
+  static const bool is_known = [] {
+    plugins();
+    factory().add<Listener>(kListener);
+    return true;
   }();
-  scene::Scene scene = scene::read_scene_text(text, "test.scn", factory, loader);
-  scene.init();
+  EXPECT_TRUE(is_known);
+  scene::Scene scene = read_and_init(text);
   heard.clear();
   return scene;
 }
@@ -125,24 +122,6 @@ std::vector<Cell> left_of(const std::vector<Cell>& cells, scene::MechanicalState
   return left;
 }
 
-TEST(SurvivingCells, AreThoseOfTheHexahedraThatAreLeft) {
-  scene::Scene scene = read_and_init(layers("", ""));
-  auto& grid = at<scene::Topology>(scene, "bar/grid");
-  auto& nodes = at<scene::MechanicalState>(scene, "bar/nodes");
-  EXPECT_EQ(left_of(grid.hexahedra(), nodes), grid.hexahedra());
-
-  tear_layer(scene, 1);
-  std::vector<Hexahedron> left = grid.hexahedra();
-  left.erase(left.begin() + 2, left.begin() + 4);
-  EXPECT_EQ(left_of(grid.hexahedra(), nodes), left);
-  EXPECT_EQ(left_of(grid.quads(), nodes).size(), 22u) << "of 29, without the seven upright ones of the layer";
-  EXPECT_EQ(left_of(grid.edges(), nodes).size(), 40u) << "of 46, without its six upright ones";
-
-  scene.reset();
-  scene::end_step(scene.root(), 0.01);
-  EXPECT_EQ(left_of(grid.hexahedra(), nodes), grid.hexahedra());
-}
-
 // Triangles in the lower layer, in the middle one, in both, on the face between them, on the outer face of the middle
 // one from node to node, and in the upper one, a little outside.
 TEST(SurvivingCells, OfASurfaceAreWhatIsLeftAndDoesNotFlyAway) {
@@ -173,9 +152,9 @@ TEST(SurvivingCells, OfASurfaceAreWhatIsLeftAndDoesNotFlyAway) {
   // the wind takes the nodes that hold nothing any more, and the points in them; the triangle that is left stays
   const PointArray before = points.positions();
   for (int k = 0; k < 20; ++k) scene.step();
-  EXPECT_GT(support::max_abs(points.positions().row(1) - before.row(1)), 0.3);
+  EXPECT_GT(max_abs(points.positions().row(1) - before.row(1)), 0.3);
   EXPECT_EQ(left_of(all, points), (std::vector<Triangle>{all[5]}));
-  for (const int n : all[5]) EXPECT_LT(support::max_abs(points.positions().row(n) - before.row(n)), 5e-3) << n;
+  for (const int n : all[5]) EXPECT_LT(max_abs(points.positions().row(n) - before.row(n)), 5e-3) << n;
 }
 
 // On the side faces x = 0 of the three layers: a third of the load goes with the middle one.

@@ -61,11 +61,13 @@ TEST(BodyOptions, AreReadRowByRow) {
 
   std::vector<double> fill(12, 1);
   fill[5] = 0.5;
-  const HexahedralBodyOptions half = options({{"youngModulus", {6000}}, {"yieldStress", {100}}}, 12, fill);
+  const HexahedralBodyOptions half =
+      options({{"youngModulus", {6000}}, {"yieldStress", {100}}, {"fractureStress", {120}}}, 12, fill);
   ASSERT_EQ(half.materials.size(), 12u);
   EXPECT_EQ(half.materials[4].young_modulus, 6000);
   EXPECT_EQ(half.materials[5].young_modulus, 3000);
   EXPECT_EQ(half.materials[5].yield_stress, 50);
+  EXPECT_EQ(half.materials[5].fracture_stress, 60);
 }
 
 TEST(BodyOptions, ThatAreWrongAreNamed) {
@@ -122,6 +124,12 @@ TEST_F(BodyPart, WarnsOfRatesAndRefusesStepsThatAreTooLong) {
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].text.find("plasticFlowRate"), std::string::npos) << warnings[0].text;
   EXPECT_TRUE(part.take_warnings().empty()) << "once";
+  const auto num_warnings = [&](const Given& given) { return made(given).take_warnings().size(); };
+  EXPECT_EQ(
+      num_warnings({{"restShape", {0}}, {"yieldStress", {9}}, {"plasticFlowRate", {5}}, {"volumeRestitution", {20}}}),
+      2u);
+  EXPECT_EQ(num_warnings({{"restShape", {0}}, {"plasticFlowRate", {500}}, {"volumeRestitution", {700}}}), 0u)
+      << "nothing flows";
   EXPECT_THROW(part.end_step(stretched, 1), InputError);
   EXPECT_EQ(part.body().plastic_rest_positions(), mesh.positions());
 }
