@@ -11,7 +11,6 @@
 #include "hexaplast/solve/implicit_euler.hpp"
 #include "support/archive.hpp"
 #include "support/compare.hpp"
-#include "support/dense.hpp"
 #include "support/random.hpp"
 
 namespace {
@@ -141,30 +140,8 @@ TEST(InstrumentContact, TouchesWhatIsWithinIt) {
   EXPECT_EQ(pressed.contact.num_touching(), 0);
 }
 
-// Within a step forces are linear: K and B are their derivatives, by products and by blocks.
-TEST(InstrumentContact, StiffnessAndDampingAreDerivatives) {
-  const Pressed pressed;
-  const PointArray dx = random_field(pressed.mesh, 1, 1e-3);
-  const auto force = [&](const PointArray& x, const PointArray& v) {
-    PointArray f = PointArray::Zero(x.rows(), 3);
-    pressed.contact.terms().add_force(x, v, f);
-    return f;
-  };
-  PointArray by_stiffness = PointArray::Zero(dx.rows(), 3), by_damping = by_stiffness;
-  pressed.contact.terms().add_stiffness_product(1, dx, by_stiffness);
-  const PointArray dv = 1e4 * dx;
-  pressed.contact.terms().add_damping_product(1, dv, by_damping);
-  EXPECT_TRUE(support::agrees(by_stiffness, force(pressed.x + dx, pressed.v) - force(pressed.x, pressed.v), 1e-12));
-  EXPECT_TRUE(support::agrees(by_damping, force(pressed.x, pressed.v + dv) - force(pressed.x, pressed.v), 1e-12));
-
-  BlockMatrix K(pressed.mesh.num_nodes()), B(pressed.mesh.num_nodes());
-  pressed.contact.terms().add_stiffness_blocks(1, K);
-  pressed.contact.terms().add_damping_blocks(1, B);
-  EXPECT_TRUE(support::agrees(support::times(K, dx), by_stiffness, 1e-12));
-  EXPECT_TRUE(support::agrees(support::times(B, dv), by_damping, 1e-12));
-}
-
-// What acts on the instrument is the opposite of what acts on the body: force and moment.
+// What acts on the instrument is the opposite of what acted on the body, force and moment, where the step was solved,
+// wherever its end was moved then.
 TEST(InstrumentContact, ActsOnBothAlike) {
   Pressed pressed;
   const PointArray x = pressed.x + random_field(pressed.mesh, 2, 1e-3), v = (x - pressed.x) / 0.01;
@@ -172,29 +149,15 @@ TEST(InstrumentContact, ActsOnBothAlike) {
   while (pressed.contact.release(x, v)) {
   }
   pressed.contact.terms().add_force(x, v, f);
-  pressed.contact.end_step(x);
+  PointArray moved = x;
+  moved.col(2).array() -= 0.01;
+  pressed.contact.end_step(moved);
   const Vec3 force = pressed.contact.force() + f.colwise().sum().transpose(),
              moment = pressed.contact.torque() + support::moment(x.rowwise() - pressed.after.position.transpose(), f);
   const double size = f.rowwise().norm().sum();
   EXPECT_GT(size, 0.1);
   EXPECT_LT(force.norm(), 1e-13 * size);
   EXPECT_LT(moment.norm(), 1e-13 * size);
-}
-
-TEST(InstrumentContact, NothingPulls) {
-  Pressed pressed;
-  PointArray x = pressed.x;
-  x.col(2).array() -= 0.015;  // some of the touching points leave
-  const int before = pressed.contact.num_touching();
-  EXPECT_TRUE(pressed.contact.release(x, pressed.v));
-  EXPECT_LT(pressed.contact.num_touching(), before);
-  const int left = pressed.contact.num_touching();
-  EXPECT_GT(left, 0);
-  pressed.contact.release(x, pressed.v);  // friction, by the forces that are left
-  EXPECT_EQ(pressed.contact.num_touching(), left);
-  x.col(2).array() -= 1;
-  EXPECT_TRUE(pressed.contact.release(x, pressed.v));
-  EXPECT_EQ(pressed.contact.num_touching(), 0);
 }
 
 // A chain of nodes that lies in contact and is lifted at one end: what is released leaves its load to the next contact.
@@ -354,21 +317,7 @@ TEST(InstrumentContact, WhatTouchesKeepsItsSide) {
   EXPECT_EQ(other.force_at(at(0.0009)), pressed.force_at(at(0.0009)));
 }
 
-// Reported is the force that acted where the step was solved, wherever its end was moved then.
-TEST(InstrumentContact, ForceIsThatOfTheSolvedStep) {
-  Pressed pressed;
-  const PointArray v = random_field(pressed.mesh, 3, 0.1), x = pressed.x + 0.01 * v;
-  while (pressed.contact.release(x, v)) {
-  }
-  PointArray f = PointArray::Zero(x.rows(), 3), moved = x;
-  pressed.contact.terms().add_force(x, v, f);
-  moved.col(2).array() -= 0.01;
-  pressed.contact.end_step(moved);
-  EXPECT_GT(f.norm(), 0.1);
-  EXPECT_LT((pressed.contact.force() + Vec3(f.colwise().sum().transpose())).norm(), 1e-12 * f.norm());
-}
-
-// The same of one that is thin as a hair and moves by hundreds of its radii in a step.
+// A ball that is thin as a hair and moves by hundreds of its radii in a step.
 TEST(InstrumentContact, NothingIsMissedHoweverThinAndFast) {
   const HexMesh mesh = block();
   const PointArray x = mesh.positions(), v = PointArray::Zero(mesh.num_nodes(), 3);
@@ -428,60 +377,61 @@ TEST(InstrumentContact, SamplesAreLookedAtWhereTheBodyIsNear) {
   EXPECT_EQ(inactive.num_examined(), 0);
 }
 
-// A point that sticks is pulled back to where it came to stick; one that slips, by mu N.
-TEST(InstrumentContact, SticksAndSlips) {
-  const HexMesh mesh = block();
+/// A plate over the whole top of a block, .001 m deep. Nodes of the rim carry the area of the sides' upper halves too.
+struct Plate {
+  static constexpr double k = 1e4, mu = 0.5, kStep = 0.01, N = k * 0.001 * (0.2 * 0.2 + 4 * 0.2 * 0.1 / 2);
+  HexMesh mesh = block();
   PointArray x = mesh.positions(), v = PointArray::Zero(mesh.num_nodes(), 3);
-  const double area = 0.2 * 0.2, k = 1e4, mu = 0.5;
-  // a plate over the whole top, .001 m deep
-  const auto plate_at = [](double shift) { return Pose{.position = {0.1 + shift, 0.1, 0.149}}; };
-  InstrumentContact contact(Solid::box({1, 1, 0.1}), {.stiffness = k, .tangential_stiffness = k, .friction = mu},
-                            SurfaceSamples::on(mesh, {}, 0.1, 1));
-  const auto force = [&](double from, double to) {
-    contact.begin_step(x, v, 0.01, plate_at(from), plate_at(to));
+  InstrumentContact contact{Solid::box({1, 1, 0.1}),
+                            {.stiffness = k, .tangential_stiffness = k, .friction = mu},
+                            SurfaceSamples::on(mesh, {}, 0.1, 1)};
+
+  void begin_step(double from, double to) {
+    const auto shifted = [](double by) { return Pose{.position = {0.1 + by, 0.1, 0.149}}; };
+    contact.begin_step(x, v, kStep, shifted(from), shifted(to));
+  }
+  Vec3 force_after(double from, double to) {
+    begin_step(from, to);
     contact.end_step(x);
     return contact.force();
-  };
-  // nodes of the rim carry the area of the sides' upper halves too
-  const double N = k * 0.001 * (area + 4 * 0.2 * 0.1 / 2);
-  EXPECT_NEAR(force(0, 0).z(), N, 1e-12);
-  EXPECT_NEAR(force(0, 0).x(), 0, 1e-12);
-  EXPECT_NEAR(force(0, 0.0002).x(), -N * 0.2, 1e-12) << "k_t A u = N u / .001";
-  EXPECT_EQ(contact.num_slipping(), 0);
-  EXPECT_NEAR(force(0.0002, 0.002).x(), -mu * N, 1e-12);
-  EXPECT_GT(contact.num_slipping(), 0);
+  }
+};
+
+// A point that sticks is pulled back to where it came to stick; one that slips, by mu N.
+TEST(InstrumentContact, SticksAndSlips) {
+  Plate plate;
+  const double N = Plate::N, mu = Plate::mu;
+  EXPECT_NEAR(plate.force_after(0, 0).z(), N, 1e-12);
+  EXPECT_NEAR(plate.force_after(0, 0).x(), 0, 1e-12);
+  EXPECT_NEAR(plate.force_after(0, 0.0002).x(), -N * 0.2, 1e-12) << "k_t A u = N u / .001";
+  EXPECT_EQ(plate.contact.num_slipping(), 0);
+  EXPECT_NEAR(plate.force_after(0.0002, 0.002).x(), -mu * N, 1e-12);
+  EXPECT_GT(plate.contact.num_slipping(), 0);
   // back by less than twice what it holds: it sticks, from where it slipped to
-  EXPECT_NEAR(force(0.002, 0.0018).x(), -(mu - 0.2) * N, 1e-12);
-  EXPECT_NEAR(force(0.0018, 0).x(), mu * N, 1e-12);
-  contact.reset();
-  EXPECT_NEAR(force(0, 0).x(), 0, 1e-12);
+  EXPECT_NEAR(plate.force_after(0.002, 0.0018).x(), -(mu - 0.2) * N, 1e-12);
+  EXPECT_NEAR(plate.force_after(0.0018, 0).x(), mu * N, 1e-12);
+  plate.contact.reset();
+  EXPECT_NEAR(plate.force_after(0, 0).x(), 0, 1e-12);
 }
 
 // What begins to slip has moved farther at the end of the step than was expected: it still feels mu N, not more.
 TEST(InstrumentContact, WhatBeginsToSlipFeelsNoMoreThanFriction) {
-  const HexMesh mesh = block();
-  const PointArray x = mesh.positions();
-  PointArray v = PointArray::Zero(mesh.num_nodes(), 3);
-  const double k = 1e4, mu = 0.5, h = 0.01, N = k * 0.001 * (0.2 * 0.2 + 4 * 0.2 * 0.1 / 2);
-  const Pose plate{.position = {0.1, 0.1, 0.149}};
-  InstrumentContact contact(Solid::box({1, 1, 0.1}), {.stiffness = k, .tangential_stiffness = k, .friction = mu},
-                            SurfaceSamples::on(mesh, {}, 0.1, 1));
-  contact.begin_step(x, v, h, plate, plate);
-  contact.end_step(x);
-  v.col(0).setConstant(0.06);  // just beyond what sticks, .0005 m
-  contact.begin_step(x, v, h, plate, plate);
+  Plate plate;
+  const double N = Plate::N, mu = Plate::mu;
+  plate.force_after(0, 0);
+  plate.v.col(0).setConstant(0.06);  // just beyond what sticks, .0005 m
+  plate.begin_step(0, 0);
   const auto moved = [&](double shift, double rise) {
-    PointArray there = x;
-    there.col(0).array() += shift;
-    there.col(2).array() += rise;
-    return there;
+    return PointArray(plate.x.rowwise() + Eigen::RowVector3d(shift, 0, rise));
   };
   const auto force_at = [&](double shift, double rise = 0) {
-    PointArray f = PointArray::Zero(x.rows(), 3);
-    contact.terms().add_force(moved(shift, rise), v, f);
+    PointArray f = PointArray::Zero(plate.x.rows(), 3);
+    plate.contact.terms().add_force(moved(shift, rise), plate.v, f);
     return Vec3(f.colwise().sum());
   };
-  const auto corrects_at = [&](double shift, double rise = 0) { return contact.release(moved(shift, rise), v); };
+  const auto corrects_at = [&](double shift, double rise = 0) {
+    return plate.contact.release(moved(shift, rise), plate.v);
+  };
   EXPECT_NEAR(force_at(0.003).x(), -mu * N, 1e-9);
   EXPECT_NEAR(force_at(0.004).x(), -mu * N, 1e-9);
   EXPECT_FALSE(corrects_at(0.004));
@@ -489,9 +439,10 @@ TEST(InstrumentContact, WhatBeginsToSlipFeelsNoMoreThanFriction) {
   EXPECT_NEAR(force_at(0.004, 0.0005).x(), -1.5 * mu * N, 1e-9);
   EXPECT_TRUE(corrects_at(-0.0001)) << "it turns back";
   EXPECT_NEAR(force_at(-0.0001).x(), 0.1 * N, 1e-9) << "the spring";
-  EXPECT_EQ(contact.num_slipping(), 0);
+  EXPECT_EQ(plate.contact.num_slipping(), 0);
 }
 
+// So does TissueContact.
 TEST(InstrumentContact, RefusesWhatCannotBe) {
   const SurfaceSamples samples = SurfaceSamples::on(block(), {}, 0.1, 1);
   const Solid ball = Solid::sphere(1);

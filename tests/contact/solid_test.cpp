@@ -179,21 +179,8 @@ TEST(Solid, TheSmallestRadiusOfLongTrianglesIsThatOfTheThinnestPart) {
 // A star with deep notches: whether a point is inside is asked by counting the triangles above it.
 TEST(Solid, KnowsTheInsideOfSurfacesThatAreNotConvex) {
   constexpr int kPoints = 10;
-  Surface star{PointArray(2 * kPoints + 2, 3), {}};
-  for (int k = 0; k < kPoints; ++k) {
-    const double angle = 2 * std::numbers::pi * k / kPoints, r = k % 2 ? 0.25 : 1;
-    star.positions.row(k) << r * std::cos(angle), r * std::sin(angle), -0.2;
-    star.positions.row(kPoints + k) << r * std::cos(angle), r * std::sin(angle), 0.2;
-  }
-  star.positions.row(2 * kPoints) << 0, 0, -0.2;
-  star.positions.row(2 * kPoints + 1) << 0, 0, 0.2;
-  for (int k = 0; k < kPoints; ++k) {
-    const int next = (k + 1) % kPoints;
-    star.triangles.push_back({2 * kPoints, next, k});
-    star.triangles.push_back({2 * kPoints + 1, kPoints + k, kPoints + next});
-    star.triangles.push_back({k, next, kPoints + next});
-    star.triangles.push_back({k, kPoints + next, kPoints + k});
-  }
+  Surface star = rings({{-0.2, 1}, {0.2, 1}}, kPoints);
+  for (int k = 1; k < 2 * kPoints; k += 2) star.positions.row(k).head<2>() *= 0.25;
   const Solid solid = Solid::closed_surface(star.positions, star.triangles);
   const auto is_inside = [&](const Vec3& p) {
     if (std::abs(p.z()) >= 0.2) return false;
@@ -216,15 +203,6 @@ TEST(Solid, KnowsTheInsideOfSurfacesThatAreNotConvex) {
   EXPECT_GT(num_inside, 1000);
 }
 
-std::string refusal_of(const Surface& surface) {
-  try {
-    Solid::closed_surface(surface.positions, surface.triangles);
-    return "";
-  } catch (const InputError& error) {
-    return error.what();
-  }
-}
-
 TEST(Solid, RefusesWhatIsNoSolid) {
   EXPECT_THROW(Solid::sphere(0), InputError);
   EXPECT_THROW(Solid::sphere(-1), InputError);
@@ -232,27 +210,31 @@ TEST(Solid, RefusesWhatIsNoSolid) {
   EXPECT_THROW(Solid::cylinder(std::nan(""), 1), InputError);
   EXPECT_THROW(Solid::box({1, 0, 1}), InputError);
 
-  const Surface box = box_surface({1, 1, 1});
-  Surface other = box;
-  other.triangles.pop_back();
-  EXPECT_EQ(refusal_of(other), "closed surface: is open at edge 3 7 of triangle 8");
-  other = box;
-  std::swap(other.triangles[3][0], other.triangles[3][1]);
+  const auto refusal_of = [](void (*change)(Surface&)) -> std::string {
+    Surface box = box_surface({1, 1, 1});
+    change(box);
+    try {
+      Solid::closed_surface(box.positions, box.triangles);
+      return "";
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(refusal_of([](Surface& box) { box.triangles.pop_back(); }),
+            "closed surface: is open at edge 3 7 of triangle 8");
   EXPECT_EQ(
-      refusal_of(other),
+      refusal_of([](Surface& box) { std::swap(box.triangles[3][0], box.triangles[3][1]); }),
       "closed surface: triangles 2 and 3 run along edge 6 4 in the same direction: they do not agree which side is "
       "outside, or more than two meet there");
-  other = box;
-  for (Triangle& triangle : other.triangles) std::swap(triangle[0], triangle[1]);
-  EXPECT_EQ(refusal_of(other), "closed surface: is inside out (its volume is -1 m^3)");
-  other = box;
-  other.triangles[5][2] = 8;
-  EXPECT_EQ(refusal_of(other), "closed surface: triangle 5 has node 8, must lie in [0, 8)");
-  other = box;
-  other.positions.row(1) = other.positions.row(0);
-  EXPECT_EQ(refusal_of(other), "closed surface: triangle 0 has no area");
-  other.triangles.clear();
-  EXPECT_EQ(refusal_of(other), "closed surface: has no triangle");
+  EXPECT_EQ(refusal_of([](Surface& box) {
+              for (Triangle& triangle : box.triangles) std::swap(triangle[0], triangle[1]);
+            }),
+            "closed surface: is inside out (its volume is -1 m^3)");
+  EXPECT_EQ(refusal_of([](Surface& box) { box.triangles[5][2] = 8; }),
+            "closed surface: triangle 5 has node 8, must lie in [0, 8)");
+  EXPECT_EQ(refusal_of([](Surface& box) { box.positions.row(1) = box.positions.row(0); }),
+            "closed surface: triangle 0 has no area");
+  EXPECT_EQ(refusal_of([](Surface& box) { box.triangles.clear(); }), "closed surface: has no triangle");
 }
 
 }  // namespace
