@@ -10,18 +10,31 @@
 #include "hexaplast/base/error.hpp"
 #include "record/files.hpp"
 #include "record/time_series.hpp"
+#include "support/compare.hpp"
 #include "support/files.hpp"
 
 namespace hexaplast::output {
 namespace {
 
-namespace fs = std::filesystem;
+using namespace support;
+
+/// What is saved into an archive.
+template <class Save>
+std::vector<std::byte> saved(const Save& save) {
+  std::vector<std::byte> bytes;
+  Archive archive([&](const void* data, std::size_t size) {
+    const auto* first = static_cast<const std::byte*>(data);
+    bytes.insert(bytes.end(), first, first + size);
+  });
+  save(archive);
+  return bytes;
+}
 
 class CheckpointFile : public testing::Test {
  protected:
   fs::path file(const std::string& name) const { return directory_ / name; }
-  std::string content(const std::string& name) const { return support::content(file(name)); }
-  void write(const std::string& name, const std::string& text) const { support::put(file(name), text); }
+  std::string read(const std::string& name) const { return content(file(name)); }
+  void write(const std::string& name, const std::string& text) const { put(file(name), text); }
 
   void write_checkpoint(long step, double value = 1.5) const {
     std::vector<int> numbers = {3, 1, 4};
@@ -31,7 +44,7 @@ class CheckpointFile : public testing::Test {
     output::write_checkpoint(directory_.path(), step, 0x1234567890abcdef, sections);
   }
 
-  const support::Scratch directory_;
+  const Scratch directory_;
 };
 
 TEST_F(CheckpointFile, IsReadAsItWasWritten) {
@@ -54,7 +67,7 @@ TEST_F(CheckpointFile, IsReadAsItWasWritten) {
 // record/checkpoint.hpp has the format, byte by byte
 TEST_F(CheckpointFile, HasTheDocumentedLayout) {
   write_checkpoint(1);
-  const std::string bytes = content("checkpoint_000000001.hxc");
+  const std::string bytes = read("checkpoint_000000001.hxc");
   ASSERT_EQ(bytes.size(), 32u + (8 + 8 + 8 + 8 + 12 + 8) + (8 + 8 + 8 + 4 + 8));
   EXPECT_EQ(bytes.substr(0, 8), std::string("HXPCKPT\0", 8));
   EXPECT_EQ(bytes.substr(8, 8), std::string("\13\0\0\0\2\0\0\0", 8));
@@ -72,7 +85,7 @@ TEST_F(CheckpointFile, TheNewestTwoAreKept) {
 
 TEST_F(CheckpointFile, EveryDamagedByteIsFound) {
   write_checkpoint(1);
-  const std::string bytes = content("checkpoint_000000001.hxc");
+  const std::string bytes = read("checkpoint_000000001.hxc");
   for (std::size_t i = 0; i < bytes.size(); ++i)
     for (const int bit : {0, 7}) {
       std::string damaged = bytes;
@@ -89,36 +102,26 @@ TEST_F(CheckpointFile, EveryDamagedByteIsFound) {
 }
 
 TEST_F(CheckpointFile, SaysWhatIsWrong) {
-  const auto refusal = [&](const std::string& text) -> std::string {
+  const auto refusal = [&](const std::string& text) {
     write("other", text);
-    try {
-      Checkpoint checkpoint(file("other"));
-      return {};
-    } catch (const InputError& error) {
-      return error.what();
-    }
+    return error_of<InputError>([&] { Checkpoint(file("other")); });
   };
   write_checkpoint(1);
-  std::string bytes = content("checkpoint_000000001.hxc");
-  EXPECT_NE(refusal(bytes.substr(0, 50)).find("other is damaged: "), std::string::npos);
-  EXPECT_NE(refusal("step,time,kinetic_energy").find("other is no checkpoint"), std::string::npos);
-  EXPECT_NE(refusal("").find("other is no checkpoint"), std::string::npos);
+  std::string bytes = read("checkpoint_000000001.hxc");
+  EXPECT_TRUE(has(refusal(bytes.substr(0, 50)), "other is damaged: "));
+  EXPECT_TRUE(has(refusal("step,time,kinetic_energy"), "other is no checkpoint"));
+  EXPECT_TRUE(has(refusal(""), "other is no checkpoint"));
   bytes[8] = 1;
-  EXPECT_NE(refusal(bytes).find("other has format version 1, must be 11"), std::string::npos);
+  EXPECT_TRUE(has(refusal(bytes), "other has format version 1, must be 11"));
   EXPECT_THROW(Checkpoint(file("nowhere")), OutputError);
 }
 
 // Of a series, a checkpoint may name its own states alone.
 TEST_F(CheckpointFile, ASeriesHasTimesAndItsOwnNames) {
   const auto read_back = [&](double time, std::string name) {
-    std::vector<std::byte> saved;
-    Archive archive([&](const void* data, std::size_t size) {
-      const auto* first = static_cast<const std::byte*>(data);
-      saved.insert(saved.end(), first, first + size);
-    });
     std::uint64_t count = 1;
-    archive(count, time, name);
-    Archive back{std::span<const std::byte>(saved)};
+    const std::vector<std::byte> bytes = saved([&](Archive& archive) { archive(count, time, name); });
+    Archive back{std::span<const std::byte>(bytes)};
     output::TimeSeries(file("mesh.pvd")).serialize(back);
   };
   EXPECT_NO_THROW(read_back(0.5, "mesh_000012.vtu"));
@@ -129,33 +132,29 @@ TEST_F(CheckpointFile, ASeriesHasTimesAndItsOwnNames) {
 }
 
 TEST_F(CheckpointFile, LinesGoOnWhereTheyWere) {
-  std::vector<std::byte> saved;
-  Archive archive([&](const void* data, std::size_t size) {
-    const auto* first = static_cast<const std::byte*>(data);
-    saved.insert(saved.end(), first, first + size);
-  });
+  std::vector<std::byte> bytes;
   {
     LineFile lines(file("lines"));
     lines.append("a\nb");
-    lines.save(archive);
+    bytes = saved([&](Archive& archive) { lines.save(archive); });
     lines.append("c");
   }
-  ASSERT_EQ(content("lines"), "a\nb\nc\n");
+  ASSERT_EQ(read("lines"), "a\nb\nc\n");
   {
-    Archive back{std::span<const std::byte>(saved)};
+    Archive back{std::span<const std::byte>(bytes)};
     LineFile lines(file("lines"), back);
-    EXPECT_EQ(content("lines"), "a\nb\nc\n") << "whether the run can go on is not known yet";
+    EXPECT_EQ(read("lines"), "a\nb\nc\n") << "whether the run can go on is not known yet";
     lines.cut();
-    EXPECT_EQ(content("lines"), "a\nb\n");
+    EXPECT_EQ(read("lines"), "a\nb\n");
     lines.append("d");
   }
-  EXPECT_EQ(content("lines"), "a\nb\nd\n");
+  EXPECT_EQ(read("lines"), "a\nb\nd\n");
 
   for (const char* text : {"a\n", "a\nB\nd\n", ""}) {
     write("lines", text);
-    Archive back{std::span<const std::byte>(saved)};
+    Archive back{std::span<const std::byte>(bytes)};
     EXPECT_THROW(LineFile(file("lines"), back), InputError) << text;
-    EXPECT_EQ(content("lines"), text);
+    EXPECT_EQ(read("lines"), text);
   }
 }
 

@@ -19,29 +19,22 @@
 namespace hexaplast {
 namespace {
 
-namespace fs = std::filesystem;
+using namespace support;
 using output::OutputError;
 using output::Recorder;
 using output::RunPlan;
 using output::WholeFile;
-using support::bytes_of;
-using support::content;
-using support::names_in;
-using support::plan;
-using support::read_with_meshio;
-using support::Scratch;
-using support::series_in;
 
 TEST(WholeFile, ReplacesFilesAndLinksAlone) {
   const Scratch scratch;
-  const std::filesystem::path pipe = scratch / "pipe", file = scratch / "file", link = scratch / "link";
+  const fs::path pipe = scratch / "pipe", file = scratch / "file", link = scratch / "link";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   EXPECT_THROW(WholeFile{pipe}, OutputError);
-  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  EXPECT_TRUE(fs::is_fifo(pipe));
   EXPECT_THROW(WholeFile{scratch / "."}, OutputError);
 
   std::ofstream(file) << "before";
-  std::filesystem::create_symlink(file, link);
+  fs::create_symlink(file, link);
   {
     WholeFile out(link);
     out.write("after");
@@ -50,22 +43,22 @@ TEST(WholeFile, ReplacesFilesAndLinksAlone) {
   }
   EXPECT_EQ(content(file), "before") << "what the link led to is not touched";
   EXPECT_EQ(content(link), "after");
-  EXPECT_FALSE(std::filesystem::is_symlink(link));
+  EXPECT_FALSE(fs::is_symlink(link));
 
   // but a name on a command line stands for what it leads to
-  std::filesystem::remove(link);
-  std::filesystem::create_symlink(file, link);
-  EXPECT_EQ(output_place(link), std::filesystem::canonical(file));
+  fs::remove(link);
+  fs::create_symlink(file, link);
+  EXPECT_EQ(output_place(link), fs::canonical(file));
   EXPECT_EQ(output_place(file), file);
 }
 
 TEST(WholeFile, IsWrittenIntoANewPartAlone) {
   const Scratch scratch;
   const fs::path file = scratch / "file", part = scratch / "file.part", victim = scratch / "victim";
-  support::put(victim, "mine");
+  put(victim, "mine");
 
   // a file that has the name is somebody's
-  support::put(part, "mine");
+  put(part, "mine");
   EXPECT_THROW(WholeFile{file}, OutputError);
   EXPECT_EQ(content(part), "mine");
   fs::remove(part);
@@ -78,7 +71,7 @@ TEST(WholeFile, IsWrittenIntoANewPartAlone) {
     ::waitpid(killed, nullptr, 0);
   }
   fs::create_hard_link(part, scratch / "left");
-  support::put(scratch / "left", "mine");
+  put(scratch / "left", "mine");
   {
     WholeFile out(file);
     EXPECT_FALSE(fs::equivalent(scratch / "left", part));
@@ -92,7 +85,7 @@ TEST(WholeFile, IsWrittenIntoANewPartAlone) {
   std::ofstream(scratch / "plain") << "new";
   EXPECT_EQ(fs::status(file).permissions(), fs::status(scratch / "plain").permissions()) << "as any file has them";
 
-  support::put(victim, "mine");
+  put(victim, "mine");
   for (const fs::path& target : {victim, scratch / "nothing"}) {
     fs::create_symlink(target, part);
     EXPECT_THROW(WholeFile{file}, OutputError);
@@ -114,10 +107,10 @@ TEST(WholeFile, IsWrittenIntoANewPartAlone) {
 
 TEST(InputFiles, AreKnownWhateverTheirNames) {
   const Scratch scratch;
-  support::put(scratch / "scene", "text");
+  put(scratch / "scene", "text");
   fs::create_symlink(scratch / "scene", scratch / "link");
   fs::create_hard_link(scratch / "scene", scratch / "other");
-  support::put(scratch / "copy", "text");
+  put(scratch / "copy", "text");
   const InputFiles inputs({scratch / "link", scratch / "absent"});
   for (const char* name : {"scene", "link", "other", "./scene"}) {
     EXPECT_EQ(inputs.replaced_by(scratch / name), scratch / name);
@@ -138,37 +131,27 @@ TEST(InputFiles, AreKnownWhateverTheirNames) {
 TEST(JsonFile, OfMoreThanOneMayKeepIsRefused) {
   const Scratch scratch;
   const fs::path file = scratch / "some.json";
-  const auto times = [](std::size_t count, const std::string& part) {
-    std::string text;
-    for (std::size_t k = 0; k < count; ++k) text += part;
-    return text;
+  const auto refusal = [&](const std::string& text) {
+    put(file, text);
+    return error_of<nlohmann::json::exception>([&] { output::read_json(file); });
   };
-  const auto refusal = [&](const std::string& text) -> std::string {
-    support::put(file, text);
-    try {
-      output::read_json(file);
-      return {};
-    } catch (const nlohmann::json::exception& error) {
-      return error.what();
-    }
-  };
-  EXPECT_EQ(refusal(times(100, "[") + times(100, "]")), "");
-  EXPECT_EQ(refusal("[" + times(999'998, "0,") + "0]"), "");
-  for (const std::string& text : {times(101, "[") + times(101, "]"), "[" + times(1'000'000, "0,") + "0]",
-                                  times(5'000'000, "["), "[" + times(1'000'000, "[],") + "0]"})
-    EXPECT_NE(refusal(text).find("more than a million values"), std::string::npos);
-  EXPECT_NE(refusal("[1").find("parse error"), std::string::npos);
+  EXPECT_EQ(refusal(repeated("[", 100) + repeated("]", 100)), "");
+  EXPECT_EQ(refusal("[" + repeated("0,", 999'998) + "0]"), "");
+  for (const std::string& text : {repeated("[", 101) + repeated("]", 101), "[" + repeated("0,", 1'000'000) + "0]",
+                                  repeated("[", 5'000'000), "[" + repeated("[],", 1'000'000) + "0]"})
+    EXPECT_TRUE(has(refusal(text), "more than a million values"));
+  EXPECT_TRUE(has(refusal("[1"), "parse error"));
   EXPECT_THROW(output::read_json(scratch / "absent"), OutputError);
-  support::put(scratch / "manifest.json", times(5'000'000, "["));
+  put(scratch / "manifest.json", repeated("[", 5'000'000));
   EXPECT_THROW(output::read_manifest(fs::path(scratch / "")), OutputError);
 }
 
 TEST(LineFile, IsItsOwnAndFollowsNoLink) {
   const Scratch scratch;
-  support::put(scratch / "mine", "mine");
+  put(scratch / "mine", "mine");
   EXPECT_THROW(LineFile(scratch / "mine"), OutputError);
   EXPECT_EQ(content(scratch / "mine"), "mine");
-  support::put(scratch / "victim", "mine");
+  put(scratch / "victim", "mine");
   fs::create_symlink(scratch / "victim", scratch / "history.csv");
   EXPECT_THROW(LineFile(scratch / "history.csv"), OutputError);
   std::vector<std::byte> nothing(16);  // no bytes, and their checksum
@@ -188,26 +171,26 @@ TEST(LineFile, LosesNoLineSilently) {
   lines.append("2");
   EXPECT_EQ(content(scratch / "moved"), "1\n2\n");
   fs::remove(scratch / "moved");
-  EXPECT_TRUE(support::refuses<OutputError>([&] { lines.append("3"); }, {"lines: has been taken away"}));
+  EXPECT_TRUE(refuses<OutputError>([&] { lines.append("3"); }, {"lines: has been taken away"}));
 }
 
 TEST(LineFile, SaysTheReasonOfTheSystem) {
   const Scratch scratch;
   for (const auto& [name, reason] : {std::pair(std::string(300, 'n'), "File name too long"),
                                      {std::string("nowhere/lines"), "No such file or directory"}})
-    EXPECT_TRUE(support::refuses<OutputError>([&, name = name] { LineFile{scratch / name}; },
-                                              {name, std::string("cannot be opened for writing: ") + reason}));
+    EXPECT_TRUE(refuses<OutputError>([&, name = name] { LineFile{scratch / name}; },
+                                     {name, std::string("cannot be opened for writing: ") + reason}));
 }
 
 // `--final /dev/stdout >> log`: the log would be replaced.
 TEST(OutputPlace, IsNothingThatIsOpen) {
   const Scratch scratch;
-  support::put(scratch / "log", "mine");
+  put(scratch / "log", "mine");
   const int log = ::open((scratch / "log").c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
   const std::string open_file = "/proc/self/fd/" + std::to_string(log);
   fs::create_symlink(open_file, scratch / "link");
   for (const fs::path& name : {fs::path(open_file), scratch / "link", fs::path("/dev/fd") / std::to_string(log)})
-    EXPECT_TRUE(support::refuses<OutputError>([&] { output_place(name); }, {name.string(), "to what is open"}));
+    EXPECT_TRUE(refuses<OutputError>([&] { output_place(name); }, {name.string(), "to what is open"}));
   ::close(log);
   EXPECT_EQ(output_place("/dev/null"), "/dev/null");  // refused as no regular file when it is opened
 
@@ -220,23 +203,22 @@ TEST(OutputPlace, IsNothingThatIsOpen) {
 
 TEST(Directory, ThatCannotBeMadeIsRefused) {
   const Scratch scratch;
-  const Body body = support::yielding_block();
-  support::put(scratch / "file", "mine");
-  EXPECT_THROW(Recorder(scratch / "file", body, plan(1, 1)), OutputError);
-  EXPECT_THROW(Recorder(scratch / "file/below", body, plan(1, 1)), OutputError);
-  EXPECT_THROW(Recorder("/proc/hexaplast", body, plan(1, 1)), OutputError);  // not writable even for root
+  const Body body = yielding_block();
+  put(scratch / "file", "mine");
+  for (const fs::path& place : {scratch / "file", scratch / "file/below", fs::path("/proc/hexaplast")})
+    EXPECT_THROW(Recorder(place, body, plan(1, 1)), OutputError) << place;  // the last one not writable even for root
   EXPECT_EQ(content(scratch / "file"), "mine");
 }
 
 TEST(Directory, OfAnEarlierRunIsLeftAloneUnlessForced) {
   const Scratch scratch;
-  Body body = support::yielding_block();
+  Body body = yielding_block();
   fs::create_directories(scratch / "run/frames");
   for (const char* name : {"history.csv", "removed.csv", "mesh.pvd", "mesh_000300.vtu", "mesh_000300.vtu.part",
                            "surface.pvd", "surface_000300.vtu", "instruments.pvd", "instruments_000300.vtu",
                            "springs.pvd", "springs_000300.vtu", "frames/frame_000300.png", "plot.svg", "manifest.json",
                            "report.html", "viewer.json", "notes.txt", "mesh_fine.vtu", "frames/mine.png"})
-    support::put(scratch / "run" / name, "earlier");
+    put(scratch / "run" / name, "earlier");
   const std::vector<std::string> before = names_in(scratch / "run");
 
   EXPECT_THROW(Recorder(scratch / "run", body, plan(2, 1)), OutputError);
@@ -246,7 +228,7 @@ TEST(Directory, OfAnEarlierRunIsLeftAloneUnlessForced) {
   RunPlan run = plan(2, 2);
   run.force = true;
   Recorder recorder(scratch / "run", body, run);
-  support::record_stretch(recorder, body, 2);
+  record_stretch(recorder, body, 2);
   recorder.finish();
   const std::vector<std::string> after{"frames",          "frames/mine.png", "history.csv",   "mesh.pvd",
                                        "mesh_000000.vtu", "mesh_000002.vtu", "mesh_fine.vtu", "notes.txt",
@@ -255,13 +237,12 @@ TEST(Directory, OfAnEarlierRunIsLeftAloneUnlessForced) {
   EXPECT_EQ(content(scratch / "run/notes.txt"), "earlier");
 }
 
-TEST(Directory, WithAnInputOrALinkAmongItsFilesIsRefusedEvenIfForced) {
+TEST(Directory, WithAnInputALinkOrSomethingElseInAFilesPlaceIsRefusedEvenIfForced) {
   const Scratch scratch;
-  const Body body = support::yielding_block();
-  fs::create_directories(scratch / "run");
-  fs::create_directories(scratch / "elsewhere");
-  support::put(scratch / "run/mesh_000010.vtu", "the mesh of the scene");
-  support::put(scratch / "elsewhere/frame_000001.png", "mine");
+  const Body body = yielding_block();
+  for (const char* folder : {"run", "elsewhere", "other/history.csv"}) fs::create_directories(scratch / folder);
+  put(scratch / "run/mesh_000010.vtu", "the mesh of the scene");
+  put(scratch / "elsewhere/frame_000001.png", "mine");
   RunPlan run = plan(1, 1);
   run.force = true;
   run.inputs.add(scratch / "run/mesh_000010.vtu");
@@ -272,17 +253,10 @@ TEST(Directory, WithAnInputOrALinkAmongItsFilesIsRefusedEvenIfForced) {
   fs::create_directory_symlink(scratch / "elsewhere", scratch / "run/frames");
   EXPECT_THROW(Recorder(scratch / "run", body, run), OutputError);
   EXPECT_EQ(content(scratch / "elsewhere/frame_000001.png"), "mine");
-}
 
-TEST(Directory, WithSomethingElseInAFilesPlaceIsRefusedEvenIfForced) {
-  const Scratch scratch;
-  const Body body = support::yielding_block();
-  fs::create_directories(scratch / "run/history.csv");
-  support::put(scratch / "run/mesh.pvd", "earlier");
-  RunPlan run = plan(1, 1);
-  run.force = true;
-  EXPECT_THROW(Recorder(scratch / "run", body, run), OutputError);
-  EXPECT_EQ(content(scratch / "run/mesh.pvd"), "earlier");
+  put(scratch / "other/mesh.pvd", "earlier");
+  EXPECT_THROW(Recorder(scratch / "other", body, run), OutputError);
+  EXPECT_EQ(content(scratch / "other/mesh.pvd"), "earlier");
 }
 
 /// Files cannot grow beyond a size, as on a full disk; writing fails instead of ending the program.
@@ -305,23 +279,16 @@ class FullDisk {
 };
 
 TEST(FullDisk, IsReportedAtTheNextOutputAndWhatTheSeriesNamesStaysReadable) {
-  const Scratch scratch;
-  Body body = support::yielding_block();
-  Recorder recorder(scratch / "run", body, plan(10, 1));
-  PointArray x = support::record_stretch(recorder, body, 2);
+  Recorded run(plan(10, 1), 2);
   {
     const FullDisk full(5000);
-    try {
-      recorder.record({.step = 3, .time = 0.03}, x, x);
-      FAIL() << "no error";
-    } catch (const OutputError& error) {
-      EXPECT_NE(std::string(error.what()).find(std::strerror(EFBIG)), std::string::npos) << error.what();
-    }
+    EXPECT_TRUE(refuses<OutputError>([&] { run.recorder.record({.step = 3, .time = 0.03}, run.x, run.x); },
+                                     {std::strerror(EFBIG)}));
   }
-  const auto series = series_in(scratch / "run");
+  const auto series = series_in(run.scratch / "run");
   ASSERT_EQ(series.size(), 3u);
-  EXPECT_EQ(read_with_meshio(scratch, series.back().second, {"points"}).at("points"), bytes_of(x));
-  for (const std::string& name : names_in(scratch / "run")) EXPECT_FALSE(name.ends_with(".part")) << name;
+  EXPECT_EQ(read_with_meshio(run.scratch, series.back().second, {"points"}).at("points"), bytes_of(run.x));
+  for (const std::string& name : names_in(run.scratch / "run")) EXPECT_FALSE(name.ends_with(".part")) << name;
 }
 
 }  // namespace

@@ -13,13 +13,10 @@
 namespace hexaplast {
 namespace {
 
-namespace fs = std::filesystem;
+using namespace support;
 using output::OutputError;
 using output::Recorder;
 using output::RunPlan;
-using support::content;
-using support::plan;
-using support::Scratch;
 
 constexpr const char* kHeader =
     "step,time,kinetic_energy,elastic_energy,dissipated_energy,current_volume_ratio,plastic_rest_volume_ratio,"
@@ -27,16 +24,14 @@ constexpr const char* kHeader =
     "rolled_back,current_elongation,current_twist_deg\n";
 
 TEST(HistoryTable, HasOneRowPerStepWithTheBodysNumbersToTheLastBit) {
-  const Scratch scratch;
-  Body body = support::yielding_block();
-  RunPlan run = plan(6, 100);
-  run.loaded_nodes = {3, 17};
-  Recorder recorder(scratch / "run", body, run);
-  const PointArray x = support::record_stretch(recorder, body, 6);
-
-  const std::string text = content(scratch / "run/history.csv");  // before finish(): a killed run keeps its rows
+  RunPlan loaded = plan(6, 100);
+  loaded.loaded_nodes = {3, 17};
+  const Recorded run(loaded, 6);
+  const Body& body = run.body;
+  const PointArray& x = run.x;
+  const std::string text = run.read("history.csv");  // before finish(): a killed run keeps its rows
   EXPECT_TRUE(text.starts_with(kHeader)) << text;
-  const support::Csv history(text);
+  const Csv history(text);
   EXPECT_EQ(history.numbers("step"), (std::vector<double>{0, 1, 2, 3, 4, 5, 6}));
 
   const PointArray& X = body.mesh().positions();
@@ -64,31 +59,27 @@ TEST(HistoryTable, HasOneRowPerStepWithTheBodysNumbersToTheLastBit) {
 
 // Of isolated rest shapes they would take linear systems in every step.
 TEST(HistoryTable, LeavesOutTheShapeWithoutLoadWhereItIsNotWanted) {
-  const Scratch scratch;
-  Body body = support::yielding_block();
-  RunPlan run = plan(2, 100);
-  run.has_plastic_ends = false;
-  Recorder recorder(scratch / "run", body, run);
-  const PointArray x = support::record_stretch(recorder, body, 2);
-  const support::Csv history(content(scratch / "run/history.csv"));
-  std::vector<std::string> expected = support::Csv(kHeader).columns();
+  RunPlan bare = plan(2, 100);
+  bare.has_plastic_ends = false;
+  const Recorded run(bare, 2);
+  std::vector<std::string> expected = Csv(kHeader).columns();
   std::erase_if(expected, [](const std::string& name) {
     return name.starts_with("plastic_elong") || name.starts_with("plastic_twist");
   });
-  EXPECT_EQ(history.columns(), expected);
-  EXPECT_EQ(history.number(2, "current_elongation"), output::summarise(body, x).current_elongation);
+  EXPECT_EQ(run.history().columns(), expected);
+  EXPECT_EQ(run.history().number(2, "current_elongation"), output::summarise(run.body, run.x).current_elongation);
 }
 
 /// Bars of hexahedra that do not touch, each stretched to its own share in every step: they break one after another.
 TEST(RemovedTable, SaysInWhichStepEachHexahedronWent) {
   const Scratch scratch;
   constexpr int kBars = 2000;
-  const PointArray one = support::block({1, 1, 1}, 0.1).positions();
+  const PointArray one = block({1, 1, 1}, 0.1).positions();
   PointArray X(8 * kBars, 3);
   std::vector<Hexahedron> hexahedra;
   for (int e = 0; e < kBars; ++e) {
     X.middleRows(8 * e, 8) = one.rowwise() + Eigen::RowVector3d(e, 0, 0);
-    hexahedra.push_back(support::block({1, 1, 1}, 0.1).hexahedra()[0]);
+    hexahedra.push_back(block({1, 1, 1}, 0.1).hexahedra()[0]);
     for (int& node : hexahedra.back()) node += 8 * e;
   }
   Body body(HexMesh(X, hexahedra),
@@ -107,7 +98,7 @@ TEST(RemovedTable, SaysInWhichStepEachHexahedronWent) {
       if (step == 3 && e != 7 && e != 1203) expected += "3,0.03," + std::to_string(e) + "\n";
     }
     const FlowReport report = body.flow(x, 0.01);
-    recorder.record({.step = step, .time = step / 100.0, .flow = report}, x, support::some_velocities(body));
+    recorder.record({.step = step, .time = step / 100.0, .flow = report}, x, some_velocities(body));
     if (step < 3) {
       EXPECT_EQ(content(scratch / "run/removed.csv"), "step,time,hexahedron\n1,0.01,7\n1,0.01,1203\n");
     }
@@ -117,7 +108,7 @@ TEST(RemovedTable, SaysInWhichStepEachHexahedronWent) {
 
   // with nothing left, all that is written are numbers still
   EXPECT_EQ(body.removed().size(), std::size_t(kBars));
-  const support::Csv history(content(scratch / "run/history.csv"));
+  const Csv history(content(scratch / "run/history.csv"));
   for (const std::string& column : history.columns()) EXPECT_TRUE(std::isfinite(history.number(3, column))) << column;
   EXPECT_EQ(history.number(3, "plastic_rest_volume_ratio"), 0);
   EXPECT_EQ(history.number(3, "removed"), kBars);
@@ -127,9 +118,9 @@ TEST(RemovedTable, SaysInWhichStepEachHexahedronWent) {
 
 TEST(FinalState, ComesBackWithAllItsBits) {
   const Scratch scratch;
-  Body body = support::yielding_block();
-  PointArray x = support::stretched(body, 0.2);
-  const PointArray v = support::some_velocities(body);
+  Body body = yielding_block();
+  PointArray x = stretched(body.mesh().positions(), 0.2);
+  const PointArray v = some_velocities(body);
   body.linearize(x);
   body.flow(x, 0.01);
   output::write_final(scratch / "final.json", 42, 0.1 + 0.2, x, v, body);
@@ -161,7 +152,7 @@ TEST(FinalState, ComesBackWithAllItsBits) {
 
 TEST(FinalState, ThatCannotBeWrittenLeavesTheEarlierFile) {
   const Scratch scratch;
-  const Body body = support::yielding_block();
+  const Body body = yielding_block();
   const PointArray x = body.mesh().positions();
   EXPECT_THROW(output::write_final(scratch / "nowhere/final.json", 0, 0, x, x, body), OutputError);
   fs::create_directory(scratch / "taken.json");
@@ -170,8 +161,8 @@ TEST(FinalState, ThatCannotBeWrittenLeavesTheEarlierFile) {
 }
 
 TEST(StateHash, FeelsEveryPartOfTheState) {
-  Body body = support::yielding_block();
-  const PointArray x = support::stretched(body, 0.2), v = support::some_velocities(body);
+  Body body = yielding_block();
+  const PointArray x = stretched(body.mesh().positions(), 0.2), v = some_velocities(body);
   PointArray other = x;
   other(7, 2) = std::nextafter(other(7, 2), 1);
   const std::string hash = output::state_hash(3, x, v, &body);
@@ -187,9 +178,9 @@ TEST(StateHash, FeelsEveryPartOfTheState) {
 }
 
 TEST(Summary, MeasuresAStretchedBox) {
-  const Body body(support::block({2, 1, 4}, 0.1), {Material{}});
+  const Body body(block({2, 1, 4}, 0.1), {Material{}});
   const Mat3 A = Vec3(0.9, 0.8, 1.5).asDiagonal();
-  const PointArray x = support::mapped(body.mesh().positions(), A);
+  const PointArray x = mapped(body.mesh().positions(), A);
   const output::Summary summary = output::summarise(body, x);
   EXPECT_NEAR(summary.current_elongation, 0.5, 1e-12);
   EXPECT_NEAR(summary.current_volume_ratio, 0.9 * 0.8 * 1.5, 1e-12);
@@ -206,7 +197,7 @@ TEST(Summary, MeasuresAStretchedBox) {
 
 // Four cubes in a row, of which the second is drawn out most and the last second most; then the second goes.
 TEST(Summary, LargestPlasticStrainIsOfWhatIsLeft) {
-  Body body(support::block({4, 1, 1}, 0.1), {{.young_modulus = 1000, .yield_stress = 10, .flow_rate = 5}});
+  Body body(block({4, 1, 1}, 0.1), {{.young_modulus = 1000, .yield_stress = 10, .flow_rate = 5}});
   PointArray x = body.mesh().positions();
   const std::array<double, 5> place{0, 0.1, 0.26, 0.37, 0.5};  // [m] of the planes between the cubes
   for (Eigen::Index n = 0; n < x.rows(); ++n) x(n, 0) = place[static_cast<std::size_t>(std::lround(x(n, 0) / 0.1))];
@@ -230,14 +221,12 @@ TEST(Summary, LargestPlasticStrainIsOfWhatIsLeft) {
 }
 
 TEST(PlotFile, NamesTheCurvesOfEachPanelAndKeepsAnyTitleOnThePage) {
-  const Scratch scratch;
-  Body body = support::yielding_block();
-  Recorder recorder(scratch / "run", body, plan(6, 100));
-  support::record_stretch(recorder, body, 6);
+  const Recorded run(plan(6, 100), 6);
+  const fs::path plot = run.scratch / "run/plot.svg";
   tinyxml2::XMLDocument document;
   const auto write = [&](const std::string& title) {
-    output::write_plot(scratch / "run/plot.svg", scratch / "run/history.csv", title, 1);
-    ASSERT_EQ(document.LoadFile((scratch / "run/plot.svg").c_str()), tinyxml2::XML_SUCCESS) << document.ErrorStr();
+    output::write_plot(plot, run.scratch / "run/history.csv", title, 1);
+    ASSERT_EQ(document.LoadFile(plot.c_str()), tinyxml2::XML_SUCCESS) << document.ErrorStr();
   };
   write("pull & <hold> \"50 %\" \x01 {}");
   EXPECT_STREQ(document.RootElement()->Name(), "svg");
@@ -257,13 +246,13 @@ TEST(PlotFile, NamesTheCurvesOfEachPanelAndKeepsAnyTitleOnThePage) {
 
 TEST(PlotFile, StaysSmallForLongRuns) {
   const Scratch scratch;
-  const Body body = support::yielding_block();
+  const Body body = yielding_block();
   Recorder recorder(scratch / "run", body, plan(5000, 100000));
   const PointArray x = body.mesh().positions();
   for (long step = 0; step <= 5000; ++step) recorder.record({.step = step, .time = 0.01 * step}, x, x);
   output::write_plot(scratch / "run/plot.svg", scratch / "run/history.csv", "long", body.mesh().num_elements());
   EXPECT_LT(fs::file_size(scratch / "run/plot.svg"), 250000u);
-  EXPECT_NE(content(scratch / "run/plot.svg").find(">50<"), std::string::npos);  // the axis reaches the last time
+  EXPECT_TRUE(has(content(scratch / "run/plot.svg"), ">50<"));  // the axis reaches the last time
 }
 
 TEST(Ticks, AreRoundAndInside) {

@@ -14,10 +14,9 @@
 namespace hexaplast {
 namespace {
 
+using namespace support;
+
 using output::ViewerStates;
-using support::content;
-using support::plan;
-using support::Scratch;
 using Json = nlohmann::json;
 
 /// The numbers of an array, read by its description.
@@ -69,18 +68,84 @@ TEST(PackedNumbers, HoldAnyNumbers) {
   EXPECT_EQ(unpacked(all, "numbers"), numbers);
 }
 
-// Positions are held against the .vtu files by tests/page/viewer_data.py.
-TEST(ViewerFile, HasWhatHoldsAndLoadsTheBody) {
-  const Scratch scratch;
-  Body body = support::yielding_block();
-  output::Recorder recorder(scratch / "run", body, plan(6, 100));
-  support::record_stretch(recorder, body, 6);
-  recorder.finish();
-  const Json all = Json::parse(content(scratch / "run/viewer.json"));
-  ASSERT_EQ(all.at("states").size(), 7u);
+/// A finished run of a body with two surfaces in it, as viewer.json has it.
+struct Viewed {
+  Viewed() : run(with_surfaces(), 6) {
+    run.recorder.finish();
+    all = Json::parse(run.read("viewer.json"));
+  }
 
-  const int num_nodes = body.mesh().num_nodes();
-  const output::BoundaryConditions conditions = support::some_conditions(body);
+  static output::RunPlan with_surfaces() {
+    output::RunPlan with = plan(6, 100);
+    with.staging.embedded_surfaces = two_surfaces();
+    return with;
+  }
+
+  Recorded run;
+  Json all;
+  const int num_nodes = run.body.mesh().num_nodes();
+};
+
+// To half a step of their 16 bits.
+TEST(ViewerFile, HasThePositionsOfEveryStateAndWhatTheyCarry) {
+  const Viewed viewed;
+  const PointArray X = viewed.run.body.mesh().positions();
+  const std::vector<double> box = viewed.all.at("box");
+  const std::vector<std::uint32_t> numbers = unpacked(viewed.all, "positions");
+  ASSERT_EQ(numbers.size(), 7u * 3 * viewed.num_nodes);
+  PointArray x(viewed.num_nodes, 3);
+  const Eigen::RowVector3d least(box[0], box[1], box[2]), size = Eigen::RowVector3d(box[3], box[4], box[5]) - least;
+  const double half_a_step = 0.5 * size.maxCoeff() / 65535 + 1e-7;
+  for (int step = 0; step <= 6; ++step) {
+    for (int n = 0; n < x.size(); ++n) x(n / 3, n % 3) = numbers[step * x.size() + n] / 65535.0;
+    x = (x * size.asDiagonal()).rowwise() + least;
+    EXPECT_LT((x - stretched(X, 0.02 * step)).cwiseAbs().maxCoeff(), half_a_step) << step;
+  }
+
+  // an embedded point, by the weights of seven corners of its hexahedron
+  const std::vector<std::uint32_t> hexahedra = unpacked(viewed.all, "hexahedra");
+  for (int s = 0; s < 2; ++s) {
+    const Json limits = viewed.all.at("embedded").at(s);
+    const double min = limits.at("least"), max = limits.at("most");
+    const auto carriers = unpacked(viewed.all, "carriers_" + std::to_string(s)),
+               weights = unpacked(viewed.all, "weights_" + std::to_string(s));
+    const PointArray expected = stretched(two_surfaces()[s].points, 0.12);
+    for (int point = 0; point < expected.rows(); ++point) {
+      const std::uint32_t* nodes = &hexahedra[8 * carriers[point]];
+      Eigen::RowVector3d place = x.row(nodes[0]);
+      for (int corner = 1; corner < kCorners; ++corner)
+        place +=
+            (min + (max - min) * weights[7 * point + corner - 1] / 65535) * (x.row(nodes[corner]) - x.row(nodes[0]));
+      EXPECT_LT((place - expected.row(point)).norm(), 12 * half_a_step) << s << " " << point;
+    }
+  }
+}
+
+TEST(ViewerFile, HasStrainsBetweenThoseOfTheHexahedraAroundANode) {
+  const Viewed viewed;
+  const Json& fields = viewed.all.at("fields");
+  const auto field = std::ranges::find_if(fields, [](const Json& one) { return one.at("word") == "plastic_strain"; });
+  ASSERT_NE(field, fields.end());
+  const double least = field->at("least"), step = (field->at("most").get<double>() - least) / 254;
+  const std::vector<std::uint32_t> numbers = unpacked(viewed.all, "values_plastic_strain");
+  const HexMesh& mesh = viewed.run.body.mesh();
+  const std::vector<double> strain = viewed.run.body.fields(viewed.run.x).plastic_strain;
+  std::vector<std::vector<double>> around(mesh.num_nodes());
+  for (int e = 0; e < mesh.num_elements(); ++e)
+    for (const int node : mesh.hexahedra()[e]) around[node].push_back(strain[e]);
+  for (int node = 0; node < mesh.num_nodes(); ++node) {
+    const double value = least + step * numbers[6 * mesh.num_nodes() + node];
+    EXPECT_GE(value, std::ranges::min(around[node]) - step) << node;
+    EXPECT_LE(value, std::ranges::max(around[node]) + step) << node;
+  }
+}
+
+TEST(ViewerFile, HasWhatHoldsAndLoadsTheBody) {
+  const Viewed viewed;
+  const Json& all = viewed.all;
+  const int num_nodes = viewed.num_nodes;
+  ASSERT_EQ(all.at("states").size(), 7u);
+  const output::BoundaryConditions conditions = some_conditions(viewed.run.body);
   const Json& first = all.at("states").at(0);
   std::vector<int> fixed;
   for (int node = 0; node < num_nodes; ++node)
@@ -100,31 +165,25 @@ TEST(ViewerFile, HasWhatHoldsAndLoadsTheBody) {
 }
 
 TEST(ViewerFile, NamesHexahedraThatGo) {
-  Body body(support::block({1, 2, 6}, 0.1),
-            {Material{.yield_stress = 10, .flow_rate = 90, .hardening = 0.5, .fracture_stress = 200}});
-  const output::Bodies bodies(body);
+  TornPillar pillar;
+  const output::Bodies bodies(pillar.body);
   ViewerStates states(bodies, "tear", 1, 0.01, {}, {});
-  PointArray x = body.mesh().positions();
-  const PointArray v = support::some_velocities(body);
-  states.add(0, 0, x, v, {});
-  for (Eigen::Index n = 0; n < x.rows(); ++n)
-    if (x(n, 2) > 0.35) x(n, 2) += 0.08;
-  body.linearize(x);
-  body.flow(x, 0.01);
-  ASSERT_FALSE(body.removed().empty());
-  states.add(1, 0.01, x, v, {});
+  const PointArray v = some_velocities(pillar.body);
+  states.add(0, 0, pillar.x, v, {});
+  pillar.tear();
+  states.add(1, 0.01, pillar.x, v, {});
   const Json all = Json::parse(states.json());
   EXPECT_FALSE(all.at("states").at(0).contains("gone"));
-  std::vector<int> gone(body.removed().begin(), body.removed().end());
+  std::vector<int> gone(pillar.body.removed().begin(), pillar.body.removed().end());
   std::ranges::sort(gone);
   EXPECT_EQ(all.at("states").at(1).at("gone").get<std::vector<int>>(), gone);
 }
 
 TEST(ViewerFile, HasTheEndsOfSpringsAndWhichAreSlack) {
-  const Body body(support::block({1, 2, 3}, 0.1), {Material{}});
+  const Body body(block({1, 2, 3}, 0.1), {Material{}});
   const output::Bodies bodies(body);
   ViewerStates states(bodies, "springs", 2, 0.01, {}, {});
-  const PointArray x = body.mesh().positions(), v = support::some_velocities(body);
+  const PointArray x = body.mesh().positions(), v = some_velocities(body);
   const std::vector<output::SpringLine> springs{{Vec3(.3, .1, -.2), Vec3(.5, .7, 0)},
                                                 {Vec3(.4, .15, .25), Vec3(0, 0, .31), true}};
   states.add(0, 0, x, v, {});
@@ -148,13 +207,19 @@ TEST(ViewerFile, HasTheEndsOfSpringsAndWhichAreSlack) {
 
 TEST(ViewerFile, OfManyNodesHasFewerStatesAndSaysSo) {
   const auto steps_of = [](const std::array<int, 3>& n, bool& is_thinned) {
-    const Body body(support::block(n, 0.1), {Material{}});
+    const Body body(block(n, 0.1), {Material{}});
     const output::Bodies bodies(body);
     ViewerStates states(bodies, "block", 400, 0.01, {}, {});
     std::vector<long> steps;
-    for (long step = 0; step <= 400; ++step)
-      if (states.wants(step)) steps.push_back(step);
-    is_thinned = Json::parse(states.json()).contains("thinned");
+    const PointArray v = some_velocities(body);
+    for (long step = 0; step <= 400; ++step) {
+      if (!states.wants(step)) continue;
+      steps.push_back(step);
+      states.add(step, 0.01 * step, stretched(body.mesh().positions(), 1e-3 * step), v, {});
+    }
+    const std::string json = states.json();
+    EXPECT_LT(json.size(), 512 * 1024 * body.mesh().num_nodes() / 1000) << "half a megabyte per thousand nodes";
+    is_thinned = Json::parse(json).contains("thinned");
     return steps;
   };
   bool is_thinned = true;
@@ -170,14 +235,14 @@ TEST(ViewerFile, OfManyNodesHasFewerStatesAndSaysSo) {
 TEST(ViewerFile, OfAStrangerIsWordsToThePage) {
   const Scratch scratch;
   EXPECT_FALSE(output::read_viewer_data(scratch / "."));
-  support::put(scratch / "viewer.json", R"({"format":1,"title":"</script><script>alert(1)</script>&"})");
+  put(scratch / "viewer.json", R"({"format":1,"title":"</script><script>alert(1)</script>&"})");
   const output::ViewerData data = output::read_viewer_data(scratch / ".").value();
   const std::string& markup = data.markup;
   EXPECT_FALSE(data.has_states);
   EXPECT_EQ(markup.find_first_of("<>&"), markup.npos);
   EXPECT_EQ(Json::parse(markup).at("title"), "</script><script>alert(1)</script>&");
   for (const char* other : {"", "{", "[]", R"({"format":2})", "alert(1)"}) {
-    support::put(scratch / "viewer.json", other);
+    put(scratch / "viewer.json", other);
     EXPECT_THROW(output::read_viewer_data(scratch / "."), InputError) << other;
   }
 }

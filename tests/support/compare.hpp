@@ -48,23 +48,30 @@ inline double central_difference(const std::function<double(double)>& f, double 
   return (f(step) - f(-step)) / (2 * step);
 }
 
-/// Runs `act` and passes when it throws an Error whose message contains every one of `parts`.
+/// The message of the Error that `act` throws; empty where it throws nothing.
 template <class Error, class Act>
-testing::AssertionResult refuses(const Act& act, std::initializer_list<std::string> parts) {
+std::string error_of(const Act& act) {
   try {
     act();
   } catch (const Error& error) {
-    const std::string message = error.what();
-    for (const std::string& part : parts) {
-      if (message.find(part) == std::string::npos) {
+    return error.what();
+  }
+  return "";
+}
+
+/// Passes when `act` throws an Error whose message contains every one of `parts`.
+template <class Error, class Act>
+testing::AssertionResult refuses(const Act& act, std::initializer_list<std::string> parts) {
+  try {
+    const std::string message = error_of<Error>(act);
+    if (message.empty()) return testing::AssertionFailure() << "nothing was thrown";
+    for (const std::string& part : parts)
+      if (message.find(part) == std::string::npos)
         return testing::AssertionFailure() << "'" << part << "' is missing in: " << message;
-      }
-    }
     return testing::AssertionSuccess();
   } catch (const std::exception& error) {
     return testing::AssertionFailure() << "another kind of exception: " << error.what();
   }
-  return testing::AssertionFailure() << "nothing was thrown";
 }
 
 }  // namespace hexaplast::support

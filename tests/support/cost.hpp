@@ -44,4 +44,18 @@ inline Cost cost_of(std::vector<std::string> words, const std::filesystem::path&
           1024e-6 * static_cast<double>(usage.ru_maxrss)};  // that is in KiB
 }
 
+/// Files made to hurt: refused with a message, and in little memory.
+class Hostile : public Command {
+ protected:
+  /// The command refuses the file with that content, in so many megabytes and so many times its size.
+  void expect_bounded(const std::vector<std::string>& words, const std::string& file, const std::string& bytes,
+                      const std::string& message, double megabytes = 100, double sizes = 1) {
+    write(file, bytes);
+    const Cost cost = cost_of(words, directory_ / "err");
+    EXPECT_EQ(cost.code, 3) << message;
+    EXPECT_TRUE(has(read("err"), message));
+    EXPECT_LT(cost.megabytes, megabytes + kMegabytesMore + 1e-6 * sizes * static_cast<double>(bytes.size())) << message;
+  }
+};
+
 }  // namespace hexaplast::support

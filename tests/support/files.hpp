@@ -6,10 +6,14 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <string>
+#include <string_view>
 
 namespace hexaplast::support {
+
+namespace fs = std::filesystem;
 
 /// A directory of the running test, gone when it ends.
 class Scratch {
@@ -41,6 +45,27 @@ inline std::string content(const std::filesystem::path& file) {
 
 inline void put(const std::filesystem::path& file, const std::string& text) {
   std::ofstream(file, std::ios::binary) << text;
+}
+
+/// The content of all files below a directory, by their names.
+inline std::map<std::string, std::string> files_in(const fs::path& directory) {
+  std::map<std::string, std::string> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(directory))
+    if (entry.is_regular_file()) files[entry.path().lexically_relative(directory).string()] = content(entry.path());
+  return files;
+}
+
+/// Passes where the text has that part; tells both.
+inline testing::AssertionResult has(std::string_view text, std::string_view part) {
+  return testing::AssertionResult(text.find(part) != text.npos) << "'" << part << "' and\n" << text;
+}
+
+/// The same text so many times.
+inline std::string repeated(std::string_view text, std::size_t count) {
+  std::string all;
+  all.reserve(count * text.size());
+  for (std::size_t k = 0; k < count; ++k) all += text;
+  return all;
 }
 
 /// With other words in place of the first ones like `from`, which must be there.

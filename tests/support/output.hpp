@@ -39,10 +39,23 @@ inline Body yielding_block() {
 }
 
 /// Stretched along z by the given share, thinner across, sheared a little.
-inline PointArray stretched(const Body& body, double fraction) {
+inline PointArray stretched(const PointArray& points, double fraction) {
   Mat3 A;
   A << 1 - 0.4 * fraction, 0.1 * fraction, 0, 0, 1 - 0.45 * fraction, 0.05 * fraction, 0.02 * fraction, 0, 1 + fraction;
-  return mapped(body.mesh().positions(), A, fraction * Vec3(0.3, -0.2, 0.1));
+  return mapped(points, A, fraction * Vec3(0.3, -0.2, 0.1));
+}
+
+/// Two embedded surfaces in the block: a quad and a triangle, and a triangle that reaches out of it.
+inline std::vector<output::EmbeddedSurface> two_surfaces() {
+  std::vector<output::EmbeddedSurface> surfaces(2);
+  surfaces[0].points.resize(5, 3);
+  surfaces[0].points << .02, .03, .05, .02, .27, .05, .17, .27, .31, .17, .03, .31, .1, .1, .47;
+  surfaces[0].quads = {{0, 1, 2, 3}};
+  surfaces[0].triangles = {{3, 2, 4}};
+  surfaces[1].points.resize(3, 3);
+  surfaces[1].points << .11, .12, .21, .11, .19, .55, .3, .12, .3;
+  surfaces[1].triangles = {{0, 1, 2}};
+  return surfaces;
 }
 
 /// Velocities that are all different.
@@ -68,7 +81,7 @@ inline PointArray record_stretch(output::Recorder& recorder, Body& body, long la
   PointArray x = body.mesh().positions();
   recorder.record({}, x, velocities, conditions);
   for (long step = 1; step <= last; ++step) {
-    x = stretched(body, 0.02 * static_cast<double>(step));
+    x = stretched(body.mesh().positions(), 0.02 * static_cast<double>(step));
     body.linearize(x);
     const FlowReport report = body.flow(x, dt);
     recorder.record({.step = step,
@@ -82,5 +95,36 @@ inline PointArray record_stretch(output::Recorder& recorder, Body& body, long la
   }
   return x;
 }
+
+/// That stretch, recorded so many steps as planned into `run`.
+struct Recorded {
+  Recorded(const output::RunPlan& plan, long last)
+      : recorder(scratch / "run", body, plan), x(record_stretch(recorder, body, last)) {}
+
+  std::string read(const std::string& file) const { return content(scratch / ("run/" + file)); }
+  Csv history() const { return Csv(read("history.csv")); }
+
+  const Scratch scratch;
+  Body body = yielding_block();
+  output::Recorder recorder;
+  PointArray x;  ///< [m] the last positions
+};
+
+/// A pillar of two hexahedra in each of six layers, of which the fourth is drawn out until it breaks.
+struct TornPillar {
+  void tear() {
+    for (Eigen::Index n = 0; n < x.rows(); ++n)
+      if (x(n, 2) > 0.35) x(n, 2) += 0.08;
+    body.linearize(x);
+    report = body.flow(x, 0.01);
+    ASSERT_GT(body.removed().size(), 0u);
+    ASSERT_LT(body.removed().size(), 12u);
+  }
+
+  Body body{block({1, 2, 6}, 0.1),
+            {Material{.yield_stress = 10, .flow_rate = 90, .hardening = 0.5, .fracture_stress = 200}}};
+  PointArray x = body.mesh().positions();
+  FlowReport report;
+};
 
 }  // namespace hexaplast::support
