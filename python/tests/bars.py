@@ -1,10 +1,16 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bars of 1 m along x and a section of 0.25 m^2, held at x = 0, and the command that runs them. Without lateral contraction the
 elongation under a force F is F / (E A) exactly, whatever the mesh."""
+import contextlib
+import importlib
+import io
 import os
 import pathlib
+import signal
 import subprocess
+import sys
 import time
+from unittest import mock
 
 SECTION = 0.25  # [m^2]
 COMMAND = os.environ["HEXAPLAST_COMMAND"]
@@ -13,9 +19,31 @@ STRETCHED = SCENES / "bar_stretch_high.scn"
 
 
 def command(*words, cwd=None, before=()):
+    words = [str(word) for word in words]
+    if words[0] in ("sweep", "fit") and not before:
+        return _in_this_process(*words, cwd=cwd)
     # what Python loads for its own sake, a sanitizer say, is none of the command's
     environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
-    return subprocess.run([*before, COMMAND, *map(str, words)], cwd=cwd, env=environment, capture_output=True, text=True)
+    return subprocess.run([*before, COMMAND, *words], cwd=cwd, env=environment, capture_output=True, text=True)
+
+
+def _in_this_process(verb, *words, cwd):
+    """As hexaplast-sweep and hexaplast-fit, without their second for scipy. Tests of signals start the programs themselves."""
+    main = importlib.import_module(f"hexaplast_study.{verb}").main
+    out, messages, code = io.StringIO(), io.StringIO(), 0
+    handlers = [(number, signal.getsignal(number)) for number in (signal.SIGINT, signal.SIGTERM)]
+    here = os.getcwd()
+    os.chdir(cwd or here)
+    try:
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(messages), mock.patch.object(sys, "argv", [verb, *words]):
+            code = main()
+    except SystemExit as ended:
+        code = ended.code or 0
+    finally:
+        os.chdir(here)
+        for number, handler in handlers:
+            signal.signal(number, handler)
+    return subprocess.CompletedProcess([verb, *words], code, out.getvalue(), messages.getvalue())
 
 
 def carry_out(*words):

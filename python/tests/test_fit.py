@@ -112,10 +112,10 @@ def test_the_result_does_not_depend_on_the_number_of_runs_at_a_time(place):
     place.make_truth(**{"body.yieldStress": 110})
     words = ["bar.scn", "--target", "truth/history.csv", "--compare", "current_elongation"]
     results = []
-    for jobs in ("1", "2", "3"):
+    for jobs in ("1", "3"):
         place.fit(*words, *BOTH, "--jobs", jobs)
         results.append(((place.path / "found/fit.json").read_text(), place.printed))
-    assert results[0] == results[1] == results[2]
+    assert results[0] == results[1]
     # values with which the scene does not run count as such
     place.fit(*words, "--free", "body.plasticFlowRate=1.9:100:linear", "--jobs", "2")
     assert "evaluations failed" in place.messages
@@ -153,17 +153,11 @@ def test_two_experiments_tell_together_what_neither_tells_alone(place):
     for alone in ("free", "confined"):
         place.fit(f"{alone}.scn", "--target", f"{alone}.csv", *free)
         assert "body.poissonRatio" in place.messages
-    results = set()
-    for jobs in ("1", "3"):
-        found = place.fit("free.scn", "--target", "free.csv", "--experiment", "confined.scn", "confined.csv", "--jobs", jobs,
-                          *free)
-        assert place.messages == ""
-        assert abs(values_of(found)[0] - young) < 1e-4 * young and abs(values_of(found)[1] - poisson) < 1e-4 * poisson
-        for text in ("free: fitted to free.csv, 5 rows\n", "confined: fitted to confined.csv, 3 rows\n",
-                     "elongation of confined.csv"):
-            assert text in place.printed
-        results.add((place.path / "found/fit.json").read_text())
-    assert len(results) == 1
+    found = place.fit("free.scn", "--target", "free.csv", "--experiment", "confined.scn", "confined.csv", "--jobs", "3", *free)
+    assert place.messages == ""
+    assert abs(values_of(found)[0] - young) < 1e-4 * young and abs(values_of(found)[1] - poisson) < 1e-4 * poisson
+    for text in ("free: fitted to free.csv, 5 rows\n", "confined: fitted to confined.csv, 3 rows\n", "elongation of confined.csv"):
+        assert text in place.printed
     assert found["rows"] == 5 and found["columns"][1]["target"] == "confined.csv"
     (other,) = found["further_experiments"]
     assert other["scene"] == "confined.scn" and other["rows"] == 3
@@ -273,8 +267,8 @@ def noisy(truth, seed, noise, kept, plastic_noise):
 
 
 def test_intervals_cover_what_a_run_was_made_with(place):
-    """scripts/fit_coverage has fifty fits of a scene with forceps (docs/reliability.md)."""
-    truth, num_fits = place.make_truth(), 8
+    """scripts/fit_coverage has fifty fits of a scene with forceps (docs/reliability.md), test_confidence the statistics."""
+    truth, num_fits = place.make_truth(), 4
     covered, widths, errors = [0, 0], [0, 0], [0, 0]
     for seed in range(num_fits):
         place.write(curve_csv=noisy(truth, seed, 0.002, 0, 0))
@@ -287,7 +281,7 @@ def test_intervals_cover_what_a_run_was_made_with(place):
             widths[p] += math.log(high / low) / 2 / num_fits
             errors[p] += math.log(one["value"] / value)**2 / num_fits
     for p in range(2):
-        assert covered[p] >= 6
+        assert covered[p] >= 3
         assert widths[p] < 5 * math.sqrt(errors[p])  # not absurdly wide
 
 
