@@ -265,9 +265,8 @@ def drawn_share(browser, selector, attempts=40):
     """Part of the upper half of a frame that has colours of tissue, as soon as there are some."""
     share = 0
     for _ in range(attempts):
-        rows = viewer_checks.pixels_of(browser.shot_of(selector, viewer_checks.SCALE))
-        upper = [pixel for row in rows[:len(rows) // 2] for pixel in row]
-        share = sum(map(viewer_checks.is_of_tissue, upper)) / len(upper)
+        picture = viewer_checks.pixels_of(browser.shot_of(selector, viewer_checks.SCALE))
+        share = viewer_checks.share_of_tissue(picture, bottom=len(picture) // 2)
         if share > 0.02:
             break
     return share

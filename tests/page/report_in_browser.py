@@ -3,7 +3,7 @@
 """Opens the pages that runs leave in a real browser: report_in_browser.py HEXAPLAST SCENE DIRECTORY [PICTURES]
 
 Runs the scene twice into DIRECTORY, compares the runs, and looks at report and comparison in headless Chromium, at the
-width of a desk's screen and of a phone, light and dark. Fails where the browser has something to say, where a page asks
+width of a desk's screen, light, and of a phone, dark. Fails where the browser has something to say, where a page asks
 for anything but itself, where a chart or picture is not there to be seen, where a page scrolls sideways, and where a
 chart does not tell the numbers of history.csv under the pointer, and where the viewer does not do what it is asked for
 (viewer_checks.py). With a folder PICTURES, what was seen is kept there.
@@ -22,7 +22,7 @@ import viewer_checks
 
 SKIPPED = 77
 SOURCE = pathlib.Path(__file__).resolve().parent.parent.parent
-WIDTHS = {"desk": 1280, "phone": 390}  # [pixels]
+VIEWS = {"desk": (1280, "light"), "phone": (390, "dark")}  # [pixels] of the width, and the scheme
 LEAST_TEXT = 9  # [pixels] of the height of letters in charts
 
 
@@ -139,33 +139,32 @@ def main():
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         browser = chromium.Browser(program, profile)
         for page in (report, comparison):
-            for device, width in WIDTHS.items():
-                for scheme in ("light", "dark"):
-                    browser.open(page, width, scheme)
-                    found = list(viewer_checks.check_there(browser, 1 if page is report else 2))
-                    found += look_at(browser, page, width)
-                    if pictures:
-                        browser.picture(pictures / f"{page.stem}_{device}_{scheme}.png")
-                    if page is report:
-                        found += check_pointer(browser, history)
-                        if device == "desk":
-                            found += check_click(browser)
-                        if device == "desk" and scheme == "light" and not found:
-                            found += viewer_checks.check_use(browser, history)
-                        found += complaints_of(browser)
-                    wrong += [f"{page.name}, {device}, {scheme}: {what}" for what in found]
-        browser.open(report, WIDTHS["desk"], "light", moves=True)
+            for device, (width, scheme) in VIEWS.items():
+                browser.open(page, width, scheme)
+                found = list(viewer_checks.check_there(browser, 1 if page is report else 2))
+                found += look_at(browser, page, width)
+                if pictures:
+                    browser.picture(pictures / f"{page.stem}_{device}.png")
+                if page is report:
+                    found += check_pointer(browser, history)
+                    if device == "desk":
+                        found += check_click(browser)
+                    if device == "desk" and not found:
+                        found += viewer_checks.check_use(browser, history)
+                    found += complaints_of(browser)
+                wrong += [f"{page.name}, {device}: {what}" for what in found]
+        browser.open(report, *VIEWS["desk"], moves=True)
         wrong += [f"{report.name}, moving: {what}" for what in viewer_checks.check_play(browser)]
-        browser.open(frame, WIDTHS["desk"], "light")
+        browser.open(frame, *VIEWS["desk"])
         wrong += [f"{frame.name}, moving: {what}" for what in viewer_checks.check_frame(browser, True)]
-        browser.open(gallery, WIDTHS["desk"], "light")
+        browser.open(gallery, *VIEWS["desk"])
         found = list(viewer_checks.check_gallery(browser, 2)) + list(complaints_of(browser))
         wrong += [f"{gallery.name}: {what}" for what in found]
         browser.close()
     # what is set for a page does not reach its frames: the browser itself wants no motion
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         browser = chromium.Browser(program, profile, ["--force-prefers-reduced-motion"])
-        browser.open(frame, WIDTHS["desk"], "light")
+        browser.open(frame, *VIEWS["desk"])
         wrong += [f"{frame.name}: {what}" for what in viewer_checks.check_frame(browser, False)]
         browser.close()
     print("\n".join(wrong) or "nothing to complain of")
