@@ -230,8 +230,18 @@ def curve(tmp_path_factory):
     return out / "history.csv"
 
 
+@pytest.fixture(scope="module")
+def fitted_alone(tmp_path_factory, curve):
+    """The fit by the command."""
+    out = tmp_path_factory.mktemp("fitted")
+    ended = command("fit", BAR, "--target", curve, "--compare", "current_elongation,plastic_elongation", "--free",
+                    f"{YIELD}=50:2000", "--evaluations", 30, "--out", out)
+    assert ended.returncode == 0, ended.stderr
+    return json.loads((out / "fit.json").read_text())
+
+
 @pytest.mark.parametrize("pool", [None, concurrent.futures.ThreadPoolExecutor, concurrent.futures.ProcessPoolExecutor])
-def test_a_fit_by_an_executor_is_that_of_the_command(tmp_path, curve, pool):
+def test_a_fit_by_an_executor_is_that_of_the_command(tmp_path, curve, fitted_alone, pool):
     free = {YIELD: (50, 2000)}
     arguments = dict(compare=["current_elongation", "plastic_elongation"], evaluations=30)
     if pool is None:
@@ -241,10 +251,7 @@ def test_a_fit_by_an_executor_is_that_of_the_command(tmp_path, curve, pool):
             found = study.fit(BAR, curve, free, executor, out=tmp_path / "fit", **arguments)
     assert abs(found.values_found[YIELD] - 420) < 0.1
     assert found["parameters"][0]["confidence_from"] is not None and len(found["columns"]) == 2
-    ended = command("fit", BAR, "--target", curve, "--compare", "current_elongation,plastic_elongation", "--free",
-                    f"{YIELD}=50:2000", "--evaluations", 30, "--out", tmp_path / "alone")
-    assert ended.returncode == 0, ended.stderr
-    assert json.loads((tmp_path / "alone" / "fit.json").read_text()) == found
+    assert fitted_alone == found
 
 
 def test_a_fit_of_several_experiments_is_that_of_the_command(tmp_path, curve):
