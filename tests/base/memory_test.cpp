@@ -43,65 +43,6 @@ TEST(Memory, IsGrantedAsLongAsTheSumFits) {
   const GrantedMemory other = grant_memory("another body", 6e9, 10 * kGB);
 }
 
-// BodyMemory.IsWhatTheGuardCounts measures it.
-TEST(Memory, OfABodyDependsOnWhatItIsMadeOf) {
-  const Material elastic, yields{.yield_stress = 300, .flow_rate = 2}, turns{.rotation_flow_rate = 1};
-  const Settings in_double, mixed{.precision = Precision::kMixed}, plain = published_element();
-  Settings stretches_alone = plain;
-  stretches_alone.rotation_plasticity = RotationPlasticity::kNone;
-  for (const Settings& settings : {in_double, mixed, plain})
-    EXPECT_GT(bytes_per_hexahedron({yields}, settings), bytes_per_hexahedron({elastic}, settings));
-  EXPECT_EQ(bytes_per_hexahedron({elastic, turns}, plain), bytes_per_hexahedron({yields}, plain));
-  EXPECT_EQ(bytes_per_hexahedron({turns}, stretches_alone), bytes_per_hexahedron({elastic}, plain));
-  EXPECT_LT(bytes_per_hexahedron({yields}, mixed), bytes_per_hexahedron({yields}, in_double));
-  EXPECT_GT(bytes_per_hexahedron({elastic}, mixed), kMinBytesPerHexahedron);
-}
-
-// Eight tensors of 72 bytes for each stretch that is tracked, seven more where each corner turns by itself; in the
-// history, and in the one that a step tries.
-TEST(Memory, OfABodyCountsWhatNotEveryHistoryHas) {
-  const Material elastic, yields{.yield_stress = 300, .flow_rate = 2};
-  Material tears = yields, breaks = elastic;
-  tears.fracture_stretch = breaks.fracture_stretch = 2;
-  const Settings plain{.rest_shape = RestShape::kJoined, .implementation = Implementation::kPlain};
-  const double still = bytes_per_hexahedron({elastic}, plain), flows = bytes_per_hexahedron({yields}, plain);
-  EXPECT_EQ(bytes_per_hexahedron({breaks}, plain), still + 8 * 72);
-  EXPECT_EQ(bytes_per_hexahedron({yields, tears}, plain), flows + 2 * 8 * 72);
-  for (const RotationPlasticity mode : {RotationPlasticity::kVertex, RotationPlasticity::kCentre}) {
-    const Settings corners{
-        .rest_shape = RestShape::kJoined, .rotation_plasticity = mode, .implementation = Implementation::kPlain};
-    EXPECT_EQ(bytes_per_hexahedron({elastic}, corners), still + 7 * 72);
-    EXPECT_EQ(bytes_per_hexahedron({yields}, corners), flows + 2 * 7 * 72);
-    EXPECT_EQ(bytes_per_hexahedron({tears}, corners), flows + 2 * 15 * 72);
-  }
-}
-
-// Eight tensors where rest shapes are isolated, in both histories, and nothing where none can flow.
-TEST(Memory, OfABodyCountsIsolatedRestShapesOfWhatFlows) {
-  Material yields{.yield_stress = 300, .flow_rate = 2}, breaks = yields;
-  breaks.fracture_stretch = 2;
-  for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
-    const Settings joined{.rest_shape = RestShape::kJoined, .precision = precision}, isolated{.precision = precision};
-    EXPECT_EQ(bytes_per_hexahedron({{}}, isolated), bytes_per_hexahedron({{}}, joined));
-    EXPECT_GT(bytes_per_hexahedron({yields}, isolated), bytes_per_hexahedron({{}}, isolated) + 2 * 8 * 72);
-    EXPECT_EQ(bytes_per_hexahedron({breaks}, isolated), bytes_per_hexahedron({yields}, isolated));
-  }
-}
-
-// Six numbers of each quadrature point for each branch, and for what they need of the step before; in both histories.
-TEST(Memory, OfABodyCountsBranches) {
-  const Material elastic, yields{.yield_stress = 300, .flow_rate = 2};
-  for (const Implementation implementation : {Implementation::kAuto, Implementation::kPlain}) {
-    const Settings without{.rest_shape = RestShape::kIsolated, .implementation = implementation};
-    Settings one = without, two = without;
-    one.relaxation = {1, 0.1};
-    two.relaxation = {1, 0.1, 1, 0.2};
-    EXPECT_EQ(bytes_per_hexahedron({yields}, one), bytes_per_hexahedron({yields}, without) + 2 * 2 * 8 * 48);
-    for (const Material& material : {elastic, yields})
-      EXPECT_EQ(bytes_per_hexahedron({material}, two), bytes_per_hexahedron({material}, one) + 2 * 8 * 48);
-  }
-}
-
 /// Of a file system with this /proc/self/cgroup and these limits.
 std::uint64_t available_with(const std::string& groups,
                              const std::vector<std::pair<std::string, std::string>>& limits) {

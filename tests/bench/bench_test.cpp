@@ -68,6 +68,7 @@ TEST(BenchBatch, BodiesHaveTheBitsOfBodiesAloneForAnyNumberOfThreads) {
     EXPECT_EQ(one.size, 90);
     EXPECT_EQ(three.threads, 3);
     EXPECT_EQ(one.state_hash, three.state_hash) << one.mode << ' ' << one.precision;
+    EXPECT_EQ(one.alone.speed_up, 1);
     if (k > 0) {
       EXPECT_NE(one.state_hash, outcome.records[k - 1].state_hash);
     }

@@ -4,23 +4,17 @@
 #include <sys/wait.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <cstdlib>
 #include <regex>
 
+#include "support/held_bar.hpp"
+
 namespace {
 
-namespace fs = std::filesystem;
-using hexaplast::support::Command;
-using hexaplast::support::content;
-using hexaplast::support::Outcome;
+using namespace hexaplast::support;
 
 // A bar of two hexahedra, pulled at one end.
-const std::string kBar =
-    "<Node name='root' gravity='0 0 0'>\n<DefaultAnimationLoop/><RunSettings steps='4'/>\n<Node name='bar'>"
-    "<EulerImplicitSolver/><SparseLDLSolver/>\n<RegularGridTopology n='3 2 2'/><MechanicalObject/><DiagonalMass/>\n"
-    "<HexahedronElastoplasticFEMForceField name='material'/>\n<FixedProjectiveConstraint indices='0 3 6 9'/>"
-    "<ConstantForceField name='pull' indices='2' forces='1 0 0'/></Node></Node>";
+const std::string kBar = in_a_node(held_bar("", "", "indices='2' forces='1 0 0'"), "steps='4'");
 
 TEST_F(Command, ShowsASummaryAndWritesNothingElse) {
   write("bar.scn", kBar);
@@ -28,11 +22,11 @@ TEST_F(Command, ShowsASummaryAndWritesNothingElse) {
   EXPECT_EQ(outcome.err, "");
   for (const char* line : {"bar: 4 steps of 0.01 s, to t = 0.04 s", "hexahedra           2", "plastic elongation",
                            "plastic twist", "volume error", "largest strain", "hex/ms", "state hash"}) {
-    EXPECT_NE(outcome.out.find(line), std::string::npos) << line << " is missing in\n" << outcome.out;
+    EXPECT_TRUE(has(outcome.out, line));
   }
   // where nothing has flowed there is none, and what rounding leaves is zero
-  EXPECT_EQ(outcome.out.find("plastic strain"), std::string::npos) << outcome.out;
-  EXPECT_EQ(outcome.out.find("-0.000"), std::string::npos) << outcome.out;
+  EXPECT_FALSE(has(outcome.out, "plastic strain"));
+  EXPECT_FALSE(has(outcome.out, "-0.000"));
   EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), 3);  // the scene, out and err
 }
 
@@ -48,9 +42,8 @@ TEST_F(Command, WritesNoControlCodesIntoFilesAndNothingWhereItIsQuiet) {
 TEST_F(Command, StepsAndAttributesOfTheCommandLineCountBeforeTheScene) {
   write("bar.scn", kBar);
   for (const char* pull : {"bar/pull.forces", "root/bar/pull.forces"})
-    EXPECT_NE(hexaplast("run bar.scn --steps 2 --set root.dt=0.5 --set " + std::string(pull) + "='0 0 0'")
-                  .out.find("2 steps of 0.5 s, to t = 1 s"),
-              std::string::npos);
+    EXPECT_TRUE(has(hexaplast("run bar.scn --steps 2 --set root.dt=0.5 --set " + std::string(pull) + "='0 0 0'").out,
+                    "2 steps of 0.5 s, to t = 1 s"));
 }
 
 TEST_F(Command, VersionAndHelpAreNoErrors) {
@@ -59,7 +52,7 @@ TEST_F(Command, VersionAndHelpAreNoErrors) {
   const Outcome help = succeeds("run --help");
   for (const char* option : {"--steps", "--out", "--final", "--threads", "--set", "--frames", "--force", "--quiet",
                              "--plugin-path", "Exit codes"}) {
-    EXPECT_NE(help.out.find(option), std::string::npos) << option;
+    EXPECT_TRUE(has(help.out, option));
   }
 }
 
@@ -133,7 +126,7 @@ TEST_F(Command, EndsWithTheCodeOfWhatIsWrongAndSaysIt) {
        {"resume " + endless, 5, endless + ": cannot be read: File name too long\n"},
        {"run bar.scn --final absent/state.json", 5, "absent/state.json"},
        {"run bar.scn --out file", 5, "file: is a file"}});
-  EXPECT_FALSE(fs::exists(directory_ / "run"));
+  EXPECT_FALSE(is_there("run"));
   succeeds("run mass.scn --steps 1");
 }
 
@@ -143,14 +136,11 @@ TEST_F(Command, PluginsThatCannotBeUsedEndWith6) {
   write("other.scn", "<Node>\n<RequiredPlugin pluginName='Sofa.Component.Mass Other'/></Node>");
   write("path.scn", "<Node>\n<RequiredPlugin pluginName='./Other'/></Node>");
   write("libOther.so", "just some text, longer than any header could be: " + std::string(200, '.'));
-  const std::string none = "there is no Absent.so or libAbsent.so; search path: elsewhere:",
-                    damaged = "it is not a shared library; search path: .:";
+  const std::string none = "there is no Absent.so or libAbsent.so; search path: elsewhere:";
   expect_refused(
       {{"run absent.scn --plugin-path elsewhere", 6, "absent.scn:2: error: RequiredPlugin: plugin 'Absent': " + none},
-       {"run other.scn --plugin-path .", 6, damaged},
-       {"check other.scn --plugin-path .", 6, damaged},
-       {"list --plugin Other --plugin-path .", 6, damaged},
-       {"run path.scn --plugin-path .", 6, "never by path"}});
+       {"check other.scn --plugin-path .", 6, "it is not a shared library; search path: .:"},
+       {"list --plugin Other --plugin-path .", 6, "it is not a shared library; search path: .:"}});
 
   // the directory of the scene is no place for plugins by itself
   fs::copy_file(fs::path(HEXAPLAST_COMMAND).parent_path() / ".." / HEXAPLAST_PLUGIN_DIR / "Hexaplast.so",
@@ -166,9 +156,9 @@ TEST_F(Command, ClosedStreamsStayOutOfFiles) {
                            "' run bar.scn --out out --frames 0 --set bar/CGLinearSolver1.iterations=1 <&- >&- 2>&-";
   write("bar.scn", std::regex_replace(kBar, std::regex("SparseLDLSolver"), "CGLinearSolver"));
   EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 5) << "the summary is lost";
-  const std::string history = content(directory_ / "out" / "history.csv");
+  const std::string history = read("out/history.csv");
   EXPECT_EQ(std::count(history.begin(), history.end(), '\n'), 6);  // header, initial state, four steps
-  EXPECT_EQ(history.find("warning"), std::string::npos);
+  EXPECT_FALSE(has(history, "warning"));
 }
 
 TEST_F(Command, TheFinalFileMayLieInTheOutputDirectory) {
@@ -197,8 +187,8 @@ TEST_F(Command, ThePythonSceneIsTheSceneInXml) {
   write("python.scn", recorded.out);
   succeeds("run python.scn --steps 60 --final python.json");
   succeeds("run '" + (source / "scenes" / "bar_stretch_high.scn").string() + "' --steps 60 --final xml.json");
-  EXPECT_EQ(content(directory_ / "python.json"), content(directory_ / "xml.json"));
-  EXPECT_NE(content(directory_ / "xml.json").find("state_hash"), std::string::npos);
+  EXPECT_EQ(read("python.json"), read("xml.json"));
+  EXPECT_TRUE(has(read("xml.json"), "state_hash"));
 }
 
 }  // namespace

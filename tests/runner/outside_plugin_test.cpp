@@ -10,19 +10,12 @@
 
 namespace {
 
-namespace fs = std::filesystem;
-using hexaplast::support::Command;
-using hexaplast::support::content;
-using hexaplast::support::Outcome;
-using Json = nlohmann::json;
+using namespace hexaplast::support;
 using namespace std::string_literals;
+using Json = nlohmann::json;
 
 const fs::path kSource = HEXAPLAST_SOURCE_DIR;
 const std::string kExample = kSource / "docs/examples/plugin";
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-std::string quoted(const std::string& path) { return std::string("'").append(path).append("'"); }
 
 /// The command of the installation under `prefix`.
 class OutsidePlugin : public Command {
@@ -43,8 +36,8 @@ class OutsidePlugin : public Command {
     const std::size_t begin = text.find("\n" + first_line), end = text.find("\n```", begin);
     ASSERT_NE(begin, text.npos) << page << " has no line " << first_line;
     for (const char* name : {"docs", "examples"})
-      if (!fs::exists(directory_ / name)) fs::create_symlink(kSource / name, directory_ / name);
-    if (!fs::exists(directory_ / "build")) fs::create_symlink(HEXAPLAST_BUILD_DIR, directory_ / "build");
+      if (!is_there(name)) fs::create_symlink(kSource / name, directory_ / name);
+    if (!is_there("build")) fs::create_symlink(HEXAPLAST_BUILD_DIR, directory_ / "build");
     const std::string lines = std::regex_replace(text.substr(begin, end - begin), std::regex("\\bPREFIX\\b"),
                                                  (directory_ / "prefix").string());
     write("lines.sh", "set -e\nexport CXX='" HEXAPLAST_COMPILER "'\n" + lines + "\n");
@@ -61,7 +54,7 @@ TEST_F(OutsidePlugin, IsBuiltFromTheInstallationAndFoundByName) {
 
   // Every node of the cube moves alike, so that it is one mass on one spring, by the scheme of the solver:
   // (m + h^2 k) dv = h (-k (u - offset) - h k v).
-  const Json state = Json::parse(content(directory_ / "state.json"));
+  const Json state = json("state.json");
   const double m = 4.0 / 8, k = 20, h = 0.01;
   double u = 0, v = 0;
   for (int step = 0; step < 50; ++step) {
@@ -81,10 +74,10 @@ TEST_F(OutsidePlugin, IsBuiltFromTheInstallationAndFoundByName) {
   EXPECT_EQ(installed("check bare.scn").code, 3);
   const Outcome named = installed("check bare.scn --plugin Tether");
   EXPECT_EQ(named.code, 3);
-  EXPECT_EQ(named.err.find("unknown component"), std::string::npos) << named.err;
+  EXPECT_FALSE(has(named.err, "unknown component"));
   const Outcome listed = installed("list TetherForceField --plugin Tether");
   EXPECT_EQ(listed.code, 0);
-  EXPECT_NE(listed.out.find("stiffness: one number [N/m], must be > 0; default 1"), std::string::npos) << listed.out;
+  EXPECT_TRUE(has(listed.out, "stiffness: one number [N/m], must be > 0; default 1"));
   EXPECT_EQ(installed("run " + scene + " --set cube/TetherForceField1.stiffness=-1").code, 2);
 }
 
@@ -132,7 +125,7 @@ TEST_F(OutsidePlugin, AllPublicHeadersAreInstalled) {
   must("'" HEXAPLAST_CMAKE "' --install '" HEXAPLAST_BUILD_DIR "' --prefix prefix --component development");
   std::string headers;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(directory_ / "prefix/include"))
-    if (entry.path().extension() == ".hpp" && !has(entry.path(), "/plugin/"))
+    if (entry.path().extension() == ".hpp" && !has(entry.path().string(), "/plugin/"))
       headers += "#include \"" + entry.path().string() + "\"\n";
   EXPECT_GT(std::ranges::count(headers, '\n'), 30) << "the search has lost its object";
   write("headers.cpp", headers);
@@ -201,13 +194,13 @@ TEST_F(DebianPackages, HoldWhatTheirNamesSayAndWorkTogether) {
   // any later release of the same soname will do, and another soname is another package; the linker's cache is renewed
   // once for all packages
   must("dpkg-deb -e packages/" + kLibrary + "_*.deb control");
-  const std::string shlibs = content(directory_ / "control/shlibs");
+  const std::string shlibs = read("control/shlibs");
   for (const char* part : {"", "_formats", "_attributes", "_parts", "_scene", "_components", "_output"})
     EXPECT_TRUE(
         has(shlibs, "libhexaplast"s + part + " " HEXAPLAST_SONAME " " + kLibrary + " (>= " HEXAPLAST_VERSION ")"))
         << shlibs;
-  EXPECT_EQ(content(directory_ / "control/triggers"), "activate-noawait ldconfig\n");
-  EXPECT_FALSE(fs::exists(directory_ / "control/postinst"));
+  EXPECT_EQ(read("control/triggers"), "activate-noawait ldconfig\n");
+  EXPECT_FALSE(is_there("control/postinst"));
 
   must("mkdir root && for deb in packages/*.deb; do dpkg-deb -x $deb root; done");
   const Outcome run = shell("root/usr/bin/hexaplast run '" + std::string(HEXAPLAST_SOURCE_DIR) +
@@ -225,7 +218,7 @@ TEST_F(DebianPackages, HoldWhatTheirNamesSayAndWorkTogether) {
       "test -e \"$(pkg-config --variable=includedir hexaplast)/hexaplast/body.hpp\" && "
       "test -e \"$(pkg-config --variable=libdir hexaplast)/libhexaplast.so\"");
   // nothing of the build tree is left in what is delivered
-  EXPECT_NE(shell("grep -rl '" HEXAPLAST_BUILD_DIR "' root").code, 0) << content(directory_ / "out");
+  EXPECT_NE(shell("grep -rl '" HEXAPLAST_BUILD_DIR "' root").code, 0) << read("out");
 }
 
 }  // namespace

@@ -7,8 +7,7 @@
 
 namespace {
 
-using hexaplast::support::Command;
-using hexaplast::support::content;
+using namespace hexaplast::support;
 
 class CommandPage : public Command {
  protected:
@@ -52,7 +51,7 @@ class CommandPage : public Command {
 
   /// What bash offers after these words, the last one unfinished.
   std::set<std::string> completed(const std::string& words) {
-    const std::string bin = std::filesystem::path(HEXAPLAST_COMMAND).parent_path().string();
+    const std::string bin = fs::path(HEXAPLAST_COMMAND).parent_path().string();
     write("ask.sh", "PATH=" + bin + ":$PATH; source ./completion\nCOMP_WORDS=(hexaplast " + words +
                         ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n_hexaplast\nprintf '%s\\n' \"${COMPREPLY[@]}\"\n");
     const auto asked = shell("bash ask.sh");
@@ -76,16 +75,16 @@ TEST_F(CommandPage, TellsEveryOptionOfEverySubcommand) {
     ASSERT_NE(begin, std::string::npos) << path;
     const std::string section = page.substr(begin, page.find("\n.S", begin + 1) - begin);
     if (is_of_program(text)) {
-      EXPECT_NE(section.find("\\-\\-help\\fR lists its options"), std::string::npos) << path;
+      EXPECT_TRUE(has(section, "\\-\\-help\\fR lists its options")) << path;
       return;
     }
     const std::set<std::string> options = entries(text, "Options");
     ASSERT_GE(options.size(), 2u) << text;
     for (const std::string& option : options)
-      EXPECT_NE(section.find("\\fB" + hyphened(option) + "\\fR"), std::string::npos) << path << ": " << option;
+      EXPECT_TRUE(has(section, "\\fB" + hyphened(option) + "\\fR")) << path << option;
   });
   EXPECT_GT(count, 14) << "the walk has lost its object";
-  EXPECT_EQ(page.find(".SS \"hexaplast page"), std::string::npos) << "page is for the build alone";
+  EXPECT_FALSE(has(page, ".SS \"hexaplast page")) << "page is for the build alone";
 }
 
 // They are written by hand.

@@ -2,27 +2,21 @@
 // `hexaplast compare`: two runs beside each other.
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "support/command.hpp"
-#include "support/csv.hpp"
+#include "support/golden.hpp"
 #include "support/held_bar.hpp"
 
 namespace {
 
-namespace fs = std::filesystem;
-using hexaplast::support::content;
-using hexaplast::support::Csv;
-using hexaplast::support::Outcome;
-using Json = nlohmann::json;
+using namespace hexaplast::support;
 
-const std::string kYieldingBar = hexaplast::support::in_a_node(
-    hexaplast::support::held_bar("", "yieldStress='300' plasticFlowRate='4' restShape='joined'",
-                                 "indices='2 5 8 11' forces='250 0 0'"),
+const std::string kYieldingBar = in_a_node(
+    held_bar("", "yieldStress='300' plasticFlowRate='4' restShape='joined'", "indices='2 5 8 11' forces='250 0 0'"),
     "steps='20' outputEvery='10'");
 
-class Compare : public hexaplast::support::Command {
+class Compare : public Command {
  protected:
   void SetUp() override {
     Command::SetUp();
@@ -30,8 +24,7 @@ class Compare : public hexaplast::support::Command {
   }
 
   void run(const std::string& directory, const std::string& options = "") {
-    const Outcome outcome =
-        succeeds("run bar.scn --frames 0 --quiet --out " + directory + " --final " + directory + ".json " + options);
+    succeeds("run bar.scn --frames 0 --quiet --out " + directory + " --final " + directory + ".json " + options);
   }
 
   /// The words of the line of the output that begins with `label`.
@@ -45,17 +38,15 @@ class Compare : public hexaplast::support::Command {
     ADD_FAILURE() << "no line '" << label << "' in\n" << out;
     return {};
   }
-
-  Csv history(const std::string& directory) { return Csv(content(directory_ / directory / "history.csv")); }
 };
 
 TEST_F(Compare, FindsNothingBetweenEqualRuns) {
   run("a", "--threads 1");
   run("b", "--threads 2");
   const Outcome outcome = succeeds("compare a b");
-  EXPECT_NE(outcome.out.find("Both end in the same state, bit for bit."), std::string::npos) << outcome.out;
-  EXPECT_NE(outcome.out.find("Where the scenes differ\n  Nowhere."), std::string::npos);
-  EXPECT_NE(outcome.out.find("21 rows at common times, of 21 and 21"), std::string::npos);
+  EXPECT_TRUE(has(outcome.out, "Both end in the same state, bit for bit."));
+  EXPECT_TRUE(has(outcome.out, "Where the scenes differ\n  Nowhere."));
+  EXPECT_TRUE(has(outcome.out, "21 rows at common times, of 21 and 21"));
   for (const char* column : {"plastic_elongation", "elastic_energy", "dissipated_energy", "positions"})
     EXPECT_EQ(line(outcome.out, column).front(), "0") << column;
 }
@@ -68,40 +59,26 @@ TEST_F(Compare, NamesTheLargestDifferencesAndWhereTheyAre) {
 
   const auto a = history("a"), b = history("b");
   for (const char* column : {"plastic_elongation", "dissipated_energy", "kinetic_energy", "current_elongation"}) {
-    const std::vector<double> in_a = a.numbers(column), in_b = b.numbers(column);
-    std::size_t at = 0;
-    double largest = 0;
-    for (std::size_t k = 0; k < in_a.size(); ++k) {
-      if (std::abs(in_a[k] - in_b[k]) > std::abs(in_a[at] - in_b[at])) at = k;
-      largest = std::max({largest, std::abs(in_a[k]), std::abs(in_b[k])});
-    }
-    const double difference = std::abs(in_a[at] - in_b[at]);
+    const Eigen::VectorXd in_a = vector(a.numbers(column)), in_b = vector(b.numbers(column));
+    Eigen::Index at = 0;
+    const double difference = (in_a - in_b).cwiseAbs().maxCoeff(&at),
+                 largest = std::max(in_a.cwiseAbs().maxCoeff(), in_b.cwiseAbs().maxCoeff());
     ASSERT_GT(difference, 0) << column;
     const std::vector<std::string> words = line(outcome.out, column);
     EXPECT_NEAR(std::stod(words.at(0)), difference, 1e-5 * difference) << column;
     EXPECT_NEAR(std::stod(words.at(1)), difference / largest, 1e-2 * difference / largest) << column;
-    EXPECT_EQ(std::stoul(words.at(2)), at) << column;
+    EXPECT_EQ(std::stol(words.at(2)), at) << column;
   }
 
   // positions against the last states in JSON, which is written and read by others
-  const Json state_a = Json::parse(content(directory_ / "a.json")),
-             state_b = Json::parse(content(directory_ / "b.json"));
+  const Json state_a = json("a.json"), state_b = json("b.json");
   for (const auto& [label, array] : {std::pair<std::string, const char*>{"positions", "positions"},
                                      {"plastic rest positions", "plastic_rest_positions"}}) {
-    double farthest = 0;
-    std::size_t node = 0;
-    for (std::size_t n = 0; n < state_a.at(array).size(); ++n) {
-      double squared = 0;
-      for (int i = 0; i < 3; ++i)
-        squared += std::pow(state_a.at(array)[n][i].get<double>() - state_b.at(array)[n][i].get<double>(), 2);
-      if (squared > farthest * farthest) {
-        farthest = std::sqrt(squared);
-        node = n;
-      }
-    }
+    Eigen::Index node = 0;
+    const double farthest = (matrix(state_a[array]) - matrix(state_b[array])).rowwise().norm().maxCoeff(&node);
     const std::vector<std::string> words = line(outcome.out, label);
     EXPECT_NEAR(std::stod(words.at(0)), farthest, 1e-5 * farthest);
-    EXPECT_EQ(std::stoul(words.at(3)), node);  // "0.1 m node 7"
+    EXPECT_EQ(std::stol(words.at(3)), node);  // "0.1 m node 7"
   }
   EXPECT_GT(std::stod(line(outcome.out, "plastic strain").at(0)), 0);
 }
@@ -110,19 +87,19 @@ TEST_F(Compare, RunsOfOtherTimeStepsMeetWhereTheirTimesDo) {
   run("a");
   run("b", "--set .dt=0.005 --steps 40");
   const Outcome outcome = succeeds("compare a b");
-  EXPECT_NE(outcome.out.find("21 rows at common times, of 21 and 41"), std::string::npos) << outcome.out;
-  EXPECT_NE(outcome.out.find("states at 0.2 s"), std::string::npos) << outcome.out;
+  EXPECT_TRUE(has(outcome.out, "21 rows at common times, of 21 and 41"));
+  EXPECT_TRUE(has(outcome.out, "states at 0.2 s"));
 
   run("c", "--steps 13");  // its last state is not among those of a: the one at 0.1 s is
-  EXPECT_NE(hexaplast("compare a c").out.find("states at 0.1 s"), std::string::npos);
+  EXPECT_TRUE(has(hexaplast("compare a c").out, "states at 0.1 s"));
 }
 
 TEST_F(Compare, WritesAPageOfBothRuns) {
   run("a");
   run("b", "--set bar/material.yieldStress=200");
   succeeds("compare a b --out both.html");
-  const std::string page = content(directory_ / "both.html");
-  EXPECT_NE(page.find("/bar/material.yieldStress"), std::string::npos);
+  const std::string page = read("both.html");
+  EXPECT_TRUE(has(page, "/bar/material.yieldStress"));
 
   const auto a = history("a"), b = history("b");
   constexpr std::string_view kBegin = "<script type=\"application/json\">";

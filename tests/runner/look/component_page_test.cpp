@@ -11,12 +11,7 @@
 
 namespace {
 
-using hexaplast::support::classes_in;
-using hexaplast::support::Command;
-using hexaplast::support::content;
-using hexaplast::support::Outcome;
-using hexaplast::support::pasted;
-using Json = nlohmann::json;
+using namespace hexaplast::support;
 
 const std::string kPage = std::string(HEXAPLAST_SOURCE_DIR) + "/docs/components.md";
 
@@ -75,7 +70,7 @@ TEST_F(Command, TheComponentPageNamesEveryAttributeWithItsComponent) {
     const std::string section = page.substr(begin, page.find("\n```xml", begin) - begin);
     for (const Json& attribute : component["attributes"]) {
       if (attribute["access"] == "ignored") continue;
-      EXPECT_NE(section.find("`" + std::string(attribute["name"]) + "`"), section.npos) << name << attribute["name"];
+      EXPECT_TRUE(has(section, "`" + std::string(attribute["name"]) + "`")) << name << attribute["name"];
     }
   }
 }
@@ -84,7 +79,7 @@ TEST_F(Command, ListPrintsOneComponent) {
   const Outcome text = succeeds("list BoxROI");
   for (const char* part :
        {"BoxROI: ", "box: groups of six numbers [m]; default 0 0 0 1 1 1", "indices: whole numbers; computed"})
-    EXPECT_NE(text.out.find(part), std::string::npos) << part;
+    EXPECT_TRUE(has(text.out, part));
 
   const Json json = Json::parse(hexaplast("list HexahedronElastoplasticFEMForceField --json").out);
   EXPECT_EQ(json["category"], "ForceField");

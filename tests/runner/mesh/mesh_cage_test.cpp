@@ -8,7 +8,7 @@
 namespace {
 
 using namespace hexaplast;
-using support::Outcome;
+using namespace support;
 
 /// The faces of an axis-aligned box as OBJ, its vertices numbered from `first` on.
 std::string box(const Vec3& min, const Vec3& max, int first = 1) {
@@ -21,7 +21,7 @@ std::string box(const Vec3& min, const Vec3& max, int first = 1) {
   return text.str();
 }
 
-class MeshCage : public support::Command {
+class MeshCage : public Command {
  protected:
   ImportedMesh written() { return read_vtk(directory_ / "cage.vtu"); }
 };
@@ -39,16 +39,14 @@ TEST_F(MeshCage, LaysCubesAroundASurface) {
   EXPECT_EQ(cage.hexahedra.size(), 150u);
   const ImportedMesh surface = read_obj(directory_ / "plate.obj");
   EXPECT_EQ(Embedding(cage.positions, cage.hexahedra, surface.positions).num_outside(), 0);
-  EXPECT_NE(support::content(directory_ / "cage.vtu").find("Name=\"enclosed\""), std::string::npos);
+  EXPECT_TRUE(has(read("cage.vtu"), "Name=\"enclosed\""));
 }
 
 TEST_F(MeshCage, RefusesPartsUnlessAskedFor) {
   write("two.obj", box(Vec3(0, 0, 0), Vec3(1, 1, 1)) + box(Vec3(4, 0, 0), Vec3(5, 1, 1), 9));
-  const Outcome refused = hexaplast("mesh cage two.obj --cells 10 -o cage.vtu");
-  EXPECT_EQ(refused.code, 3);
-  EXPECT_EQ(refused.err,
-            "two.obj: error: the cage has 2 parts that share no face: use fewer, larger cells, or --allow-parts\n");
-  EXPECT_FALSE(std::filesystem::exists(directory_ / "cage.vtu"));
+  fails("mesh cage two.obj --cells 10 -o cage.vtu", 3,
+        "two.obj: error: the cage has 2 parts that share no face: use fewer, larger cells, or --allow-parts\n");
+  EXPECT_FALSE(is_there("cage.vtu"));
   succeeds("mesh cage two.obj --cells 10 -o cage.vtu --allow-parts");
   succeeds("mesh cage two.obj --cells 1 -o cage.vtu");
   EXPECT_EQ(written().hexahedra.size(), 1u);
@@ -79,7 +77,7 @@ TEST_F(MeshCage, RefusesWhatItCannotDo) {
                   {"mesh cage plate.obj" + into_good, 2, "--cells"},
                   {"mesh cage plate.obj --cells 3 -o cage.obj", 2, "--out cage.obj: the name must end in .vtu\n"},
                   {"mesh cage plate.obj --cells 3 -o nowhere/cage.vtu", 5, "nowhere/cage.vtu"}});
-  EXPECT_EQ(support::content(directory_ / "good.vtu"), "good");
+  EXPECT_EQ(read("good.vtu"), "good");
 }
 
 }  // namespace

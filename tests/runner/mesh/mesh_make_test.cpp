@@ -10,10 +10,9 @@
 namespace {
 
 using namespace hexaplast;
-using support::Outcome;
-using Json = nlohmann::json;
+using namespace support;
 
-class MeshMake : public support::Command {
+class MeshMake : public Command {
  protected:
   Json info(const std::string& file) {
     const Outcome outcome = succeeds("mesh info " + file + " --json");
@@ -31,7 +30,7 @@ class MeshMake : public support::Command {
   void expect_none_made(std::initializer_list<std::tuple<std::string, int, std::string>> lines) {
     for (const auto& [words, code, message] : lines)
       expect_refused({{"mesh " + words + " -o made.vtu", code, message}});
-    EXPECT_FALSE(std::filesystem::exists(directory_ / "made.vtu"));
+    EXPECT_FALSE(is_there("made.vtu"));
   }
 };
 
@@ -73,11 +72,7 @@ TEST_F(MeshMake, OffsetRefusesWhatFoldsOrIsNoSurface) {
 }
 
 TEST_F(MeshMake, OffsetLeavesOutVerticesWithoutFaceAndSaysSo) {
-  write(
-      "corner.obj", "v 7 7 7\n" + [] {
-        std::string shifted = kCorner;
-        return shifted.substr(0, shifted.find('f')) + "f 2 3 4 5\nf 3 6 7 4\n";
-      }());
+  write("corner.obj", "v 7 7 7\n" + kCorner.substr(0, kCorner.find('f')) + "f 2 3 4 5\nf 3 6 7 4\n");
   const Outcome outcome = succeeds("mesh offset corner.obj --thickness 0.1 -o shell.vtu");
   EXPECT_EQ(outcome.err,
             "corner.obj: warning: 1 vertices without a face are left out, and the others numbered without them\n");
@@ -128,7 +123,7 @@ TEST_F(MeshMake, ShapesRefuseWhatMeansNothing) {
 TEST_F(MeshMake, ConvertsEveryKindOfCellAndSaysWhatItLeavesOut) {
   const std::string two = std::string("'") + HEXAPLAST_TEST_DATA + "/meshes/two_41_binary.msh'";
   const Outcome outcome = succeeds("mesh convert " + two + " -o two.vtu");
-  EXPECT_NE(outcome.err.find("warning: 1 cells are skipped"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(has(outcome.err, "warning: 1 cells are skipped"));
   const ImportedMesh mesh = read_mesh(directory_ / "two.vtu");
   EXPECT_EQ(mesh.hexahedra.size(), 2u);
   EXPECT_EQ(mesh.quads.size(), 1u);
@@ -142,13 +137,13 @@ TEST_F(MeshMake, ConvertsEveryKindOfCellAndSaysWhatItLeavesOut) {
 // The commands of the README, on copies of the files that it names: the sheet tears where it is held by the forceps.
 TEST_F(MeshMake, TheSheetOfTheReadmeIsGrownAndTorn) {
   for (const char* file : {"sheet.obj", "sheet.scn"})
-    write(file, support::content(std::string(HEXAPLAST_SOURCE_DIR) + "/docs/examples/sheet/" + file));
+    write(file, content(std::string(HEXAPLAST_SOURCE_DIR) + "/docs/examples/sheet/" + file));
   made("offset sheet.obj --thickness 0.004 --layers 2 -o sheet.vtu");
   const Outcome check = succeeds("check sheet.scn");
   EXPECT_EQ(check.err, "");
-  EXPECT_NE(check.out.find("351, of which 54 are fixed"), std::string::npos) << check.out;
+  EXPECT_TRUE(has(check.out, "351, of which 54 are fixed"));
   const Outcome run = succeeds("run sheet.scn --steps 110 --final final.json");
-  const Json final = Json::parse(support::content(directory_ / "final.json"));
+  const Json final = json("final.json");
   const Json& ratios = final["volume_ratio"];
   const auto num_torn = std::ranges::count_if(ratios, [](const Json& ratio) { return ratio == 0; });
   EXPECT_GE(num_torn, 6);
@@ -164,19 +159,19 @@ TEST_F(MeshMake, InfoTellsSurfacesFromBodies) {
   EXPECT_EQ(surface["body"], nullptr);
   EXPECT_EQ(surface["surface"], Json::parse(R"({"closed": false, "most_inward": 1.0, "most_outward": null})"));
   write("mixed.obj", kCorner + "f 5 6 1\n");
-  EXPECT_NE(made("info mixed.obj").find("cannot be offset: 1 triangles"), std::string::npos);
+  EXPECT_TRUE(has(made("info mixed.obj"), "cannot be offset: 1 triangles"));
   EXPECT_EQ(hexaplast("mesh info absent.vtu").code, 5);
   EXPECT_EQ(hexaplast("mesh info corner.stl").code, 5);
 }
 
 TEST_F(MeshMake, InfoNamesWhatIsLeftOut) {
   for (const char* file : {"second_order.msh", "duplicate_hexahedron.msh"})
-    write(file, support::content(std::string(HEXAPLAST_TEST_DATA "/meshes/") + file));
+    write(file, content(std::string(HEXAPLAST_TEST_DATA "/meshes/") + file));
   const Json second_order = info("second_order.msh");
   EXPECT_EQ(second_order["skipped_cells"], 1);
   EXPECT_EQ(second_order["skipped_kinds"], (Json{{"hexahedra of 20 nodes (Gmsh type 17)", 1}}));
-  EXPECT_NE(hexaplast("mesh info second_order.msh").err.find("first order: 1 hexahedra of 20 nodes (Gmsh type 17)\n"),
-            std::string::npos);
+  EXPECT_TRUE(
+      has(hexaplast("mesh info second_order.msh").err, "first order: 1 hexahedra of 20 nodes (Gmsh type 17)\n"));
   const Json copies = info("duplicate_hexahedron.msh");
   EXPECT_EQ(copies["copies"], 1);
   EXPECT_NEAR(copies["body"]["volume"], 2, 1e-12);

@@ -4,10 +4,10 @@
 
 namespace {
 
-namespace fs = std::filesystem;
+using namespace hexaplast::support;
 
 /// A body on a cube of a mesh file that lies in far/mesh.
-class MeshPath : public hexaplast::support::Command {
+class MeshPath : public Command {
  protected:
   void SetUp() override {
     Command::SetUp();
@@ -33,8 +33,7 @@ TEST_F(MeshPath, BelongsToARunThatIsResumed) {
   succeeds("run a.scn --mesh-path far --out whole --frames 0 --quiet --final whole.json");
   succeeds("run a.scn --mesh-path far --out half --frames 0 --quiet --steps 10 --checkpoint every=10");
   succeeds("resume half --steps 20 --quiet --final half.json");
-  EXPECT_EQ(hexaplast::support::content(directory_ / "half.json"),
-            hexaplast::support::content(directory_ / "whole.json"));
+  EXPECT_EQ(read("half.json"), read("whole.json"));
   // another mesh of that name is another scene
   fs::copy(HEXAPLAST_TEST_DATA "/meshes/organ.obj", directory_ / "far/mesh/cube.msh",
            fs::copy_options::overwrite_existing);

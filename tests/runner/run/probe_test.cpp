@@ -1,22 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "hexaplast/base/types.hpp"
-#include "record/history_table.hpp"
 #include "support/command.hpp"
+#include "support/golden.hpp"
 
 namespace hexaplast {
 namespace {
 
-using support::content;
-using support::Outcome;
-using Json = nlohmann::json;
+using namespace support;
 
 /// A bar that forceps pull by its upper end.
-class Probes : public support::Command {
+class Probes : public Command {
  protected:
   void write_scene(const std::string& probes) {
     write("bar.scn", R"xml(<Node dt="0.01" gravity="0 0 0">
@@ -36,13 +34,8 @@ class Probes : public support::Command {
   }
 
   /// The last row's value of a column.
-  double last(const std::string& column, const std::string& run = "run") {
-    output::HistoryTable table(directory_ / run / "history.csv");
-    const int place = table.find("probe_" + column);
-    double value = std::nan("");
-    for (std::span<const double> row = table.next(); !row.empty(); row = table.next())
-      if (place >= 0) value = row[static_cast<std::size_t>(place)];
-    return value;
+  double last(const std::string& column, const std::string& run = "run") const {
+    return history(run).numbers("probe_" + column).back();
   }
 };
 
@@ -57,27 +50,21 @@ TEST_F(Probes, AreColumnsOfTheHistoryLinesOfTheSummaryAndChartsOfTheReport) {
 )xml");
   const Outcome outcome = succeeds("run bar.scn --out run --frames 0 --final final.json --summary summary.json");
 
-  const Json state = Json::parse(content(directory_ / "final.json"));
-  Vec3 mean = Vec3::Zero();
-  double lowest = 1e300;
-  for (int n = 72; n <= 80; ++n) {
-    for (int i = 0; i < 3; ++i) mean[i] += state["positions"][n][i].get<double>() / 9;
-    lowest = std::min(lowest, state["positions"][n][2].get<double>());
-  }
+  const Json state = json("final.json");
+  const Eigen::MatrixXd end = matrix(state["positions"]).middleRows(72, 9);
+  const Vec3 mean = end.colwise().mean();
   EXPECT_NEAR(last("tip"), (mean - Vec3(0.05, 0.05, 0.4)).norm(), 1e-15);
   EXPECT_NEAR(last("tip_y"), mean.y(), 1e-15);
-  EXPECT_EQ(last("lowest"), lowest);
+  EXPECT_EQ(last("lowest"), end.col(2).minCoeff());
   EXPECT_GT(last("pull"), std::abs(last("pull_z")));
   EXPECT_GT(last("pull_z"), 1);
-  EXPECT_EQ(last("strain"), Json::parse(content(directory_ / "summary.json"))["largest_plastic_strain"]);
-  double sum = 0;
-  for (int e = 0; e < 4; ++e) sum += state["volume_ratio"][e].get<double>();
-  EXPECT_NEAR(last("volumes"), sum, 1e-14);
+  EXPECT_EQ(last("strain"), json("summary.json")["largest_plastic_strain"]);
+  EXPECT_NEAR(last("volumes"), vector(state["volume_ratio"]).head(4).sum(), 1e-14);
 
   for (const char* line : {"\n  tip                 ", " m\n", "\n  pull                ", " N\n", "\n  strain"})
-    EXPECT_NE(outcome.out.find(line), std::string::npos) << line << outcome.out;
-  const std::string report = content(directory_ / "run/report.html");
-  for (const char* title : {"pull_z", "tip_y", "volumes"}) EXPECT_NE(report.find(title), std::string::npos) << title;
+    EXPECT_TRUE(has(outcome.out, line));
+  const std::string report = read("run/report.html");
+  for (const char* title : {"pull_z", "tip_y", "volumes"}) EXPECT_TRUE(has(report, title));
 }
 
 TEST_F(Probes, ChangeNothingAndGoOnFromACheckpoint) {
@@ -102,11 +89,9 @@ TEST_F(Probes, ChangeNothingAndGoOnFromACheckpoint) {
 TEST_F(Probes, HaveColumnsThatNoOtherColumnIsCalledLike) {
   write_scene("  <Probe name='step_ms' value='@nodes.position' indices='80'/>\n");
   succeeds("run bar.scn --out run --frames 0 --quiet");
-  output::HistoryTable table(directory_ / "run/history.csv");
-  int of_probes = 0;
-  for (const std::string& column : table.columns()) of_probes += column.starts_with("probe_");
-  EXPECT_EQ(of_probes, 1);
-  EXPECT_GE(table.find("step_ms"), 0);
+  EXPECT_EQ(std::ranges::count_if(history().columns(), [](const std::string& c) { return c.starts_with("probe_"); }),
+            1);
+  EXPECT_EQ(std::ranges::count(history().columns(), "step_ms"), 1);
   EXPECT_NEAR(last("step_ms"), 0.45, 0.05);
 }
 
@@ -121,14 +106,8 @@ TEST_F(Probes, OfConstraintsTellWhatBalancesABodyAtRest) {
   <Probe name="gz" value="@forceps.force" component="z"/>
   <Probe name="tx" value="@forceps.torque" component="x"/>
 )xml");
-  std::string scene = content(directory_ / "bar.scn");
-  const auto replace = [&](const std::string& from, const std::string& to) {
-    scene.replace(scene.find(from), from.size(), to);
-  };
-  replace("yieldStress=\"2000\"", "");
-  replace("plasticFlowRate=\"4\"", "");
-  replace("rayleighMass=\"0.1\"", "rayleighMass=\"8\"");
-  write("bar.scn", scene);
+  write("bar.scn", replaced(replaced(read("bar.scn"), "yieldStress=\"2000\"\n      plasticFlowRate=\"4\"", ""),
+                            "rayleighMass=\"0.1\"", "rayleighMass=\"8\""));
   succeeds("run bar.scn --out run --frames 0 --quiet --steps 600");
   EXPECT_GT(std::abs(last("gy")), 0.5);
   EXPECT_NEAR(last("fx"), 0, 1e-6);
@@ -149,15 +128,13 @@ TEST_F(Probes, OfConstraintsAreExactInMotionToo) {
   <FixedProjectiveConstraint name="held" indices="0-8"/><Probe name="z" value="@held.reaction" component="z"/>
   <Probe name="com" value="@nodes.velocity" component="z" statistic="sum"/></Node>)xml");
   succeeds("run prescribed.scn --out run --frames 0 --quiet");
-  output::HistoryTable table(directory_ / "run/history.csv");
-  const auto force = static_cast<std::size_t>(table.find("probe_z")),
-             velocity = static_cast<std::size_t>(table.find("probe_com"));
+  const Csv moved = history();
   double before = 0;
-  for (std::span<const double> row = table.next(); !row.empty(); row = table.next()) {
+  for (std::size_t step = 0; step < moved.num_rows(); ++step) {
     // momentum: m dv / dt = reaction - weight, whatever happens inside
-    const double momentum = 2. / 27 * row[velocity];
-    if (row[0] > 0) {
-      EXPECT_NEAR((momentum - before) / 0.01, row[force] - 20, 1e-7) << row[0];
+    const double momentum = 2. / 27 * moved.number(step, "probe_com");
+    if (step > 0) {
+      EXPECT_NEAR((momentum - before) / 0.01, moved.number(step, "probe_z") - 20, 1e-7) << step;
     }
     before = momentum;
   }
@@ -165,10 +142,8 @@ TEST_F(Probes, OfConstraintsAreExactInMotionToo) {
 
 TEST_F(Probes, OfConstraintsAreToldByImplicitEulerAlone) {
   write_scene("  <Probe name='z' value='@held.reaction' component='z'/>\n");
-  std::string scene = content(directory_ / "bar.scn");
-  scene.replace(scene.find("<EulerImplicitSolver rayleighMass=\"0.1\" rayleighStiffness=\"0.1\"/>"), 66,
-                "<StaticSolver newtonSolver='@newton'/><NewtonRaphsonSolver name='newton'/>");
-  write("static.scn", scene);
+  write("static.scn", replaced(read("bar.scn"), "<EulerImplicitSolver rayleighMass=\"0.1\" rayleighStiffness=\"0.1\"/>",
+                               "<StaticSolver newtonSolver='@newton'/><NewtonRaphsonSolver name='newton'/>"));
   expect_refused({{"run static.scn", 3, "reaction: is told by EulerImplicitSolver only"}});
 }
 
@@ -184,7 +159,7 @@ TEST_F(Probes, FollowPointsWithinTheBodyAndVolumesOfRegions) {
   EXPECT_NEAR(last("at_node"), last("node"), 1e-14);
   EXPECT_GT(last("moved"), 0.01);
   // by hand: the cell's corners around it, 20 % and 40 % along its sides, 1/5 up
-  const Json state = Json::parse(content(directory_ / "final.json"));
+  const Json state = json("final.json");
   double z = 0;
   const double s[3] = {0.03 / 0.05, 0.02 / 0.05, 0.01 / 0.05};
   for (int corner = 0; corner < 8; ++corner) {
@@ -193,18 +168,11 @@ TEST_F(Probes, FollowPointsWithinTheBodyAndVolumesOfRegions) {
     z += weight * state["positions"][(4 + k) * 9 + (1 + j) * 3 + i][2].get<double>();
   }
   EXPECT_NEAR(last("inside"), z, 1e-14);
-  output::HistoryTable table(directory_ / "run/history.csv");
-  const auto ratio = static_cast<std::size_t>(table.find("current_volume_ratio"));
-  double current = 0;
-  for (std::span<const double> row = table.next(); !row.empty(); row = table.next()) current = row[ratio];
-  EXPECT_NEAR(last("volume"), 0.004 * current, 1e-15);
-  double sum = 0;
-  for (int e = 0; e < 4; ++e) sum += state["volume_ratio"][e].get<double>() * 0.05 * 0.05 * 0.05;
-  EXPECT_NEAR(last("plastic_volume"), sum, 1e-15);
+  EXPECT_NEAR(last("volume"), 0.004 * history().numbers("current_volume_ratio").back(), 1e-15);
+  EXPECT_NEAR(last("plastic_volume"), vector(state["volume_ratio"]).head(4).sum() * 0.05 * 0.05 * 0.05, 1e-15);
 
   write_scene("  <Probe name='out' value='@nodes.position' points='0.05 0.05 0.5'/>\n");
-  EXPECT_NE(hexaplast("run bar.scn --steps 1").err.find("1 of 1 lie outside of all hexahedra, by up to 0.1 m"),
-            std::string::npos);
+  EXPECT_TRUE(has(hexaplast("run bar.scn --steps 1").err, "1 of 1 lie outside of all hexahedra, by up to 0.1 m"));
 }
 
 // Nothing contracts sideways: the stress is everywhere that of the end, 7 N on 0.01 m^2.
@@ -234,8 +202,8 @@ TEST_F(Probes, AreComparedSideBySide) {
   succeeds("run bar.scn --out a --frames 0 --quiet");
   succeeds("run bar.scn --out b --frames 0 --quiet --set body.youngModulus=4e4");
   succeeds("compare a b -o page.html");
-  const std::string page = content(directory_ / "page.html");
-  EXPECT_NE(page.substr(page.find("Over time")).find(">pull"), std::string::npos);
+  const std::string page = read("page.html");
+  EXPECT_TRUE(has(page.substr(page.find("Over time")), ">pull"));
 }
 
 TEST_F(Probes, ThatCannotBeReadAreRefused) {
@@ -256,7 +224,7 @@ TEST_F(Probes, ThatCannotBeReadAreRefused) {
             "15: error: Probe 'tip': a second probe of that name"}}) {
     write_scene(probe + "\n");
     expect_refused({{"run bar.scn --out run --frames 0", 3, "bar.scn:" + message}});
-    EXPECT_FALSE(std::filesystem::exists(directory_ / "run/history.csv"));
+    EXPECT_FALSE(is_there("run/history.csv"));
   }
 }
 

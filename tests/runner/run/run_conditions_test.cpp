@@ -12,8 +12,9 @@
 namespace {
 
 using namespace hexaplast;
+using namespace support;
 
-class Conditions : public support::Command {
+class Conditions : public Command {
  protected:
   /// Runs a block of 0.2 x 0.2 x 0.4 m, 2 x 2 x 4 hexahedra, held at z = 0, under gravity, in steps of 0.01 s.
   void run(const std::string& loads, int steps = 3) {
@@ -35,10 +36,9 @@ class Conditions : public support::Command {
     EXPECT_NE(found, state.point_data.end()) << name;
     return Eigen::Map<const PointArray>(found->values.data(), state.mesh.positions.rows(), 3);
   }
+  static Vec3 row(const PointArray& points, int node) { return points.row(node).transpose(); }
 
   PointArray load(int step) const { return vectors(state("mesh_00000" + std::to_string(step) + ".vtu"), "load"); }
-
-  bool has(const std::string& name) const { return std::filesystem::exists(directory_ / "run" / name); }
 };
 
 // A prescribed node counts among them, until its path ends.
@@ -52,7 +52,7 @@ TEST_F(Conditions, FixedNodesAreThoseOfTheScene) {
       EXPECT_EQ(fixed->values[node], node < 9 || (node == 44 && is_prescribed)) << name << ", node " << node;
   }
   EXPECT_TRUE(load(3).isZero(0)) << "weight is none, and neither are forces of the body itself";
-  EXPECT_FALSE(has("instruments.pvd") || has("surface.pvd") || has("springs.pvd"));
+  EXPECT_FALSE(is_there("run/instruments.pvd") || is_there("run/surface.pvd") || is_there("run/springs.pvd"));
 }
 
 // Steps take loads at their beginning: what led to the state after step k is the load at (k - 1) dt.
@@ -63,7 +63,7 @@ TEST_F(Conditions, LoadsAreThoseThatLedToTheState) {
     PointArray expected = PointArray::Zero(45, 3);
     for (const int node : {36, 40}) expected.row(node) << 0, 0.15, -0.5;
     expected.row(44) << pull, 0, 0;
-    EXPECT_TRUE(support::agrees(load(step), expected, 1e-15)) << step;
+    EXPECT_TRUE(agrees(load(step), expected, 1e-15)) << step;
   }
 }
 
@@ -72,11 +72,11 @@ TEST_F(Conditions, LoadsOfWhatFollowsAreCarriedUp) {
       "position='0.05 0.15 0.35  0.11 0.19 0.12'/><ConstantForceField indices='0 1' forces='1 2 3  -0.5 0 4'/>"
       "<BarycentricMapping/></Node>");
   const PointArray forces = load(3), x = state("mesh_000003.vtu").mesh.positions;
-  EXPECT_TRUE(support::agrees(Vec3(forces.colwise().sum().transpose()), Vec3(0.5, 2, 7.25), 1e-14));
+  EXPECT_TRUE(agrees(Vec3(forces.colwise().sum().transpose()), Vec3(0.5, 2, 7.25), 1e-14));
   // the first point lies in the middle of the hexahedron at the corner (0, 0.2, 0.4): an eighth for each of its nodes
   for (const int node : {30, 31, 33, 34, 39, 42, 43})
-    EXPECT_TRUE(support::agrees(Vec3(forces.row(node).transpose()), Vec3(0.125, 0.25, 0.375), 1e-14)) << node;
-  EXPECT_TRUE(support::agrees(Vec3(forces.row(40).transpose()), Vec3(0.125, 0.25, 0.625), 1e-14));
+    EXPECT_TRUE(agrees(row(forces, node), Vec3(0.125, 0.25, 0.375), 1e-14)) << node;
+  EXPECT_TRUE(agrees(row(forces, 40), Vec3(0.125, 0.25, 0.625), 1e-14));
 }
 
 // Pressure on the end face pushes with pressure times area.
@@ -87,9 +87,7 @@ TEST_F(Conditions, PressureAndObstaclesAreLoads) {
   run("<PlaneForceField normal='0 1 0' d='0.01' stiffness='200' damping='0'/>");
   const PointArray x = state("mesh_000003.vtu").mesh.positions, push = load(3);
   for (int node = 0; node < 45; ++node)
-    EXPECT_TRUE(
-        support::agrees(Vec3(push.row(node).transpose()), Vec3(0, 200 * std::max(0.0, 0.01 - x(node, 1)), 0), 1e-12))
-        << node;
+    EXPECT_TRUE(agrees(row(push, node), Vec3(0, 200 * std::max(0.0, 0.01 - x(node, 1)), 0), 1e-12)) << node;
 }
 
 // The springs of a grip pull by their stiffness times the way of the tool that the nodes have not followed, in the
@@ -120,9 +118,9 @@ TEST_F(Conditions, PullsOfInstrumentsAreLoadsAndFilesOfTheirOwn) {
     way += moved.row(node) / 5;
   }
   const Eigen::RowVector3d tool(0.02, 0, 0.01);  // at t = 0.02, which the third step began with
-  EXPECT_TRUE(support::agrees(PointArray(force.row(0)), PointArray(300 * (tool - way)), 1e-11));
+  EXPECT_TRUE(agrees(PointArray(force.row(0)), PointArray(300 * (tool - way)), 1e-11));
   rest_of_load.row(44) -= Eigen::RowVector3d(0, 7, 0);
-  EXPECT_TRUE(support::agrees(rest_of_load, PointArray(PointArray::Zero(45, 3)), 1e-13));
+  EXPECT_TRUE(agrees(rest_of_load, PointArray(PointArray::Zero(45, 3)), 1e-13));
 
   EXPECT_EQ(state("instruments_000004.vtu").mesh.positions.rows(), 0) << "let go";
 }
@@ -131,12 +129,11 @@ TEST_F(Conditions, PullsOfInstrumentsAreLoadsAndFilesOfTheirOwn) {
 TEST_F(Conditions, SpringsAreLinesBetweenTheirEnds) {
   run("<SpringForceField spring='36 44 5 0 .5  38 42 5 0 .01'/><RestShapeSpringsForceField points='44 40' "
       "stiffness='9'/>");
-  ASSERT_TRUE(has("springs.pvd"));
+  ASSERT_TRUE(is_there("run/springs.pvd"));
   const ImportedState springs = state("springs_000003.vtu");
   const PointArray x = state("mesh_000003.vtu").mesh.positions, rest = state("mesh_000000.vtu").mesh.positions;
   const std::vector<output::SpringLine> lines = output::read_springs(directory_ / "run/springs_000003.vtu");
   ASSERT_EQ(lines.size(), 4u);
-  const auto row = [](const PointArray& points, int node) { return Vec3(points.row(node).transpose()); };
   EXPECT_EQ(lines[0].from, row(x, 36));
   EXPECT_EQ(lines[0].to, row(x, 44));
   EXPECT_TRUE(lines[0].is_slack);
@@ -152,10 +149,10 @@ TEST_F(Conditions, SpringsAreLinesBetweenTheirEnds) {
   // a finished run is drawn with them
   const auto draw = [&](const std::string& name) {
     succeeds("render run --step 3 --out " + name);
-    return support::content(directory_ / name);
+    return read(name);
   };
   const std::string with = draw("with.png");
-  std::filesystem::remove(directory_ / "run/springs.pvd");
+  fs::remove(directory_ / "run/springs.pvd");
   EXPECT_NE(draw("without.png"), with);
 }
 
@@ -178,7 +175,7 @@ TEST_F(Conditions, WhatIsReleasedOrTornOffIsNotShown) {
             "spring='9 9 30 0 0'/></Node></Node>");
   succeeds("run two.scn --out run --force --frames 0 --quiet");
   EXPECT_EQ(output::read_springs(directory_ / "run/springs_000000.vtu").size(), 2u);
-  const std::string removed = support::content(directory_ / "run/removed.csv");
+  const std::string removed = read("run/removed.csv");
   ASSERT_EQ(removed, "step,time,hexahedron,body\n3,0.03,1,a\n");
   EXPECT_EQ(output::read_springs(directory_ / "run/springs_000004.vtu").size(), 1u);
 }

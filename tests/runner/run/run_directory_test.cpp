@@ -15,24 +15,13 @@
 
 namespace {
 
-namespace fs = std::filesystem;
-using hexaplast::support::Command;
-using hexaplast::support::content;
-using hexaplast::support::Outcome;
+using namespace hexaplast::support;
 
 class RunDirectory : public Command {
  protected:
   void SetUp() override {
     Command::SetUp();
-    write("bar.scn", hexaplast::support::kPulledBar);
-  }
-
-  /// The files below a directory, with their bytes.
-  std::map<std::string, std::string> files(const std::string& folder) const {
-    std::map<std::string, std::string> all;
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(directory_ / folder))
-      if (entry.is_regular_file()) all[entry.path().lexically_relative(directory_).string()] = content(entry.path());
-    return all;
+    write("bar.scn", kPulledBar);
   }
 
   /// Runs the bar into `run` for ever, looks on as soon as some steps are written, and ends it by a signal.
@@ -53,7 +42,7 @@ class RunDirectory : public Command {
     }
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     const auto has_begun = [&] {
-      const std::string history = content(directory_ / "run/history.csv");
+      const std::string history = read("run/history.csv");
       return std::ranges::count(history, '\n') > 5;
     };
     while (!has_begun() && std::chrono::steady_clock::now() < deadline)
@@ -65,16 +54,9 @@ class RunDirectory : public Command {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   }
 
-  nlohmann::json manifest() const { return nlohmann::json::parse(content(directory_ / "run/manifest.json")); }
-
-  static std::string hash_in(const Outcome& outcome) {
-    const std::size_t at = outcome.out.find("state hash");
-    return at == outcome.out.npos ? outcome.err : outcome.out.substr(at, outcome.out.find('\n', at) - at);
-  }
-
   long newest_checkpoint() const {
     long newest = -1;
-    for (const auto& [name, bytes] : files("run"))
+    for (const auto& [name, bytes] : files_in(directory_ / "run"))
       if (name.ends_with(".hxc")) newest = std::max(newest, std::stol(name.substr(name.find_first_of("0123456789"))));
     return newest;
   }
@@ -83,17 +65,13 @@ class RunDirectory : public Command {
 TEST_F(RunDirectory, IsOneProgramsAtATime) {
   const int code = end_by(SIGKILL, "--checkpoint every=2", [&] {
     for (const char* second : {"resume run", "run bar.scn --out run --force", "run bar.scn --out run/../run",
-                               "sweep bar.scn --out run --vary bar/material.hardening=0:1:2"}) {
-      const Outcome refused = hexaplast(second);
-      EXPECT_EQ(refused.code, 5) << second;
-      EXPECT_NE(refused.err.find("another run or sweep is at work there"), std::string::npos) << refused.err;
-      EXPECT_EQ(refused.out, "");
-    }
+                               "sweep bar.scn --out run --vary bar/material.hardening=0:1:2"})
+      expect_refused({{second, 5, "another run or sweep is at work there"}});
   });
   EXPECT_EQ(code, -SIGKILL);
   EXPECT_EQ(manifest().at("state"), "running");
   EXPECT_EQ(manifest().at("steps").at("done"), 0);
-  EXPECT_FALSE(fs::exists(directory_ / "run/report.html"));
+  EXPECT_FALSE(is_there("run/report.html"));
 
   // nothing keeps the next one out, neither this program's lock nor a file that it left
   const long steps = newest_checkpoint() + 3;
@@ -103,7 +81,7 @@ TEST_F(RunDirectory, IsOneProgramsAtATime) {
   fs::create_directory(directory_ / "new");
   succeeds("run bar.scn --out new --frames 0");
   std::string names;
-  for (const auto& [name, bytes] : files("new")) names += name.substr(4) + " ";
+  for (const auto& [name, bytes] : files_in(directory_ / "new")) names += name + " ";
   EXPECT_EQ(names,
             "history.csv manifest.json mesh.pvd mesh_000000.vtu mesh_000002.vtu mesh_000004.vtu mesh_000006.vtu "
             "plot.svg removed.csv report.html viewer.json ");
@@ -112,13 +90,12 @@ TEST_F(RunDirectory, IsOneProgramsAtATime) {
 TEST_F(RunDirectory, ASignalAlwaysLeavesACheckpoint) {
   for (const int signal : {SIGINT, SIGTERM}) {
     EXPECT_EQ(end_by(signal, "", [] {}), 128 + signal);
-    EXPECT_NE(content(directory_ / "messages").find("; hexaplast resume run continues it\n"), std::string::npos)
-        << content(directory_ / "messages");
+    EXPECT_TRUE(has(read("messages"), "; hexaplast resume run continues it\n"));
     ASSERT_GE(newest_checkpoint(), 4);
     EXPECT_EQ(manifest().at("state"), "interrupted");
     EXPECT_EQ(manifest().at("exit_reason"), "Ended by signal " + std::to_string(signal));
     EXPECT_EQ(manifest().at("steps").at("done"), newest_checkpoint());
-    EXPECT_NE(content(directory_ / "messages").find("state hash"), std::string::npos);
+    EXPECT_TRUE(has(read("messages"), "state hash"));
     const std::string steps = std::to_string(newest_checkpoint() + 5);
     const Outcome resumed = succeeds("resume run --steps " + steps);
     EXPECT_EQ(hash_in(resumed), hash_in(hexaplast("run bar.scn --steps " + steps)));
@@ -134,43 +111,34 @@ TEST_F(RunDirectory, ARunOfNoStepsLeavesTheCheckpointThatIsAskedFor) {
 
 TEST_F(RunDirectory, StaysAsItIsUntilAllFilesAreKnownToBeWritable) {
   succeeds("run bar.scn --out run --frames 1 --checkpoint every=2");
-  const auto before = files("run");
+  const auto before = files_in(directory_ / "run");
   ASSERT_GE(before.size(), 11u);
   for (const char* refused : {"resume run --steps 9 --final nowhere/last.json",
                               "resume run/checkpoint_000000004.hxc --final nowhere/last.json",
                               "run bar.scn --out run --force --final nowhere/last.json",
                               "run bar.scn --out run --force --summary nowhere/last.json"}) {
-    const Outcome outcome = hexaplast(refused);
-    EXPECT_EQ(outcome.code, 5) << refused;
-    EXPECT_NE(outcome.err.find("nowhere/last.json.part: cannot be created"), std::string::npos) << outcome.err;
-    EXPECT_TRUE(files("run") == before) << refused;
+    fails(refused, 5, "nowhere/last.json.part: cannot be created");
+    EXPECT_TRUE(files_in(directory_ / "run") == before) << refused;
   }
 }
 
 TEST_F(RunDirectory, NoTableIsCutWhenTheOtherOneIsForeign) {
   succeeds("run bar.scn --out run --frames 0 --checkpoint every=2");
   write("run/removed.csv", "");
-  const auto before = files("run");
-  const Outcome refused = hexaplast("resume run/checkpoint_000000004.hxc");
-  EXPECT_EQ(refused.code, 3);
-  EXPECT_NE(refused.err.find("removed.csv does not begin with"), std::string::npos) << refused.err;
-  EXPECT_TRUE(files("run") == before);
+  const auto before = files_in(directory_ / "run");
+  fails("resume run/checkpoint_000000004.hxc", 3, "removed.csv does not begin with");
+  EXPECT_TRUE(files_in(directory_ / "run") == before);
 }
 
 TEST_F(RunDirectory, AStateThatIsGoneIsLeftOutAndSaid) {
   succeeds("run bar.scn --out run --frames 0 --checkpoint every=3 --steps 3");
   fs::remove(directory_ / "run/mesh_000002.vtu");
   const Outcome resumed = succeeds("resume run --steps 6");
-  EXPECT_NE(resumed.err.find("mesh_000002.vtu is gone: its .pvd file no longer names it\n"), std::string::npos)
-      << resumed.err;
-  const std::string series = content(directory_ / "run/mesh.pvd");
-  for (const auto& [name, is_named] : {std::pair{"mesh_000000.vtu", true},
-                                       {"mesh_000002.vtu", false},
-                                       {"mesh_000004.vtu", true},
-                                       {"mesh_000006.vtu", true}}) {
-    EXPECT_EQ(series.find(name) != series.npos, is_named) << name;
-    EXPECT_EQ(fs::exists(directory_ / "run" / name), is_named) << name;
-  }
+  EXPECT_TRUE(has(resumed.err, "mesh_000002.vtu is gone: its .pvd file no longer names it\n"));
+  const std::string series = read("run/mesh.pvd");
+  EXPECT_FALSE(has(series, "mesh_000002.vtu") || is_there("run/mesh_000002.vtu"));
+  for (const std::string name : {"mesh_000000.vtu", "mesh_000004.vtu", "mesh_000006.vtu"})
+    EXPECT_TRUE(has(series, name) && is_there("run/" + name)) << name;
 }
 
 }  // namespace

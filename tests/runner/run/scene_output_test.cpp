@@ -4,10 +4,7 @@
 
 namespace {
 
-namespace fs = std::filesystem;
-using hexaplast::support::Command;
-using hexaplast::support::content;
-using hexaplast::support::Outcome;
+using namespace hexaplast::support;
 
 /// A bar of two hexahedra that reads a surface, with more components.
 std::string bar_with(const std::string& components) {
@@ -33,34 +30,24 @@ class SceneOutput : public Command {
     write("bar.scn", bar_with(""));
     fs::create_directory(directory_ / "sub");
   }
-
-  std::string error_of(const std::string& arguments, int code) {
-    const Outcome outcome = hexaplast(arguments);
-    EXPECT_EQ(outcome.code, code) << arguments << "\n" << outcome.err;
-    return outcome.err;
-  }
-  void expect_error(const std::string& arguments, int code, const std::string& message) {
-    const std::string shown = error_of(arguments, code);
-    EXPECT_NE(shown.find(message), std::string::npos) << arguments << "\n" << shown;
-  }
 };
 
 // A run makes last.json.part before it makes last.json.
 TEST_F(SceneOutput, WhatIsReadIsNoUnfinishedFileEither) {
-  const std::string text = content(directory_ / "bar.scn");
+  const std::string text = read("bar.scn");
   fs::rename(directory_ / "bar.scn", directory_ / "last.vtu.part");
   fs::copy_file(directory_ / "skin.obj", directory_ / "page.html.part");
   for (const char* arguments : {"run last.vtu.part --final last.vtu", "run last.vtu.part --summary last.vtu",
                                 "mesh export last.vtu.part -o last.vtu"})
-    expect_error(arguments, 5, "last.vtu.part: is an input, and will not be written over");
-  EXPECT_EQ(content(directory_ / "last.vtu.part"), text);
+    fails(arguments, 5, "last.vtu.part: is an input, and will not be written over");
+  EXPECT_EQ(read("last.vtu.part"), text);
 
   // nor is a file of the user's that has the name, nor can such a name be asked for
   write("bar.scn", text);
-  expect_error("run bar.scn --final page.html", 5, "page.html.part: is in the way, and no unfinished file");
-  expect_error("mesh export bar.scn -o last.vtu", 5, "last.vtu.part: is in the way");
-  EXPECT_EQ(content(directory_ / "page.html.part"), kSkin);
-  expect_error("run bar.scn --final a.json.part --summary a.json", 5, "a.json.part: ends in .part");
+  fails("run bar.scn --final page.html", 5, "page.html.part: is in the way, and no unfinished file");
+  fails("mesh export bar.scn -o last.vtu", 5, "last.vtu.part: is in the way");
+  EXPECT_EQ(read("page.html.part"), kSkin);
+  fails("run bar.scn --final a.json.part --summary a.json", 5, "a.json.part: ends in .part");
 }
 
 // Whatever option names it, and whatever the verb. InputFiles.* has links and other names.
@@ -71,15 +58,13 @@ TEST_F(SceneOutput, NeverReplacesWhatIsRead) {
   succeeds("mesh convert skin.obj -o sub/mesh_000000.vtu");  // among the files of a run
   succeeds("bench --scene bar.scn --json b.json");
   write("log", "mine\n");
-  std::string text = bar_with("");
-  text.replace(text.find("MeshOBJLoader"), 13, "MeshVTKLoader");
-  text.replace(text.find("skin.obj"), 8, "sub/mesh_000000.vtu");
-  write("reads.scn", text);
+  write("reads.scn",
+        replaced(replaced(bar_with(""), "MeshOBJLoader", "MeshVTKLoader"), "skin.obj", "sub/mesh_000000.vtu"));
   const auto bytes = [&] {
     std::string all;
     for (const char* name : {"bar.scn", "rest.xml", "skin.obj", "log", "b.json", "sub/mesh_000000.vtu",
                              "earlier/manifest.json", "earlier/history.csv"})
-      all += content(directory_ / name);
+      all += read(name);
     return all;
   };
   const std::string before = bytes(), run = "run bar.scn --force ", in_run = run + "--out run ",
@@ -110,7 +95,7 @@ TEST_F(SceneOutput, NeverReplacesWhatIsRead) {
     const Outcome outcome =
         shell("sh -c \"'" HEXAPLAST_COMMAND "' " + run + "--quiet " + option + " /dev/stdout >> log\"");
     EXPECT_EQ(outcome.code, 5) << option;
-    EXPECT_NE(outcome.err.find(open), std::string::npos) << outcome.err;
+    EXPECT_TRUE(has(outcome.err, open));
   }
   EXPECT_NE(hexaplast("mesh export bar.scn -o skin.obj").code, 0);
   EXPECT_NE(hexaplast("mesh cage " + mesh + " --cells 2 -o " + mesh).code, 0);
@@ -131,8 +116,8 @@ TEST_F(SceneOutput, NamesDoNotSteerTheTerminal) {
     const std::string all = outcome.out + outcome.err;
     EXPECT_EQ(all.find('\x1b'), all.npos) << arguments;
     EXPECT_EQ(all.find('\x7f'), all.npos) << arguments;
-    EXPECT_EQ(all.find("\xc2\x9b"), all.npos) << arguments;
-    EXPECT_NE(all.find(shown), all.npos) << arguments << "\n" << all;
+    EXPECT_FALSE(has(all, "\xc2\x9b")) << arguments;
+    EXPECT_TRUE(has(all, shown)) << arguments;
   };
   const std::string name = "'" + odd + "'";
   expect_shown("run " + name, 0);
@@ -151,7 +136,7 @@ TEST_F(SceneOutput, NamesDoNotSteerTheTerminal) {
   const std::string forged = "safe.txt&#10;  memory              1.0 MB&#10;slab.scn: warning: forged &#x202E;";
   const std::string one_line = "safe.txt\\u000a  memory              1.0 MB\\u000aslab.scn: warning: forged \\u202e";
   write("named.scn", bar_with("<BoxROI box='@" + forged + ".box'/>"));
-  expect_error("check named.scn", 3, one_line);
+  fails("check named.scn", 3, one_line);
   EXPECT_EQ(hexaplast("run 'a\nb.scn: error: forged'").err, "a\\u000ab.scn: error: forged: error: no such file\n");
   write("named.scn", bar_with("<BoxROI box='0 0 0 bar&#27;]0;owned&#7;&#27;[2J&#155;31m&#127;é'/>"));
   expect_shown("check named.scn", 3);

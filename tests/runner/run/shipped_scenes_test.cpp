@@ -14,7 +14,7 @@
 namespace hexaplast {
 namespace {
 
-using support::Json;
+using namespace support;
 
 struct SceneCase {
   const char* name;
@@ -26,23 +26,22 @@ void PrintTo(const SceneCase& scene, std::ostream* out) { *out << scene.name; }
 
 /// What a scene leaves behind.
 struct SceneOutcome {
-  Json final;            ///< the final state
-  support::Csv history;  ///< history.csv
+  Json final;   ///< the final state
+  Csv history;  ///< history.csv
 };
 
 /// Runs a scene. That its bits are those of any number of threads is tested by StateHashOf.
-class Shipped : public support::Command {
+class Shipped : public Command {
  protected:
   SceneOutcome run(const std::string& name) {
     succeeds("run '" HEXAPLAST_SOURCE_DIR "/scenes/" + name +
              ".scn' --quiet --strict --frames 0 --out run --final final.json");
-    return {Json::parse(support::content(directory_ / "final.json")),
-            support::Csv(support::content(directory_ / "run/history.csv"))};
+    return {json("final.json"), Csv(read("run/history.csv"))};
   }
 };
 
 /// The volume of the material throughout a run, and at its end to `tolerance`; nothing turned inside out.
-void expect_kept_volume(const support::Csv& history, double tolerance) {
+void expect_kept_volume(const Csv& history, double tolerance) {
   const std::vector<double> ratios = history.numbers("plastic_rest_volume_ratio");
   for (const double ratio : ratios) EXPECT_NEAR(ratio, 1, 0.01);
   EXPECT_NEAR(ratios.back(), 1, tolerance);
@@ -58,7 +57,7 @@ TEST_P(ShippedScene, EndsInItsBands) {
 
   const HexMesh mesh = regular_grid({3, 3, 10}, Vec3(-0.15, -0.15, -0.5), Vec3(0.15, 0.15, 0.5));
   const EndSections ends = end_sections(mesh);
-  const PointArray plastic_rest = support::matrix(final["plastic_rest_positions"]);
+  const PointArray plastic_rest = matrix(final["plastic_rest_positions"]);
   ASSERT_EQ(plastic_rest.rows(), mesh.num_nodes());
   const double permanent = GetParam().is_stretched ? elongation(ends, plastic_rest)
                                                    : std::abs(twist(mesh, ends, plastic_rest)) * 180 / std::numbers::pi;
@@ -78,7 +77,7 @@ class TornScene : public Shipped {
  protected:
   void tear(const std::string& name) {
     const auto [final, history] = run(name);
-    plastic_rest = support::matrix(final["plastic_rest_positions"]);
+    plastic_rest = matrix(final["plastic_rest_positions"]);
     for (const Json& ratio : final["volume_ratio"]) alive.push_back(ratio.get<double>() > 0);  // 0: removed
     removed = history.numbers("removed").back();
     EXPECT_EQ(removed, std::count(alive.begin(), alive.end(), 0));
@@ -162,8 +161,7 @@ TEST_F(Shipped, FattyTissueKeepsABumpOnAWallThatDoesNotFlow) {
     arch.row(k) << x, 0.025 * (1 - x * x / 0.0036), 0;
   }
   const HexMesh mesh = tube({3, 20, 36}, 0.004, 0.013, curve_through(arch, 37));
-  const PointArray current = support::matrix(final["positions"]),
-                   plastic_rest = support::matrix(final["plastic_rest_positions"]);
+  const PointArray current = matrix(final["positions"]), plastic_rest = matrix(final["plastic_rest_positions"]);
   ASSERT_EQ(current.rows(), mesh.num_nodes());
 
   const double top = mesh.positions().col(1).maxCoeff();
@@ -188,8 +186,7 @@ TEST_F(Shipped, FattyTissueKeepsABumpOnAWallThatDoesNotFlow) {
 TEST_F(Shipped, LiverCageKeepsItsLobeDrawnOut) {
   const auto [final, history] = run("liver_cage");
 
-  const PointArray current = support::matrix(final["positions"]),
-                   plastic_rest = support::matrix(final["plastic_rest_positions"]);
+  const PointArray current = matrix(final["positions"]), plastic_rest = matrix(final["plastic_rest_positions"]);
   const double rest = 1.02 * 0.110;  // of the surface, and the hundredth of its length by which its grid is wider
   EXPECT_NEAR(current.col(0).maxCoeff() - rest, 0.019, 0.002);
   EXPECT_NEAR(plastic_rest.col(0).maxCoeff() - rest, 0.019, 0.002);

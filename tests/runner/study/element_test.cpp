@@ -14,15 +14,17 @@
 namespace hexaplast {
 namespace {
 
-using support::Json;
-using support::Outcome;
+using namespace support;
 
-class ElementCommand : public support::Command {
+class ElementCommand : public Command {
  protected:
-  Outcome element(const std::string& arguments, const std::string& input = "") {
+  Outcome element(const std::string& arguments, const std::string& input, int code = 0) {
     write("in", input);
-    return shell("('" HEXAPLAST_COMMAND "' element " + arguments + " < in)");
+    Outcome outcome = shell("('" HEXAPLAST_COMMAND "' element " + arguments + " < in)");
+    EXPECT_EQ(outcome.code, code) << input << outcome.err;
+    return outcome;
   }
+  Json answer(const std::string& input) { return Json::parse(element("", input).out, nullptr, false); }
 };
 
 /// Greatest difference of two JSON values of one shape, relative to the greatest number of `expected`; infinite where
@@ -33,7 +35,7 @@ double difference(const Json& actual, const Json& expected) {
     if (value.is_array())
       for (const Json& entry : value) self(self, entry, into);
     else
-      into.push_back(value.is_boolean() ? value.get<bool>() : support::number(value));
+      into.push_back(value.is_boolean() ? value.get<bool>() : number(value));
   };
   flatten(flatten, actual, a);
   flatten(flatten, expected, b);
@@ -49,9 +51,7 @@ double difference(const Json& actual, const Json& expected) {
 TEST_F(ElementCommand, AnswersReferenceFilesWithTheirOwnKeysAndNumbers) {
   for (const char* state : {"hex_0_box", "hex_1_distorted", "hex_2_evolved"}) {
     const std::string file = std::string(HEXAPLAST_TEST_DATA) + "/golden/" + state + ".json";
-    const Outcome outcome = element("'" + file + "'");
-    ASSERT_EQ(outcome.code, 0) << outcome.err;
-    const Json answer = Json::parse(outcome.out), golden = support::golden(state);
+    const Json answer = Json::parse(element("'" + file + "'", "").out), golden = test_data("golden", state);
     for (const char* block : {"elastic", "objective", "paper_vertex", "paper_centre"}) {
       ASSERT_TRUE(answer.contains(block)) << block;
       for (const auto& [key, expected] : golden[block].items()) {
@@ -66,7 +66,7 @@ TEST_F(ElementCommand, AnswersReferenceFilesWithTheirOwnKeysAndNumbers) {
 }
 
 TEST_F(ElementCommand, AnswersReferenceFilesOfIsolatedRestShapes) {
-  const Json data = support::test_data("isolated", "golden_isolated_hexahedron");
+  const Json data = test_data("isolated", "golden_isolated_hexahedron");
   for (const auto& [name, one] : data["cases"].items()) {
     SCOPED_TRACE(name);
     const Json &words = one["attributes"], &numbers = one["parameters"];
@@ -81,14 +81,12 @@ TEST_F(ElementCommand, AnswersReferenceFilesOfIsolatedRestShapes) {
                           {"volumetric", words["volumetric"]},
                           {"yieldNorm", words["yieldNorm"]},
                           {"yieldStressMeasure", words["yieldStressMeasure"] == "true" ? "cauchy" : "biot"}};
-    const Outcome outcome = element("", Json{{"initial", one["material"]},
-                                             {"current", one["world"]},
-                                             {"plasticInverse", one["G"]},
-                                             {"yieldStress", one["tau"]},
-                                             {"parameters", parameters}}
-                                            .dump());
-    ASSERT_EQ(outcome.code, 0) << outcome.err;
-    const Json answer = Json::parse(outcome.out);
+    const Json answer = this->answer(Json{
+        {"initial", one["material"]},
+        {"current", one["world"]},
+        {"plasticInverse", one["G"]},
+        {"yieldStress", one["tau"]},
+        {"parameters", parameters}}.dump());
     for (const char* key : {"energy", "force"})
       EXPECT_LE(difference(answer["elastic"][key], one["elastic"][key]), 1e-10) << key;
     for (const auto& [key, expected] : {std::pair{"sigma", "sigma_hat"},
@@ -103,34 +101,32 @@ TEST_F(ElementCommand, AnswersReferenceFilesOfIsolatedRestShapes) {
 
 const std::string kCube = R"("initial": [[0,0,0],[1,0,0],[1,1,0],[0,1,0],[0,0,1],[1,0,1],[1,1,1],[0,1,1]])";
 
+/// The cube with more keys, and with parameters.
+std::string with(const std::string& keys) { return "{" + kCube + ", " + keys + "}"; }
+std::string with_parameters(const std::string& pairs) { return with(R"("parameters": {)" + pairs + "}"); }
+
 TEST_F(ElementCommand, NeedsNothingButTheHexahedronAndReadsStandardInput) {
-  const Outcome outcome = element("", "{" + kCube + "}");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  const Json answer = Json::parse(outcome.out);
+  const Json answer = this->answer("{" + kCube + "}");
   EXPECT_EQ(answer.size(), 2u);
   EXPECT_DOUBLE_EQ(answer["elastic"]["volume_x"], 1);
   EXPECT_LE(difference(answer["elastic"]["force"], Json(std::vector(8, std::vector(3, 0.0)))), 1e-12 * 5000);
   EXPECT_TRUE(answer.contains("objective"));
-  EXPECT_EQ(element("-", "{" + kCube + "}").out, outcome.out);
+  EXPECT_EQ(Json::parse(element("-", "{" + kCube + "}").out), answer);
 }
 
 TEST_F(ElementCommand, AnswersForTheModeThatIsAskedFor) {
   for (const auto& [mode, block] :
        {std::pair{"vertex", "paper_vertex"}, {"centre", "paper_centre"}, {"none", "none"}}) {
-    const Outcome outcome = element("", "{" + kCube + R"(, "parameters": {"rotationPlasticity": ")" + mode + "\"}}");
-    ASSERT_EQ(outcome.code, 0) << outcome.err;
-    const Json answer = Json::parse(outcome.out);
+    const Json answer = this->answer(with_parameters(std::string(R"("rotationPlasticity": ")") + mode + '"'));
     EXPECT_TRUE(answer.contains(block));
     EXPECT_EQ(answer.size(), 2u);
   }
 }
 
+// What parameters refuse is tested of all of them below.
 TEST_F(ElementCommand, WrongInputEndsWith3AndNamesKeyValueAndWhatIsAllowed) {
-  struct Case {
-    std::string input;
-    std::vector<std::string> parts;
-  };
-  for (const Case& c : std::vector<Case>{
+  const std::string joined = R"(, "parameters": {"restShape": "joined"})";
+  for (const auto& [input, parts] : std::vector<std::pair<std::string, std::vector<const char*>>>{
            {"", {"error"}},
            {"{", {"error"}},
            {"[1]", {"one JSON object"}},
@@ -139,34 +135,22 @@ TEST_F(ElementCommand, WrongInputEndsWith3AndNamesKeyValueAndWhatIsAllowed) {
            {R"({"initial": [[0,0,0],[1,0,0],[1,1,0],[0,1,0],[0,0,1],[1,0,1],[1,1,1],[0,1,"x"]]})", {"initial", "x"}},
            // left-handed
            {R"({"initial": [[0,0,1],[1,0,1],[1,1,1],[0,1,1],[0,0,0],[1,0,0],[1,1,0],[0,1,0]]})", {"inverted"}},
-           {"{" + kCube + R"(, "worlds": 1})", {"worlds"}},
-           {"{" + kCube + R"(, "plasticRest": 1, "x": 1})", {"x", "twice", "another name"}},
-           {"{" + kCube + R"(, "rotationMap": [[1,0,0],[0,1,0],[0,0,2]], "parameters": {"restShape": "joined"}})",
-            {"rotationMap", "a rotation matrix"}},
-           {"{" + kCube + R"(, "yieldStress": [1,2]})", {"yieldStress", "one per corner"}},
-           {"{" + kCube + R"(, "plasticInverse": [[1,0,0],[0,1,0],[0,0,1]], "parameters": {"restShape": "joined"}})",
-            {"plasticInverse", "isolated only"}},
-           {"{" + kCube + R"(, "plasticInverse": [[1,0,0],[0,1,0],[0,0,-1]]})",
-            {"plasticInverse", "positive determinant"}},
-           {"{" + kCube + R"(, "rotationYield": 1})", {"rotationYield", "no meaning", "joined has it"}},
-           {"{" + kCube + R"(, "parameters": 5})", {"parameters", "an object"}},
-           {"{" + kCube + R"(, "parameters": {"youngModulu": 5}})", {"youngModulu"}},
-           {"{" + kCube + R"(, "parameters": {"youngModulus": "stiff"}})", {"youngModulus", "stiff", "number"}},
-           {"{" + kCube + R"(, "parameters": {"youngModulus": -5}})", {"youngModulus", "-5"}},
-           {"{" + kCube + R"(, "parameters": {"poissonRatio": 0.5}})", {"poissonRatio", "0.5"}},
-           {"{" + kCube + R"(, "parameters": {"yieldNorm": "tresca"}})", {"yieldNorm", "tresca", "vonMises"}},
-           {"{" + kCube +
-                R"(, "parameters": {"dt": 1, "yieldStress": 1, "plasticFlowRate": 0.1, "restShape": "joined",
-                  "volumeRestitution": 9}})",
+           {with(R"("worlds": 1)"), {"worlds"}},
+           {with(R"("plasticRest": 1, "x": 1)"), {"x", "twice", "another name"}},
+           {with(R"("rotationMap": [[1,0,0],[0,1,0],[0,0,2]])" + joined), {"rotationMap", "a rotation matrix"}},
+           {with(R"("yieldStress": [1,2])"), {"yieldStress", "one per corner"}},
+           {with(R"("plasticInverse": [[1,0,0],[0,1,0],[0,0,1]])" + joined), {"plasticInverse", "isolated only"}},
+           {with(R"("plasticInverse": [[1,0,0],[0,1,0],[0,0,-1]])"), {"plasticInverse", "positive determinant"}},
+           {with(R"("rotationYield": 1)"), {"rotationYield", "no meaning", "joined has it"}},
+           {with(R"("parameters": 5)"), {"parameters", "an object"}},
+           {with_parameters(R"("youngModulu": 5)"), {"youngModulu"}},
+           {with_parameters(R"("dt": 1, "yieldStress": 1, "plasticFlowRate": 0.1, "restShape": "joined",
+                               "volumeRestitution": 9)"),
             {"volumeRestitution"}},
-           {"{" + kCube + R"(, "parameters": {"youngModulus": 1, "E": 2}})", {"E", "twice", "another name"}},
-       }) {
-    const Outcome outcome = element("", c.input);
-    EXPECT_EQ(outcome.code, 3) << c.input;
-    EXPECT_EQ(outcome.out, "") << c.input;
-    for (const std::string& part : c.parts) {
-      EXPECT_NE(outcome.err.find(part), std::string::npos) << "'" << part << "' is missing in: " << outcome.err;
-    }
+           {with_parameters(R"("youngModulus": 1, "E": 2)"), {"E", "twice", "another name"}}}) {
+    const Outcome outcome = element("", input, 3);
+    EXPECT_EQ(outcome.out, "") << input;
+    for (const char* part : parts) EXPECT_TRUE(has(outcome.err, part)) << input;
   }
 }
 
@@ -174,64 +158,55 @@ TEST_F(ElementCommand, WrongInputEndsWith3AndNamesKeyValueAndWhatIsAllowed) {
 template <class Options, class Run>
 void expect_parameters(std::span<const Row<Options>> rows, const Run& run) {
   for (const Row<Options>& row : rows) {
-    const std::string others = row.name == "rotationFlowRate" ? R"("restShape": "joined", )" : "";
-    const auto run_with = [&](const Json& value) {
-      return run("{" + kCube + R"(, "parameters": {)" + others + '"' + std::string(row.name) + "\": " + value.dump() +
-                 "}}");
-    };
     if (row.at.list) continue;
-    const double value = support::another(row, row.at.get({}));
+    const std::string others = row.name == "rotationFlowRate" ? R"("restShape": "joined", )" : "", name(row.name);
+    const auto run_with = [&](const Json& value, int code) {
+      return run(with_parameters(others + '"' + name + "\": " + value.dump()), code);
+    };
+    const double value = another(row, row.at.get({}));
     const bool is_word = row.at.type == MemberType::kWord, is_whole = row.at.type == MemberType::kInteger;
-    const Outcome taken = run_with(is_word    ? Json(row.words[static_cast<std::size_t>(value)])
-                                   : is_whole ? Json(static_cast<int>(value))
-                                              : Json(value));
-    EXPECT_EQ(taken.code, 0) << row.name << ": " << taken.err;
-    EXPECT_EQ(run_with(nullptr).code, row.may_be_infinite() ? 0 : 3) << row.name;
-    for (const Json& wrong : {Json("wrong"), Json(1e9), Json(-1e9)}) {
-      if (wrong.is_number() && row.admits(wrong)) continue;
-      const Outcome refused = run_with(wrong);
-      EXPECT_EQ(refused.code, 3) << row.name;
-      EXPECT_NE(refused.err.find(row.name), std::string::npos) << refused.err;
+    run_with(is_word    ? Json(row.words[static_cast<std::size_t>(value)])
+             : is_whole ? Json(static_cast<int>(value))
+                        : Json(value),
+             0);
+    run_with(nullptr, row.may_be_infinite() ? 0 : 3);
+    EXPECT_TRUE(has(run_with("wrong", 3).err, name));
+    if (!row.admits(-1e9)) {
+      EXPECT_TRUE(has(run_with(-1e9, 3).err, name));
     }
   }
 }
 
 TEST_F(ElementCommand, TakesEveryMemberOfMaterialAndSettings) {
-  const auto run = [&](const std::string& input) { return element("", input); };
+  const auto run = [&](const std::string& input, int code) { return element("", input, code); };
   expect_parameters(material_rows(), run);
   expect_parameters(settings_rows(), run);
 }
 
 TEST_F(ElementCommand, RelaxesAlongAPathAlone) {
   write("hold.csv", "0,1,0,0,0,1,0,0,0,1\n1e-9,1.01,0,0,0,1,0,0,0,1\n0.2,1.01,0,0,0,1,0,0,0,1\n");
-  const std::string cube = "{" + kCube + R"(, "parameters": {"youngModulus": 1000, "poissonRatio": 0, "dt": 0.05,
-      "relaxation": [2, 0.1]}})";
-  const support::Csv t(element("- --path hold.csv", cube).out);
+  const std::string cube =
+      with_parameters(R"("youngModulus": 1000, "poissonRatio": 0, "dt": 0.05, "relaxation": [2, 0.1])");
+  const Csv t(element("- --path hold.csv", cube).out);
   ASSERT_EQ(t.num_rows(), 6u);
   // 2 mu e, and 2 g mu (2/3) e of the branch
   EXPECT_NEAR(t.number(1, "P11"), 10 + 2 * 20 / 3.0, 1e-5);
   EXPECT_NEAR(t.number(5, "P11"), 10 + 2 * 20 / 3.0 * std::exp(-2), 1e-5);
-  const Outcome refused = element("", cube);
-  EXPECT_EQ(refused.code, 3);
-  EXPECT_NE(refused.err.find("parameters.relaxation: the answer depends on what was before: needs --path"),
-            std::string::npos)
-      << refused.err;
-  EXPECT_NE(element("", "{" + kCube + R"(, "parameters": {"relaxation": 3}})").err.find("a list of numbers"),
-            std::string::npos);
+  EXPECT_TRUE(
+      has(element("", cube, 3).err, "parameters.relaxation: the answer depends on what was before: needs --path"));
+  EXPECT_TRUE(has(element("", with_parameters(R"("relaxation": 3)"), 3).err, "a list of numbers"));
 }
 
 TEST_F(ElementCommand, AFileThatCannotBeReadEndsWith5) {
-  EXPECT_EQ(element("absent.json").code, 5);
-  EXPECT_EQ(element("- --path absent.csv", "{" + kCube + "}").code, 5);
+  element("absent.json", "", 5);
+  element("- --path absent.csv", "{" + kCube + "}", 5);
 }
 
 TEST_F(ElementCommand, DrivesTheHexahedronThroughAPath) {
   write("path.csv", "time,F11,F12,F13,F21,F22,F23,F31,F32,F33\n0,1,0,0,0,1,0,0,0,1\n# hold\n1,1.2,0,0,0,1,0,0,0,1\r\n");
-  const std::string elastic = R"(, "parameters": {"youngModulus": 1000, "poissonRatio": 0.25, "dt": 0.1,
-      "bending": "blended", "volumetric": "sample")";
-  const Outcome outcome = element("- --path path.csv", "{" + kCube + elastic + "}}");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  const support::Csv t(outcome.out);
+  const std::string elastic = R"("youngModulus": 1000, "poissonRatio": 0.25, "dt": 0.1, "bending": "blended",
+      "volumetric": "sample")";
+  const Csv t(element("- --path path.csv", with_parameters(elastic)).out);
   ASSERT_EQ(t.num_rows(), 11u);
   for (std::size_t k = 0; k < 11; ++k) {
     // uniaxial strain e: P11 = (lambda + 2 mu) e, P22 = lambda e, energy (lambda + 2 mu) e^2 / 2 in one cubic metre
@@ -249,9 +224,7 @@ TEST_F(ElementCommand, DrivesTheHexahedronThroughAPath) {
 
 TEST_F(ElementCommand, TheExampleOfTheDocumentationYieldsAndKeepsAStretch) {
   const std::string examples = std::string("'") + HEXAPLAST_SOURCE_DIR + "/docs/examples/uniaxial";
-  const Outcome outcome = element(examples + ".json' --path " + examples + "_path.csv'");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  const support::Csv t(outcome.out);
+  const Csv t(element(examples + ".json' --path " + examples + "_path.csv'", "").out);
   double stress_free = 0;
   for (std::size_t k = 1; k < t.num_rows(); ++k)
     if (t.number(k, "time") > 2 && t.number(k - 1, "P11") > 0 && t.number(k, "P11") <= 0)
@@ -271,9 +244,7 @@ TEST_F(ElementCommand, WrongPathsEndWith3AndNameTheLine) {
                                   {rest + "1,1,0,0,0,1,0,0,0,nan\n", "path.csv:2"},
                                   {rest + "0,1,0,0,0,1,0,0,0,1\n", "path.csv:2"}}) {
     write("path.csv", csv);
-    const Outcome outcome = element("- --path path.csv", "{" + kCube + "}");
-    EXPECT_EQ(outcome.code, 3) << csv;
-    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+    EXPECT_TRUE(has(element("- --path path.csv", "{" + kCube + "}", 3).err, part)) << csv;
   }
 }
 
