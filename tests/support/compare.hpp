@@ -43,6 +43,14 @@ inline Vec3 moment(ConstPoints x, ConstPoints f) {
   return sum;
 }
 
+/// Whether forces at points have neither sum nor moment.
+inline void expect_balance(ConstPoints x, ConstPoints f) {
+  const double size = f.cwiseAbs().sum();
+  EXPECT_LE(f.colwise().sum().norm(), 1e-12 * size);
+  const PointArray arms = x.rowwise() - x.colwise().mean();
+  EXPECT_LE(moment(arms, f).norm(), 1e-12 * size * max_abs(arms));
+}
+
 /// (f(+step) - f(-step)) / 2 step.
 inline double central_difference(const std::function<double(double)>& f, double step) {
   return (f(step) - f(-step)) / (2 * step);

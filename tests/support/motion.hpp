@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
+#include "hexaplast/body.hpp"
 #include "hexaplast/geometry/sections.hpp"
 #include "kinematics/polar.hpp"
+#include "support/materials.hpp"
 
 namespace hexaplast::support {
 
@@ -22,5 +25,20 @@ inline PointArray stretched_and_twisted(const HexMesh& mesh, double stretch, dou
   }
   return x;
 }
+
+/// A bar that flows while it is stretched and twisted by these, up to two thirds of the steps, and then held.
+struct HeldTwist {
+  double stretch, angle;
+  int steps;
+  double dt = kStep;
+
+  PointArray at(const HexMesh& mesh, int step) const {
+    const double fraction = std::min(1.0, 1.5 * step / steps);
+    return stretched_and_twisted(mesh, 1 + fraction * (stretch - 1), fraction * angle);
+  }
+  void flow(Body& body) const {
+    for (int step = 1; step <= steps; ++step) body.flow(at(body.mesh(), step), dt);
+  }
+};
 
 }  // namespace hexaplast::support
