@@ -14,15 +14,8 @@ namespace {
 using support::beam_mesh;
 using support::BeamMesh;
 
-Settings element(Bending bending, Volumetric volumetric = Volumetric::kSample) {
-  Settings settings;
-  settings.bending = bending;
-  settings.volumetric = volumetric;
-  if (bending == Bending::kVertex) settings.implementation = Implementation::kPlain;
-  return settings;
-}
-const Settings kPublished = element(Bending::kBlended),
-               kDefault = element(Bending::kAssumedCorner, Volumetric::kVolumeRatio);
+const Settings kPublished = published_element(), kDefault,
+               kVertex{.bending = Bending::kVertex, .volumetric = Volumetric::kSample};
 
 using Deflections = std::array<double, 5>;  // at Poisson's ratio 0, .3, .45, .49, .499
 
@@ -66,8 +59,8 @@ TEST_P(EveryBeam, BendsAsTheElementsOfThePrototype) {
 
 TEST(Cantilever, OfCornerGradientsIsFarTooStiff) {
   const BeamMesh beam = beam_mesh("one cell thick");
-  EXPECT_NEAR(deflection(beam, 0, element(Bending::kVertex)), 0.225, 0.005 * 0.225);
-  EXPECT_NEAR(deflection(beam, 2, element(Bending::kVertex)), 0.167, 0.005 * 0.167);
+  EXPECT_NEAR(deflection(beam, 0, kVertex), 0.225, 0.005 * 0.225);
+  EXPECT_NEAR(deflection(beam, 2, kVertex), 0.167, 0.005 * 0.167);
 }
 
 // Towards incompressibility trilinear hexahedra stiffen. Blending takes part of it away: the answer lies between the

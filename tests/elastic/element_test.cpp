@@ -2,7 +2,6 @@
 // The element in all its forms: what volume, bending and law have to do with one another.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -12,10 +11,15 @@
 #include "body_state.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/material/rows.hpp"
+#include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
+#include "hexaplast/solve/newton_raphson.hpp"
+#include "kinematics/polar.hpp"
 #include "mesh/trilinear.hpp"
+#include "plain/plain.hpp"
 #include "support/compare.hpp"
 #include "support/dense.hpp"
+#include "support/elastic_laws.hpp"
 #include "support/golden.hpp"
 #include "support/large_strain.hpp"
 #include "support/materials.hpp"
@@ -59,45 +63,31 @@ std::vector<Settings> all_forms() {
         settings.law = law;
         all.push_back(settings);
       }
+  for (const Bending bending : {Bending::kVertex, Bending::kCentre}) {
+    all.push_back(published_element());
+    all.back().bending = bending;
+  }
   return all;
 }
 
 class EveryForm : public testing::TestWithParam<Settings> {
  protected:
   Body body_of(HexMesh mesh, double poisson_ratio = 0.45) const {
-    Material material;
-    material.poisson_ratio = poisson_ratio;
-    return Body(std::move(mesh), {material}, GetParam());
+    return Body(std::move(mesh), {Material{.poisson_ratio = poisson_ratio}}, GetParam());
   }
 };
 INSTANTIATE_TEST_SUITE_P(Element, EveryForm, testing::ValuesIn(all_forms()),
                          [](const auto& test) { return name_of(test.param); });
 
-TEST_P(EveryForm, ForceIsTheSlopeOfTheEnergy) {
+TEST_P(EveryForm, HasAnEnergyBalanceAndAStiffness) {
+  Random random(302);
   for (const double distortion : {0.0, 0.15}) {
     Body body = body_of(support::distorted_block({2, 2, 2}, kEdge, distortion, 301));
-    Random random(302);
-    for (const double size : {0.1, 0.6}) {  // inverted elements among the latter
+    for (const double size : {0.1, 0.3, 0.6}) {  // inverted elements in the last
+      SCOPED_TRACE(testing::Message() << distortion << ' ' << size);
       const PointArray x = body.mesh().positions() + random.field(body.mesh().num_nodes(), size * kEdge);
-      const PointArray dx = random.field(body.mesh().num_nodes(), 1);
-      const double slope = support::central_difference([&](double h) { return body.energy(x + h * dx); }, 1e-6 * kEdge);
-      EXPECT_NEAR(-force_at(body, x).cwiseProduct(dx).sum(), slope, 1e-6 * std::abs(slope))
-          << distortion << ' ' << size;
+      support::expect_elastic_laws(body, x, random, size > 0.5);
     }
-  }
-}
-
-TEST_P(EveryForm, ForcesSumToNothingAndTurnWithTheBody) {
-  Body body = body_of(support::distorted_block({3, 2, 2}, kEdge, 0.15, 303));
-  Random random(304);
-  for (const double size : {1.0, 0.3}) {
-    const PointArray x = body.mesh().positions() + random.field(body.mesh().num_nodes(), size * kEdge);
-    const PointArray f = force_at(body, x);
-    EXPECT_LE(f.colwise().sum().norm(), 1e-12 * f.norm());
-    EXPECT_LE(support::moment(x, f).norm(), 1e-12 * f.norm());
-    if (size == 1) continue;  // folded: rotations jump
-    const Mat3 turn = random.rotation();
-    EXPECT_TRUE(agrees(force_at(body, mapped(x, turn, Vec3(0.03, -0.02, 0.05))), mapped(f, turn), 1e-11));
   }
 }
 
@@ -138,23 +128,22 @@ TEST_P(EveryForm, PassesThePatchTest) {
     double& max = on_boundary[n] ? boundary : inside;
     max = std::max(max, f.row(n).norm());
   }
-  EXPECT_LE(inside, 1e-10 * boundary);
+  if (GetParam().bending == Bending::kVertex || GetParam().bending == Bending::kCentre)
+    EXPECT_GE(inside, 1e-3 * boundary);
+  else
+    EXPECT_LE(inside, 1e-10 * boundary);
 }
 
-TEST_P(EveryForm, HasSixZeroModesAndNoNegativeOnes) {
+// The centre alone leaves twelve hourglass modes beside them.
+TEST_P(EveryForm, HasSixZeroModes) {
+  const int num_zero = GetParam().bending == Bending::kCentre ? 18 : 6;
   for (const double distortion : {0.0, 0.15}) {
     Body body = body_of(support::single_element(support::distorted_hexahedron(kEdge, distortion, 307)));
     Random random(308);
     const PointArray X = mapped(body.mesh().positions(), random.rotation(), random.vector(1));
     const Eigen::VectorXd at_rest = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(stiffness_at(body, X)).eigenvalues();
-    EXPECT_EQ((at_rest.array().abs() <= 1e-10 * at_rest[23]).count(), 6) << at_rest.transpose();
-    EXPECT_GE(at_rest[6], 1e-3 * at_rest[23]);
-    for (const double size : {0.2, 0.8}) {
-      const Eigen::MatrixXd K = stiffness_at(body, X + random.field(kCorners, size * kEdge));
-      EXPECT_LE(support::max_abs(K - K.transpose()), 1e-12 * support::max_abs(K));
-      const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues();
-      EXPECT_GT(values[0], -1e-12 * values[23]) << size;
-    }
+    EXPECT_EQ((at_rest.array().abs() <= 1e-10 * at_rest[23]).count(), num_zero) << at_rest.transpose();
+    EXPECT_GE(at_rest[num_zero], 1e-3 * at_rest[23]);
   }
 }
 
@@ -173,13 +162,9 @@ TEST_P(EveryForm, ConvergesWithMultigridInEachPrecision) {
     Settings settings = GetParam();
     settings.precision = precision;
     if (is_plain({{}}, settings)) continue;  // in double precision and without multigrid
-    Material material;
-    material.poisson_ratio = 0.45;
-    support::SimulationSetup setup;
     const HexMesh mesh = support::block({4, 4, 8}, kEdge);
-    setup.fixed = support::nodes_at(mesh, 2, 0);
-    setup.gravity = Vec3(0, -9.81, 0);
-    support::Simulation bar(Body(mesh, {material}, settings), std::move(setup),
+    support::Simulation bar(Body(mesh, {Material{}}, settings),
+                            {.gravity = {0, -9.81, 0}, .fixed = support::nodes_at(mesh, 2, 0)},
                             std::make_unique<PreconditionedConjugateGradients>(1e-6, 100, Preconditioner::kMultigrid));
     for (int step = 0; step < 3; ++step) {
       bar.step();
@@ -188,22 +173,8 @@ TEST_P(EveryForm, ConvergesWithMultigridInEachPrecision) {
   }
 }
 
-// Small strains: every law is Hooke's, and of a homogeneous strain every form has the same energy.
-TEST_P(EveryForm, IsHookesLawInTheSmall) {
-  Body body = body_of(support::distorted_block({2, 2, 2}, kEdge, 0.15, 311), 0.3);
-  Random random(312);
-  const Mat3 strain = 1e-5 * Mat3(random.matrix(1) + Mat3(random.matrix(1)).transpose()) / 2;
-  const Mat3 symmetric = (strain + strain.transpose()) / 2;
-  const Lame k = lame(5000, 0.3);
-  const double expected =
-      body.initial_volume() * (k.mu * symmetric.squaredNorm() + k.lambda / 2 * symmetric.trace() * symmetric.trace());
-  const PointArray x = mapped(body.mesh().positions(), Mat3(Mat3::Identity() + symmetric));
-  EXPECT_NEAR(body.energy(x), expected, 1e-4 * expected);
-}
-
 TEST_P(EveryForm, KeepsItsMomentumWhileSpinning) {
-  support::SimulationSetup setup;
-  support::Simulation bar(body_of(support::block({2, 2, 4}, kEdge)), std::move(setup));
+  support::Simulation bar(body_of(support::block({2, 2, 4}, kEdge)), {});
   const Vec3 omega(4, 0, 0), drift(0.3, -0.2, 0.1), centre = bar.x.colwise().mean().transpose();
   for (int n = 0; n < bar.x.rows(); ++n) bar.v.row(n) = (drift + omega.cross(Vec3(bar.x.row(n)) - centre)).transpose();
   const auto momentum = [&] {
@@ -223,14 +194,58 @@ TEST_P(EveryForm, KeepsItsMomentumWhileSpinning) {
   EXPECT_LE((angular_momentum() - before).norm(), lost * before.norm());
 }
 
-Body published_body(HexMesh mesh) { return Body(std::move(mesh), {Material{}}, published_element()); }
+/// MacNeal and Harder's solid patch: a unit cube around a distorted hexahedron, seven elements in all. One corner of
+/// the element in front is reentrant.
+HexMesh macneal_harder_patch() {
+  PointArray positions(16, 3);
+  for (int a = 0; a < kCorners; ++a) {
+    for (int d = 0; d < 3; ++d) positions(a, d) = kCornerSign[a][d] > 0 ? 1 : 0;
+  }
+  positions.bottomRows(8) << .249, .342, .192, .826, .288, .288, .850, .649, .263, .273, .750, .230, .320, .186, .643,
+      .677, .305, .683, .788, .693, .644, .165, .745, .702;
+  std::vector<Hexahedron> hexahedra{{8, 9, 10, 11, 12, 13, 14, 15}};
+  for (const auto& face : kFaces) {
+    // from the outer face, seen from within, to the same face of the inner element
+    hexahedra.push_back({face[0], face[3], face[2], face[1], face[0] + 8, face[3] + 8, face[2] + 8, face[1] + 8});
+  }
+  return HexMesh(positions, hexahedra);
+}
+
+TEST(MacNealHarderPatch, HasTheStatedStressEverywhere) {
+  const Material m{.young_modulus = 1e6, .poisson_ratio = 0.25};
+  const Lame k = lame(m.young_modulus, m.poisson_ratio);
+  Mat3 expected = Mat3::Constant(400);
+  expected.diagonal().setConstant(2000);
+  const Mat3 gradient = (Mat3() << 2, 1, 1, 1, 2, 1, 1, 1, 2).finished() * 0.5e-3;  // u = 1e-3 (2x + y + z) / 2, ...
+  Random random(113);
+
+  for (const bool turned : {false, true}) {
+    const Mat3 R = turned ? random.rotation() : Mat3(Mat3::Identity());
+    const HexMesh mesh = macneal_harder_patch();
+    Body body(mesh, {m});
+    PointArray x = mapped(mesh.positions(), R);
+    x.topRows(8) = mapped(mesh.positions(), R * (Mat3::Identity() + gradient)).topRows(8);
+    LoadedBody system(body, std::vector<double>(16, 0.0), {0, 1, 2, 3, 4, 5, 6, 7}, {});
+    CholeskySolver solver;
+    NewtonRaphson({.iterations = 100, .relative_successive = 0, .relative_initial = 0, .absolute_residual = 1e-11})
+        .solve(system, solver, 0, x);
+
+    for (const Hexahedron& corners : mesh.hexahedra()) {
+      const plain::Element element(gather(mesh.positions(), corners), gather(x, corners), k, {});
+      for (const Mat3& F : element.samples().F) {
+        EXPECT_LE((support::corotated_stress(polar(F).S, k) - expected).cwiseAbs().maxCoeff(), 1e-10 * 2000);
+        EXPECT_LE((polar(F).R - R).cwiseAbs().maxCoeff(), 1e-12);
+      }
+    }
+  }
+}
 
 // Corner a of the cube goes where a rotation of the cube takes it: 24 ways to number one and the same hexahedron.
 TEST(Force, DoesNotDependOnTheNumberingOfTheCorners) {
   Random random(89);
   const ElementPoints X = support::distorted_hexahedron(kEdge, 0.2, 90);
   const PointArray x = PointArray(X) + random.field(8, 0.3 * kEdge);
-  Body body = published_body(support::single_element(X));
+  Body body(support::single_element(X), {Material{}});
   const PointArray f = force_at(body, x);
 
   int num_numberings = 0;
@@ -247,25 +262,12 @@ TEST(Force, DoesNotDependOnTheNumberingOfTheCorners) {
           if (turned == Eigen::Vector3i(kCornerSign[b].data())) corners[a] = b;
         }
       }
-      Body renumbered = published_body(HexMesh(PointArray(X), {corners}));
+      Body renumbered(HexMesh(PointArray(X), {corners}), {Material{}});
       EXPECT_TRUE(agrees(force_at(renumbered, x), f, 1e-12));
       ++num_numberings;
     }
   } while (std::next_permutation(axes.begin(), axes.end()));
   EXPECT_EQ(num_numberings, 24);
-}
-
-TEST(Force, OfTheMirroredBodyIsMirrored) {
-  Random random(91);
-  const Mat3 mirror = Vec3(-1, 1, 1).asDiagonal();
-  const HexMesh mesh = support::distorted_block({2, 2, 2}, kEdge, 0.15, 92);
-  std::vector<Hexahedron> hexahedra = mesh.hexahedra();
-  for (Hexahedron& corners : hexahedra) {
-    for (const int a : {0, 3, 4, 7}) std::swap(corners[a], corners[kEdgeNeighbour[a][0]]);
-  }
-  const PointArray x = mesh.positions() + random.field(27, 0.3 * kEdge);
-  Body body = published_body(mesh), mirrored = published_body(HexMesh(mapped(mesh.positions(), mirror), hexahedra));
-  EXPECT_TRUE(agrees(force_at(mirrored, mapped(x, mirror)), mapped(force_at(body, x), mirror), 1e-12));
 }
 
 // ---- large strain of one hexahedron, against the solution of the equations for it
@@ -301,11 +303,8 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_P(UniaxialStress, OfOneHexahedronIsThatOfTheLaw) {
   const Uniaxial& asked = GetParam();
   for (const Bending bending : {Bending::kBlended, Bending::kAssumedCorner}) {
-    Settings settings;
-    settings.bending = bending;
-    settings.law = asked.law;
-    settings.volumetric = asked.volumetric;
-    const support::Strained found = support::uniaxial(asked.poisson_ratio, asked.stretch, settings);
+    const support::Strained found = support::uniaxial(
+        asked.poisson_ratio, asked.stretch, {.bending = bending, .volumetric = asked.volumetric, .law = asked.law});
     EXPECT_NEAR(found.force, asked.nominal_stress, 0.0006);
     EXPECT_NEAR(found.volume_ratio, asked.volume_ratio, 0.0006);
   }
@@ -338,9 +337,7 @@ TEST_P(GoldenElement, EnergyForceAndTangent) {
     ASSERT_TRUE(row) << attribute;
     row->at.set(settings, value.is_string() ? place_of_word(*row, value.get<std::string>()) : value.get<double>());
   }
-  Material material;
-  material.young_modulus = data.at("youngModulus");
-  material.poisson_ratio = data.at("poissonRatio");
+  const Material material{.young_modulus = data.at("youngModulus"), .poisson_ratio = data.at("poissonRatio")};
   std::vector<Hexahedron> hexahedra{{0, 1, 2, 3, 4, 5, 6, 7}};
   if (data.contains("hexahedra")) hexahedra = support::hexahedra(data.at("hexahedra"));
   const PointArray X = matrix(data.at("material")), x = matrix(data.at("world")), dx = matrix(data.at("dx"));
@@ -353,10 +350,7 @@ TEST_P(GoldenElement, EnergyForceAndTangent) {
     body.add_stiffness_product(1, dx, product);
     const char* const tangent = variant.contains("tangent_product") ? "tangent_product" : "tangent_product_frozen";
     EXPECT_TRUE(agrees(product, matrix(variant.at(tangent)), 1e-12)) << target;
-    PointArray assembled = PointArray::Zero(X.rows(), 3);
-    Eigen::Map<Eigen::VectorXd>(assembled.data(), assembled.size()) =
-        -stiffness_at(body, x) * Eigen::Map<const Eigen::VectorXd>(dx.data(), dx.size());
-    EXPECT_TRUE(agrees(assembled, product, 1e-12)) << target;
+    EXPECT_TRUE(agrees(support::unstacked(-stiffness_at(body, x) * support::stacked(dx)), product, 1e-12)) << target;
   }
   set_simd_target("");
 }
@@ -369,9 +363,7 @@ TEST(GoldenRecovery, EnergyForceAndTangent) {
   settings.recovery = RecoveryMode::kCluster;
   settings.recovery_strength = data.at("strength");
   settings.recovery_from = settings.recovery_full = data.at("threshold");
-  Material material;
-  material.young_modulus = data.at("youngModulus");
-  material.poisson_ratio = data.at("poissonRatio");
+  const Material material{.young_modulus = data.at("youngModulus"), .poisson_ratio = data.at("poissonRatio")};
   const PointArray X = matrix(data.at("material"));
   for (const auto& [name, found] : data.at("cases").items()) {
     const PointArray x = matrix(found.at("world")), dx = matrix(found.at("dx"));
@@ -391,19 +383,6 @@ TEST(GoldenRecovery, EnergyForceAndTangent) {
   }
 }
 
-TEST(Recovery, DoesNothingToABodyThatIsNotFolded) {
-  const HexMesh mesh = support::distorted_block({3, 2, 2}, kEdge, 0.15, 313);
-  Settings settings;
-  settings.recovery = RecoveryMode::kCluster;
-  Random random(314);
-  const PointArray x = mesh.positions() + random.field(mesh.num_nodes(), 0.1 * kEdge);
-  Settings without = settings;
-  without.recovery = RecoveryMode::kNone;
-  Body with_springs(mesh, {Material{}}, settings), without_springs(mesh, {Material{}}, without);
-  EXPECT_EQ(force_at(with_springs, x), force_at(without_springs, x));
-  EXPECT_EQ(with_springs.energy(x), without_springs.energy(x));
-}
-
 double min_corner_ratio(const HexMesh& mesh, const PointArray& x) {
   double min = 1e300;
   for (const Hexahedron& corners : mesh.hexahedra())
@@ -416,7 +395,6 @@ double min_corner_ratio(const HexMesh& mesh, const PointArray& x) {
 // Elements that cannot be folded are passed over: that must miss none.
 TEST(Recovery, ActsAsSoonAsACornerIsThin) {
   Random random(319);
-  int passed_over = 0;
   for (int round = 0; round < 400; ++round) {
     Settings settings{.rest_shape = RestShape::kJoined};  // springs alone
     settings.recovery_from = round % 3 == 0 ? 0.5 : 0.05;
@@ -431,29 +409,24 @@ TEST(Recovery, ActsAsSoonAsACornerIsThin) {
       (min_corner_ratio(mesh, mesh.positions() + middle * way) < settings.recovery_from ? thin : thick) = middle;
     }
     Body body(mesh, {Material{}}, settings);
-    const Linearization& at = body.state().at;
     for (const double fraction : {0.05 * thick, 0.3 * thick, 0.6 * thick, 0.9 * thick, thick, thin, 2 * thin}) {
       const PointArray x = mesh.positions() + fraction * way;
       force_at(body, x);
-      EXPECT_EQ(at.recovery.acts(), min_corner_ratio(mesh, x) < settings.recovery_from) << round << " " << fraction;
-      passed_over += at.thin[0] == 0;
+      EXPECT_EQ(body.state().recovery().acts(), min_corner_ratio(mesh, x) < settings.recovery_from)
+          << round << " " << fraction;
     }
   }
-  EXPECT_GT(passed_over, 150);  // of 2800
 }
 
 TEST(Recovery, HasNoForceOrMomentInSumAndResistsNoRigidMotion) {
   const HexMesh mesh = support::distorted_block({4, 2, 2}, kEdge, 0.15, 315);
-  Settings settings;
-  settings.recovery = RecoveryMode::kCluster;
   Random random(316);
   const PointArray x = mesh.positions() + random.field(mesh.num_nodes(), 0.9 * kEdge);
-  Body body(mesh, {Material{}}, settings);
+  Body body(mesh, {Material{}});
   const PointArray f = force_at(body, x);
   const Recovery& springs = body.state().recovery();
   ASSERT_TRUE(springs.acts());
-  EXPECT_LE(f.colwise().sum().norm(), 1e-12 * f.norm());
-  EXPECT_LE(support::moment(x, f).norm(), 1e-12 * f.norm());
+  support::expect_balance(x, f);
 
   PointArray motion(x.rows(), 3), product = PointArray::Zero(x.rows(), 3), weights = product;
   for (int n = 0; n < x.rows(); ++n) motion.row(n) = Vec3(0.3, -0.2, 0.1) + Vec3(1, 2, -3).cross(Vec3(x.row(n)));
@@ -465,13 +438,11 @@ TEST(Recovery, HasNoForceOrMomentInSumAndResistsNoRigidMotion) {
 TEST(Recovery, IsInAssembledMatricesAsInProducts) {
   for (const int width : {1, 7}) {  // small clusters are blocks, large ones six terms of rank one each
     const HexMesh mesh = support::distorted_block({8, width, width}, kEdge, 0.1, 317);
-    Settings settings;
-    settings.recovery = RecoveryMode::kCluster;
     Random random(318);
     PointArray x = mesh.positions();
     for (int n = 0; n < mesh.num_nodes(); ++n)  // both ends are folded, the middle is not: two clusters
       if (std::abs(x(n, 0) - 4 * kEdge) > 2.5 * kEdge) x.row(n) += random.field(1, 0.9 * kEdge).row(0);
-    Body body(mesh, {Material{}}, settings);
+    Body body(mesh, {Material{}});
     const Eigen::MatrixXd K = support::stiffness_at(body, x);
     BlockMatrix again(mesh.num_nodes());
     body.add_stiffness_blocks(-1, again);
@@ -523,8 +494,6 @@ TEST(CornerEnergy, OfACubeIsThatByHand) {
     EXPECT_NEAR(with_energy.energy(x) - alone.energy(x), 5 * mu / 16 * missing * missing, 1e-9 * mu);
     const PointArray force = force_at(with_energy, x) - force_at(alone, x);
     EXPECT_NEAR(force.row(0).sum(), -5 * mu / 8 * missing * 3, 1e-9 * mu);  // - dE/dt
-    EXPECT_LE(force.colwise().sum().norm(), 1e-9 * mu);
-    EXPECT_LE(support::moment(x, force).norm(), 1e-9 * mu);
   }
 }
 
@@ -535,7 +504,7 @@ TEST(CornerEnergy, ForceAndProductAreSlopes) {
   Random random(322);
   const PointArray X = mesh.positions(), x = X + random.field(mesh.num_nodes(), 0.6 * kEdge),
                    p = random.field(mesh.num_nodes(), 1);
-  constexpr double kMu = 700, kVolume = 1e-3, kStep = 1e-7;
+  constexpr double kMu = 700, kVolume = 1e-3, kNudge = 1e-7;
   const auto corners_at = [&](const PointArray& at) {
     CornerEnergy corners;
     for (const Hexahedron& nodes : mesh.hexahedra())
@@ -546,22 +515,22 @@ TEST(CornerEnergy, ForceAndProductAreSlopes) {
   ASSERT_TRUE(corners.acts());
   PointArray f = PointArray::Zero(x.rows(), 3), product = f, expected = f, diagonal = f;
   corners.add_force(f);
-  const double slope = (corners_at(x + kStep * p).energy() - corners_at(x - kStep * p).energy()) / (2 * kStep);
+  const double slope = (corners_at(x + kNudge * p).energy() - corners_at(x - kNudge * p).energy()) / (2 * kNudge);
   EXPECT_NEAR(f.cwiseProduct(p).sum(), -slope, 1e-6 * std::abs(slope));
 
   corners.add_product(2, p, product);
   for (const Hexahedron& nodes : mesh.hexahedra()) {
     const auto ratios = [&](const PointArray& at) { return corner_ratios(gather(X, nodes), gather(at, nodes)); };
-    const CornerValues now = ratios(x), ahead = ratios(x + kStep * p), behind = ratios(x - kStep * p);
+    const CornerValues now = ratios(x), ahead = ratios(x + kNudge * p), behind = ratios(x - kNudge * p);
     for (int n = 0; n < x.rows(); ++n)
       for (int axis = 0; axis < 3; ++axis) {
         PointArray unit = PointArray::Zero(x.rows(), 3);
-        unit(n, axis) = kStep;
+        unit(n, axis) = kNudge;
         const CornerValues above = ratios(x + unit), below = ratios(x - unit);
         for (int i = 0; i < kCorners; ++i)
           if (now[i] < CornerEnergy::kFrom)
             expected(n, axis) += 2 * CornerEnergy::kStrength * kMu * kVolume / 8 * (above[i] - below[i]) *
-                                 (ahead[i] - behind[i]) / (4 * kStep * kStep);
+                                 (ahead[i] - behind[i]) / (4 * kNudge * kNudge);
       }
   }
   EXPECT_TRUE(agrees(product, expected, 1e-6));

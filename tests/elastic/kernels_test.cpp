@@ -7,14 +7,12 @@
 #include "base/simd.hpp"
 #include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/parallel.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "kinematics/polar.hpp"
 #include "plain/plain.hpp"
-#include "plastic/flow.hpp"
-#include "plastic/flow_pass.hpp"
 #include "support/compare.hpp"
+#include "support/history.hpp"
 #include "support/materials.hpp"
 #include "support/shapes.hpp"
 #include "support/simulation.hpp"
@@ -34,37 +32,11 @@ class OnEverySet : public testing::TestWithParam<std::string> {
 INSTANTIATE_TEST_SUITE_P(Simd, OnEverySet, testing::ValuesIn(simd_targets()),
                          [](const auto& test) { return test.param; });
 
-/// Gradients of every kind: any, small strains, singular ones, inside out, with equal and nearly equal stretches, of
-/// all sizes.
-Mat3 gradient_of_kind(int kind, Random& random) {
-  const Mat3 any = random.field(3, 1), turn = random.rotation(), other = random.rotation();
-  const Vec3 d = random.field(1, 1).row(0).transpose();
-  switch (kind) {
-    case 0:
-      return any;
-    case 1:
-      return turn * (Mat3::Identity() + 0.1 * any);
-    case 2:
-      return turn * Vec3(d[0], d[1], 0).asDiagonal() * other;
-    case 3:
-      return turn * Vec3(d[0], 0, 0).asDiagonal() * other;
-    case 4:
-      return turn * Vec3(1, 1, -std::abs(d[0])).asDiagonal() * other;
-    case 5:
-      return turn * Vec3(1, 1 + 1e-9 * d[1], 1 - 1e-12 * d[2]).asDiagonal() * other;
-    case 6:
-      return any * std::pow(10.0, 150 * d[0]);
-    default:
-      return Mat3::Zero();
-  }
-}
-
 TEST_P(OnEverySet, RotationsAreThoseOfTheSingularValueDecomposition) {
-  constexpr int kKinds = 8;
   const int count = GetParam() == simd_targets().front() ? 1000000 : 40000;
   Random random(96);
   std::vector<Mat3> F(count), R(count);
-  for (int k = 0; k < count; ++k) F[k] = gradient_of_kind(k % kKinds, random);
+  for (int k = 0; k < count; ++k) F[k] = support::gradient_of_kind(k % 8, random);
   rotations(F, R);
   double orthogonal = 0, determinant = 0, different = 0;
   int num_unique = 0;
@@ -84,81 +56,42 @@ TEST_P(OnEverySet, RotationsAreThoseOfTheSingularValueDecomposition) {
   EXPECT_GT(num_unique, count / 100);
 }
 
-/// One plastic step of a body of `cells` whose every corner yields; `size` is that of the displacements, in edges.
-Body flown(std::array<int, 3> cells, double distortion, YieldNorm norm, double size = 0.1,
-           Precision precision = Precision::kDouble) {
-  Material material;
-  material.yield_stress = 500 * size;
-  material.flow_rate = 5;
-  material.hardening = 0.3;
-  const Settings settings{.yield_norm = norm, .precision = precision};
-  Body body(support::distorted_block(cells, kEdge, distortion, 93), {material}, settings);
-  Random random(94);
-  body.flow(body.mesh().positions() + random.field(body.mesh().num_nodes(), size * kEdge), 0.01);
-  return body;
+/// A body whose every corner yields at displacements of this size, in edges.
+Body yielding_body(std::array<int, 3> cells, double distortion, double size, Settings settings) {
+  const Material material{.yield_stress = 500 * size, .flow_rate = 5, .hardening = 0.3};
+  return Body(support::distorted_block(cells, kEdge, distortion, 93), {material}, settings);
+}
+PointArray displaced(const Body& body, double size) {
+  return body.mesh().positions() + Random(94).field(body.mesh().num_nodes(), size * kEdge);
 }
 
 /// What a step adds to a history has these errors: of lengths in units of the edge, and of angles and strains.
 double rounding_of_flow(Precision precision) { return precision == Precision::kDouble ? 1e-14 : 5e-8; }
 
-void expect_the_same_flow(const History& found, const History& expected, const Model& model, double rounding) {
-  for (int e = 0; e < model.mesh.num_elements(); ++e) {
-    const ElementHistory one = found.element(e), plainly = expected.element(e);
-    const Lame& lame = model.lame[e];
-    EXPECT_LE(support::max_abs(one.rest_shape - plainly.rest_shape), rounding * kEdge);
-    for (int i = 0; i < kCorners; ++i) {
-      EXPECT_LE(support::max_abs(one.plastic_stretch[i] - plainly.plastic_stretch[i]), rounding);
-      EXPECT_LE(support::max_abs(one.plastic_inverse[i] - plainly.plastic_inverse[i]), rounding);
-      EXPECT_NEAR(one.yield_stress[i], plainly.yield_stress[i], 0.1 * rounding * (3 * lame.lambda + 2 * lame.mu));
-      EXPECT_NEAR(one.rotation_yield[i], plainly.rotation_yield[i], 10 * rounding);
-      EXPECT_NEAR(one.plastic_strain[i], plainly.plastic_strain[i], rounding);
-    }
-  }
-}
-
-void expect_the_flow_of_the_elements(YieldNorm norm, double size, Precision precision) {
-  const Body body = flown({3, 2, 3}, 0.15, norm, size, precision);
+/// A step of a body of which all hexahedra flow, against that of the plain implementation.
+void expect_the_flow_of_the_elements(Body body, const PointArray& x) {
   const Model& model = body.state().model;
   History expected(model);
-  Random random(94);
-  const PointArray x = body.mesh().positions() + random.field(body.mesh().num_nodes(), size * kEdge);
   PreconditionedConjugateGradients solver(1e-6, 10000);
   ASSERT_EQ(plain::flow(model, x, 0.01, solver, expected).yielded, body.mesh().num_elements());
-  expect_the_same_flow(body.state().history, expected, model, rounding_of_flow(precision));
+  body.flow(x, 0.01);
+  for (int e = 0; e < model.mesh.num_elements(); ++e)
+    support::expect_same_history(body.state().history.element(e), expected.element(e), model.lame[e], kEdge,
+                                 rounding_of_flow(model.settings.precision));
 }
 
 TEST_P(OnEverySet, FlowIsThatOfTheElements) {
   for (const Precision precision : {Precision::kDouble, Precision::kMixed})
     for (const YieldNorm norm : {YieldNorm::kVonMises, YieldNorm::kFrobenius})
-      for (const double size : {0.001, 0.01, 0.03, 0.1})  // power series of every length
-        expect_the_flow_of_the_elements(norm, size, precision);
-}
-
-/// Whether flow_block does all elements of a bar of constant volume with this stretch, to the result of the plain way.
-bool flows_in_lanes(double stretch) {
-  const HexMesh mesh = support::distorted_block({4, 4, 2}, kEdge, 0.1, 95);
-  const Model model(mesh, {Material{.yield_stress = 10, .flow_rate = 20, .fracture_stretch = 3}}, {});
-  History history(model), trial = history;
-  Random random(96);
-  const Mat3 turn = random.rotation(),
-             F = turn * Vec3(stretch, 1 / std::sqrt(stretch), 1 / std::sqrt(stretch)).asDiagonal();
-  PointArray x = mesh.positions() * F.transpose();
-  Linearization at(model);
-  linearize(model, history, x, at);
-  std::vector<ElementFlow> flows(mesh.num_elements());
-  for (int block = 0; block < model.partition->num_blocks; ++block)
-    if (flow_block(model, at, 0.01, history, {}, block, trial, flows.data()) != 0) return false;
-
-  History expected = history;
-  PreconditionedConjugateGradients solver(1e-6, 10000);
-  EXPECT_EQ(plain::flow(model, x, 0.01, solver, expected).yielded, mesh.num_elements());
-  expect_the_same_flow(trial, expected, model, rounding_of_flow(Precision::kDouble));
-  return true;
-}
-
-TEST_P(OnEverySet, LargeStretchesFlowInLanes) {
-  for (const double stretch : {0.35, 0.6, 1.05, 1.6, 2.5, 3.8}) EXPECT_TRUE(flows_in_lanes(stretch)) << stretch;
-  EXPECT_FALSE(flows_in_lanes(7));
+      for (const double size : {0.001, 0.01, 0.03, 0.1}) {  // power series of every length
+        const Body body = yielding_body({3, 2, 3}, 0.15, size, {.yield_norm = norm, .precision = precision});
+        expect_the_flow_of_the_elements(body, displaced(body, size));
+      }
+  for (const double stretch : {0.35, 0.6, 1.6, 2.5, 3.8, 7.0}) {
+    const Body body = yielding_body({4, 4, 2}, 0.1, 0.02, {});
+    const Mat3 F = Random(96).rotation() * Vec3(stretch, 1 / std::sqrt(stretch), 1 / std::sqrt(stretch)).asDiagonal();
+    expect_the_flow_of_the_elements(body, support::mapped(body.mesh().positions(), F));
+  }
 }
 
 /// Plastic strain of sixteen separate cubes that are stretched alike, but for one of them, which is pushed through
@@ -198,13 +131,11 @@ TEST_P(OnEverySet, LanesAreAsAccurateBesideOneThatFails) {
 }
 
 TEST_P(OnEverySet, GiveTheSameBitsForAnyThreadCount) {
-  std::vector<std::string> hashes;
-  for (const int threads : {1, 2, 3, 7}) {
-    set_num_threads(threads);
-    hashes.push_back(support::hash_of(flown({17, 16, 15}, 0.1, YieldNorm::kVonMises)));  // several chunks
-  }
-  set_num_threads(1);
-  for (const std::string& hash : hashes) EXPECT_EQ(hash, hashes.front());
+  support::expect_the_same_for_any_threads([] {
+    Body body = yielding_body({17, 16, 15}, 0.1, 0.1, {});  // several chunks
+    body.flow(displaced(body, 0.1), 0.01);
+    return support::hash_of(body);
+  });
 }
 
 TEST(Simd, NamesItsSetsAndRefusesOthers) {

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/mesh/faces.hpp"
+#include "mesh/lumped_mass.hpp"
+#include "mesh/trilinear.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"
 
@@ -154,6 +157,79 @@ TEST(RegularGrid, RefusesEmptyAndUncountableGrids) {
     EXPECT_THROW(grid_quads(cells), InputError);
     EXPECT_THROW(grid_edges(cells), InputError);
   }
+}
+
+/// Gradient (d/ds) of the trilinear shape functions at s, one row per corner: written out anew, to compare with.
+ElementPoints reference_gradient(const Vec3& s) {
+  ElementPoints g;
+  for (int a = 0; a < kCorners; ++a) {
+    const auto& c = kCornerSign[a];
+    const double u = 1 + c[0] * s[0], v = 1 + c[1] * s[1], w = 1 + c[2] * s[2];
+    g.row(a) << c[0] * v * w / 8, u * c[1] * w / 8, u * v * c[2] / 8;
+  }
+  return g;
+}
+
+Mat3 jacobian(const ElementPoints& x, const Vec3& s) { return x.transpose() * reference_gradient(s); }
+
+Vec3 corner_point(int a) { return {double(kCornerSign[a][0]), double(kCornerSign[a][1]), double(kCornerSign[a][2])}; }
+
+/// Calls visit(s, weight) at the 3x3x3 Gauss points of the reference cube.
+template <class Visit>
+void for_gauss_points(const Visit& visit) {
+  const double at[3] = {-std::sqrt(0.6), 0, std::sqrt(0.6)};
+  const double weight[3] = {5.0 / 9, 8.0 / 9, 5.0 / 9};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      for (int k = 0; k < 3; ++k) visit(Vec3(at[i], at[j], at[k]), weight[i] * weight[j] * weight[k]);
+    }
+  }
+}
+
+TEST(Jacobian, IsTheDerivativeOfTheTrilinearMap) {
+  const ElementPoints x = support::distorted_hexahedron(0.1, 0.2, 21);
+  for (int a = 0; a < kCorners; ++a)
+    EXPECT_TRUE(support::agrees(corner_jacobian(x, a), jacobian(x, corner_point(a)), 1e-14));
+  EXPECT_TRUE(support::agrees(centre_jacobian(x), jacobian(x, Vec3::Zero()), 1e-14));
+}
+
+TEST(Volume, IsTheIntegralOfTheJacobian) {
+  const ElementPoints x = support::distorted_hexahedron(0.1, 0.25, 23);
+  double integral = 0;
+  for_gauss_points([&](const Vec3& s, double weight) { integral += weight * jacobian(x, s).determinant(); });
+  EXPECT_NEAR(volume(x), integral, 1e-14 * integral);
+  EXPECT_NEAR(volume(support::cube(0.1)), 1e-3, 1e-17);
+}
+
+TEST(LumpedMass, SharedNodesAddTheirHexahedra) {
+  const HexMesh grid = regular_grid({2, 3, 4}, Vec3::Zero(), Vec3(2, 3, 4));
+  const Eigen::VectorXd volume = nodal_volumes(grid.positions(), grid.hexahedra());
+  EXPECT_NEAR(volume.sum(), 24, 1e-12);
+  EXPECT_DOUBLE_EQ(volume[0], 0.125);                // a corner of the grid
+  EXPECT_DOUBLE_EQ(volume[1 + 3 * (1 + 4 * 1)], 1);  // an inner node: eight eighths
+}
+
+// An affine map multiplies every volume by its determinant: here 2 * 3 * 0.5, sheared.
+TEST(LumpedMass, FollowsAffineMapsExactly) {
+  const HexMesh box = regular_grid({1, 1, 1}, Vec3::Zero(), Vec3::Ones());
+  Mat3 A;
+  A << 2, 0.7, -0.3, 0, 3, 0.9, 0, 0, 0.5;
+  const PointArray x = box.positions() * A.transpose();
+  EXPECT_NEAR(nodal_volumes(x, box.hexahedra()).sum(), 3, 1e-14);
+}
+
+// A frustum, 4 below and 1 above, with plane faces: h/3 (A + sqrt(A B) + B).
+TEST(LumpedMass, IsTheVolumeWhereFacesArePlane) {
+  ElementPoints x;
+  x << 0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 2, 0, 0, 0, 3, 1, 0, 3, 1, 1, 3, 0, 1, 3;
+  EXPECT_NEAR(six_tetrahedra_volume(x), 3.0 / 3 * (4 + 2 + 1), 1e-14);
+}
+
+TEST(LumpedMass, NodesWithoutElementWeighNothing) {
+  PointArray x = PointArray::Random(9, 3);
+  x.topRows(8) = regular_grid({1, 1, 1}, Vec3::Zero(), Vec3::Ones()).positions();
+  const std::vector<Hexahedron> hexahedra = regular_grid({1, 1, 1}, Vec3::Zero(), Vec3::Ones()).hexahedra();
+  EXPECT_EQ(nodal_volumes(x, hexahedra)[8], 0);
 }
 
 }  // namespace

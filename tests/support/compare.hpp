@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 
+#include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/types.hpp"
 
 namespace hexaplast::support {
@@ -54,6 +55,19 @@ inline void expect_balance(ConstPoints x, ConstPoints f) {
 /// (f(+step) - f(-step)) / 2 step.
 inline double central_difference(const std::function<double(double)>& f, double step) {
   return (f(step) - f(-step)) / (2 * step);
+}
+
+/// Whether `result` has the same value with any number of threads.
+template <class Result>
+void expect_the_same_for_any_threads(const Result& result) {
+  const int before = num_threads();
+  set_num_threads(1);
+  const auto expected = result();
+  for (const int threads : {1, 2, 3, 7}) {
+    set_num_threads(threads);
+    EXPECT_EQ(result(), expected) << threads << " threads";
+  }
+  set_num_threads(before);
 }
 
 /// The message of the Error that `act` throws; empty where it throws nothing.

@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
-#include "state/history.hpp"
+#include "body_state.hpp"
 #include "support/compare.hpp"
 
 namespace hexaplast::support {
+
+/// Tells a body whose G have been set that all of its hexahedra have flowed.
+inline void take_flowed(Body& body) {
+  std::ranges::fill(body.state().history.has_flowed, 1);
+  ++body.state().history.version;
+}
 
 /// Whether what an element has been through is the same but for `rounding`: of lengths over `edge` [m], of angles,
 /// strains and stretches, and of stresses over a modulus.

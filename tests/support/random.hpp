@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <random>
@@ -52,5 +53,30 @@ class Random {
  private:
   std::mt19937_64 engine_;
 };
+
+/// Deformation gradients of eight kinds: any, small strains, singular ones, inside out, with equal and nearly equal
+/// stretches, of all sizes.
+inline Mat3 gradient_of_kind(int kind, Random& random) {
+  const Mat3 any = random.field(3, 1), turn = random.rotation(), other = random.rotation();
+  const Vec3 d = random.vector(1);
+  switch (kind) {
+    case 0:
+      return any;
+    case 1:
+      return turn * (Mat3::Identity() + 0.1 * any);
+    case 2:
+      return turn * Vec3(d[0], d[1], 0).asDiagonal() * other;
+    case 3:
+      return turn * Vec3(d[0], 0, 0).asDiagonal() * other;
+    case 4:
+      return turn * Vec3(1, 1, -std::abs(d[0])).asDiagonal() * other;
+    case 5:
+      return turn * Vec3(1, 1 + 1e-9 * d[1], 1 - 1e-12 * d[2]).asDiagonal() * other;
+    case 6:
+      return any * std::pow(10.0, 150 * d[0]);
+    default:
+      return Mat3::Zero();
+  }
+}
 
 }  // namespace hexaplast::support
