@@ -2,15 +2,14 @@
 // Plastic rest positions of isolated rest shapes: the shape of a body that nothing loads and nothing holds.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 
 #include "body_state.hpp"
-#include "hexaplast/base/parallel.hpp"
+#include "support/archive.hpp"
 #include "support/compare.hpp"
 #include "support/dense.hpp"
+#include "support/history.hpp"
 #include "support/materials.hpp"
 #include "support/shapes.hpp"
 #include "support/simulation.hpp"
@@ -20,12 +19,14 @@ namespace {
 
 using support::force_at;
 using support::hash_of;
+using support::incongruence;
 using support::kEdge;
 using support::mapped;
 using support::max_abs;
 using support::Random;
+using support::saved;
 
-constexpr double kYoung = 5000;
+constexpr double kModulus = 5000;
 
 /// Along x, of square cells.
 PointArray bent(const PointArray& X, double angle) {
@@ -39,24 +40,10 @@ PointArray bent(const PointArray& X, double angle) {
   return x;
 }
 
-/// Greatest distance of a node, after the rigid motion that fits best.
-double distance_up_to_a_motion(const PointArray& x, const PointArray& to) {
-  const Vec3 from_mean = x.colwise().mean(), to_mean = to.colwise().mean();
-  const PointArray a = x.rowwise() - from_mean.transpose(), b = to.rowwise() - to_mean.transpose();
-  const Mat3 R = polar(b.transpose() * a).R;
-  return std::sqrt((a * R.transpose() - b).rowwise().squaredNorm().maxCoeff());
-}
-
-std::string file_of(const Body& body) {
-  std::ostringstream out;
-  body.save(out);
-  return out.str();
-}
-
 class ReleasedShapeOf : public testing::TestWithParam<Implementation> {
  protected:
   static Body made(const HexMesh& mesh) {
-    return Body(mesh, {Material{.young_modulus = kYoung, .yield_stress = 100, .flow_rate = 1}},
+    return Body(mesh, {Material{.young_modulus = kModulus, .yield_stress = 100, .flow_rate = 1}},
                 {.rest_shape = RestShape::kIsolated, .implementation = GetParam()});
   }
   /// A bar that was bent by so much, and has flowed there: ideal plastic, with residual stress.
@@ -80,17 +67,15 @@ TEST_P(ReleasedShapeOf, OneDeformationOfAllIsTheMeshThatIsDeformedSo) {
   const Mat3 plastic = random.rotation() * turn * stretch * turn.transpose();
   History& history = body.state().history;
   for (CornerTensors& of_element : history.plastic_inverse) of_element.fill(plastic.inverse());
-  std::ranges::fill(history.has_flowed, 1);
-  ++history.version;
-  EXPECT_LE(distance_up_to_a_motion(body.plastic_rest_positions(), mapped(body.mesh().positions(), plastic)),
-            1e-3 * kEdge);
+  support::take_flowed(body);
+  EXPECT_LE(incongruence(body.plastic_rest_positions(), mapped(body.mesh().positions(), plastic)), 1e-3 * kEdge);
 }
 
 TEST_P(ReleasedShapeOf, ABentBarIsInEquilibriumWhereItsEnergyIsLeast) {
   Body body = bent_bar(0.8 * std::numbers::pi);
   const PointArray x = body.plastic_rest_positions();
-  EXPECT_GT(distance_up_to_a_motion(x, body.mesh().positions()), kEdge) << "it is bent";
-  EXPECT_LE(max_abs(force_at(body, x)), 1e-3 * kYoung * kEdge * kEdge);
+  EXPECT_GT(incongruence(x, body.mesh().positions()), kEdge) << "it is bent";
+  EXPECT_LE(max_abs(force_at(body, x)), 1e-3 * kModulus * kEdge * kEdge);
   const double energy = body.energy(x);
   EXPECT_GT(energy, 1e-4 * body.energy(body.mesh().positions())) << "of residual stress";
   Random random(703);
@@ -105,20 +90,20 @@ TEST_P(ReleasedShapeOf, DoesNotDependOnWhenItWasAskedBefore) {
   const PointArray before = body.plastic_rest_positions();
   bend(body, 0.6 * std::numbers::pi, 0.3 * std::numbers::pi);
   const Body other = body;
-  EXPECT_GT(distance_up_to_a_motion(body.plastic_rest_positions(), before), kEdge);
+  EXPECT_GT(incongruence(body.plastic_rest_positions(), before), kEdge);
   EXPECT_EQ(body.plastic_rest_positions(), other.plastic_rest_positions());
 }
 
 TEST_P(ReleasedShapeOf, IsAskedForWithoutATrace) {
   Body body = bent_bar(0.2 * std::numbers::pi);
-  const std::string hash = hash_of(body), file = file_of(body);
+  const std::string hash = hash_of(body), file = saved(body);
   const PointArray x = bent(body.mesh().positions(), 0.5), f = force_at(body, x);
   EXPECT_NE(body.plastic_rest_positions(), body.mesh().positions());
   PointArray again = PointArray::Zero(x.rows(), 3);
   body.add_force(again);
   EXPECT_EQ(again, f);
   EXPECT_EQ(hash_of(body), hash);
-  EXPECT_EQ(file_of(body), file);
+  EXPECT_EQ(saved(body), file);
 }
 
 TEST_P(ReleasedShapeOf, IsTheMeshBeforeAnythingHasFlowedAndAfterAReset) {
@@ -133,15 +118,9 @@ TEST_P(ReleasedShapeOf, IsTheMeshBeforeAnythingHasFlowedAndAfterAReset) {
 }
 
 TEST_P(ReleasedShapeOf, HasTheSameBitsForAnyThreadCount) {
-  const int before = num_threads();
   Body body = made(support::block({24, 4, 4}, kEdge));
   bend(body, 0.5 * std::numbers::pi);
-  const PointArray expected = Body(body).plastic_rest_positions();
-  for (const int threads : {1, 2, 3}) {
-    set_num_threads(threads);
-    EXPECT_EQ(Body(body).plastic_rest_positions(), expected) << threads;
-  }
-  set_num_threads(before);
+  support::expect_the_same_for_any_threads([&] { return Body(body).plastic_rest_positions(); });
 }
 
 // Hexahedra in a row, each of eight points that want other shapes: nothing that flow leaves.
@@ -154,8 +133,7 @@ TEST_P(ReleasedShapeOf, SaysWhereItsIterationsDidNotConverge) {
       const Mat3 turn = random.rotation();
       G = turn * Vec3(1.6, 1, 1 / 1.6).asDiagonal() * turn.transpose();
     }
-  std::ranges::fill(history.has_flowed, 1);
-  ++history.version;
+  support::take_flowed(body);
   EXPECT_FALSE(body.plastic_rest_has_converged());
   EXPECT_LT(body.energy(body.plastic_rest_positions()), body.energy(body.mesh().positions())) << "the best of them";
   EXPECT_TRUE(bent_bar(1).plastic_rest_has_converged());
@@ -181,7 +159,7 @@ TEST_P(ReleasedShapeOf, LaysEachPieceOnItsInitialPlace) {
     else
       shift[parts.part_of_node[n]] += (x.row(n) - X.row(n)).transpose();
   for (const Vec3& one : shift) EXPECT_LE(one.norm(), 1e-9 * kEdge);
-  EXPECT_LE(max_abs(force_at(body, x)), 1e-3 * kYoung * kEdge * kEdge);
+  EXPECT_LE(max_abs(force_at(body, x)), 1e-3 * kModulus * kEdge * kEdge);
 }
 
 }  // namespace

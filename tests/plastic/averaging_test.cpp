@@ -25,13 +25,9 @@ using support::kEdge;
 using support::kJoined;
 using support::mapped;
 
-Settings tight() {
-  Settings settings = kJoined;
-  settings.averaging_tolerance = 1e-12;
-  return settings;
+Model elastic_model(HexMesh mesh) {
+  return Model(std::move(mesh), {Material{}}, {.rest_shape = RestShape::kJoined, .averaging_tolerance = 1e-12});
 }
-
-Model elastic_model(HexMesh mesh) { return Model(std::move(mesh), {Material{}}, tight()); }
 
 AveragingReport join(const Model& model, LinearSolver& solver, History& history) {
   return plain::join_rest_shapes(model, std::vector<unsigned char>(model.mesh.num_elements(), 1), solver, history);
@@ -98,13 +94,10 @@ TEST(Averaging, JoinsPiecesOfATwistedBarWhateverTheSize) {
 TEST(Averaging, LeavesConnectedPartsThatDoNotFlowBitForBit) {
   const HexMesh one = support::block({2, 2, 10}, kEdge);
   const HexMesh mesh = support::two_copies(one, 1);
-  Material soft;
-  soft.yield_stress = 50;
-  soft.flow_rate = 2;
+  const Material soft{.yield_stress = 50, .flow_rate = 2};
   std::vector<Material> materials(mesh.num_elements(), soft);
   for (int e = one.num_elements(); e < mesh.num_elements(); ++e) materials[e].yield_stress = 1e9;
-  Settings settings = kJoined;
-  settings.averaging_tolerance = 1e-9;  // of all parts together
+  const Settings settings{.rest_shape = RestShape::kJoined, .averaging_tolerance = 1e-9};  // of all parts together
   Body body(mesh, materials, settings), alone(one, {soft}, settings);
   for (int k = 1; k <= 10; ++k) {
     const PointArray bent = support::stretched_and_twisted(one, 1 + 0.02 * k, 0.1 * k);
@@ -160,12 +153,7 @@ TEST(Averaging, LeavesShapesThatFitUntouched) {
 
 /// Flows in stretch and rotation at the strains of a bar twisted by hand.
 Material twistable(double rotation_yield) {
-  Material m;
-  m.yield_stress = 50;
-  m.flow_rate = 2;
-  m.rotation_flow_rate = 2;
-  m.rotation_yield = rotation_yield;
-  return m;
+  return {.yield_stress = 50, .flow_rate = 2, .rotation_yield = rotation_yield, .rotation_flow_rate = 2};
 }
 
 // What is left of one step is taken up by the next, and nothing grows; on a mesh without symmetry, of which no solver
@@ -173,10 +161,8 @@ Material twistable(double rotation_yield) {
 TEST(Averaging, OfABodyFollowsATightSolutionOverManyStepsByOneStepEach) {
   const HexMesh mesh = support::distorted_block({8, 8, 20}, kEdge / 2, 0.1, 150);
   const support::HeldTwist twist{.stretch = 1.3, .angle = 2, .steps = 60};
-  Settings settings = kJoined;
-  Body body(mesh, {twistable(0.0025)}, settings);
-  settings.averaging_steps = 4;
-  Body more_steps(mesh, {twistable(0.0025)}, settings);
+  Body body(mesh, {twistable(0.0025)}, kJoined),
+      more_steps(mesh, {twistable(0.0025)}, {.rest_shape = RestShape::kJoined, .averaging_steps = 4});
   twist.flow(more_steps);
   const Model& model = body.state().model;
   History history(model);

@@ -23,13 +23,7 @@ using support::kStep;
 using support::mapped;
 using support::Random;
 
-Material hardening() {
-  Material m;
-  m.yield_stress = 300;
-  m.flow_rate = 4;
-  m.hardening = 0.3;
-  return m;
-}
+Material hardening() { return {.yield_stress = 300, .flow_rate = 4, .hardening = 0.3}; }
 
 double greatest(const CornerValues& values) { return *std::max_element(values.begin(), values.end()); }
 
@@ -60,11 +54,9 @@ TEST(Fracture, ByStressTakesNoElementThatOnlyTurns) {
   for (const RotationPlasticity mode :
        {RotationPlasticity::kObjective, RotationPlasticity::kVertex, RotationPlasticity::kCentre}) {
     for (const double yield_stress : {std::numeric_limits<double>::infinity(), 1e9}) {
-      Material turning;
+      Material turning = hardening();
       turning.yield_stress = yield_stress;
-      turning.flow_rate = 4;
       turning.rotation_flow_rate = 2;
-      turning.hardening = 0.3;
       std::vector<Material> materials(4, turning);
       materials[3].fracture_stress = yield_stress;  // one may be torn by stress, or the limit would be refused
       for (int e = 0; e < 3; ++e) materials[e].fracture_stress = 600;
@@ -133,17 +125,9 @@ TEST(Fracture, OfABarUnderASymmetricLoadIsSymmetric) {
 // A beam under its own weight whose end is gone rests as a beam that never had it; the nodes of the end stay.
 TEST(Fracture, LeavesAStaticEquilibriumThatIgnoresNodesWithoutElement) {
   const HexMesh shorter = support::block({4, 2, 2}, kEdge), longer = support::block({6, 2, 2}, kEdge);
-  std::vector<Material> materials(longer.num_elements());
-  for (int e = 0; e < longer.num_elements(); ++e) {
-    if (longer.positions()(longer.hexahedra()[e][0], 0) < 0.39) continue;
-    // breaks at once, and flows too little to be seen
-    materials[e].yield_stress = materials[e].fracture_stress = 1;
-    materials[e].flow_rate = 1e-8;
-    materials[e].hardening = 1;
-  }
-  Body broken(longer, materials);
-  ASSERT_EQ(broken.flow(support::stretched_and_twisted(longer, 1.2, 0), kStep).removed, 8);
-
+  Body broken(longer, {Material{}}), whole(shorter, {Material{}});
+  for (int e = 0; e < longer.num_elements(); ++e)
+    if (e % 6 > 3) broken.remove(std::array{e});
   const auto weight = [](double, ConstPoints, Points f) { f.col(2).array() -= 0.04; };
   const auto rest = [&](Body& body, LinearSolver& solver) {
     LoadedBody system(body, std::vector<double>(body.mesh().num_nodes(), 0), support::nodes_at(body.mesh(), 0, 0),
@@ -157,7 +141,6 @@ TEST(Fracture, LeavesAStaticEquilibriumThatIgnoresNodesWithoutElement) {
     EXPECT_EQ(newton.solve(system, solver, 0, x).status, NewtonStatus::kConverged);
     return x;
   };
-  Body whole(shorter, {Material{}});
   CholeskySolver direct;
   const PointArray expected = rest(whole, direct);
   ASSERT_LT(expected.col(2).minCoeff(), -0.01);
@@ -165,12 +148,9 @@ TEST(Fracture, LeavesAStaticEquilibriumThatIgnoresNodesWithoutElement) {
   PreconditionedConjugateGradients iterative(1e-12, 2000);
   for (LinearSolver* solver : {static_cast<LinearSolver*>(&direct), static_cast<LinearSolver*>(&iterative)}) {
     const PointArray x = rest(broken, *solver);
-    for (int n = 0; n < longer.num_nodes(); ++n) {
-      const Vec3 X = longer.positions().row(n);
-      int same = 0;
-      while (same < shorter.num_nodes() && (shorter.positions().row(same).transpose() - X).norm() > 1e-9) ++same;
-      const Vec3 where = same < shorter.num_nodes() ? Vec3(expected.row(same)) : X;
-      EXPECT_LE((x.row(n).transpose() - where).norm(), 1e-7) << "node " << n;
+    for (int n = 0; n < longer.num_nodes(); ++n) {  // 7 and 5 along the beam
+      const Vec3 place = n % 7 < 5 ? expected.row(n / 7 * 5 + n % 7) : longer.positions().row(n);
+      EXPECT_LE((x.row(n).transpose() - place).norm(), 1e-7) << "node " << n;
     }
   }
 }
