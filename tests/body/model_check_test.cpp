@@ -13,23 +13,16 @@
 namespace hexaplast {
 namespace {
 
-TEST(MeshQuality, ABoxOfAnyProportionsIsPerfect) {
+TEST(MeshQuality, IsThatOfTheWorstCorner) {
+  const auto of_cube = [](const Mat3& map) { return scaled_jacobian(support::mapped(support::cube(0.3), map)); };
   const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
-  const Mat3 stretch = Vec3(1, 20, 0.1).asDiagonal();
-  EXPECT_NEAR(scaled_jacobian(support::mapped(support::cube(0.3), turn * stretch)), 1, 1e-12);
-}
-
-TEST(MeshQuality, AShearedBoxHasTheSineOfItsAngle) {
+  EXPECT_NEAR(of_cube(turn * Vec3(1, 20, 0.1).asDiagonal()), 1, 1e-12) << "a box of any proportions";
   Mat3 shear = Mat3::Identity();
   shear(0, 1) = 1 / std::tan(0.6);  // the y edges lean: the angle to the x edges is 0.6 rad
-  EXPECT_NEAR(scaled_jacobian(support::mapped(support::cube(2), shear)), std::sin(0.6), 1e-12);
-}
-
-TEST(MeshQuality, TheWorstCornerCounts) {
+  EXPECT_NEAR(of_cube(shear), std::sin(0.6), 1e-12);
   ElementPoints x = support::cube(2);
   x.row(6) << -0.25, -0.25, -0.25;  // pushed behind the plane of its three neighbours, which passes (1/3, 1/3, 1/3)
   EXPECT_LT(scaled_jacobian(x), 0);
-  EXPECT_EQ(scaled_jacobian(support::mapped(support::cube(2), Vec3(1, 1, 1).asDiagonal())), 1);
 }
 
 TEST(MeshQuality, FindsTheWorstElementAndTheEdges) {
@@ -168,6 +161,16 @@ TEST(FractureAdvice, NamesWhatIsMissingForALimitToBeReached) {
             Sentences{"yieldStress exceeds fractureStress in 1 of 3 hexahedra: they tear as soon as they flow"});
   wall.hardening = 0;
   EXPECT_TRUE(fracture_warnings({tears, wall, tears}).empty());
+}
+
+TEST(ModelCheck, WarnsOfWhatDoesNothingWithIsolatedRestShapes) {
+  EXPECT_TRUE(idle_option_warnings({}, Names::kScenes).empty());
+  Settings idle{.rotation_frame = RotationFrame::kWorld, .averaging_steps = 2, .volume_restitution = 5};
+  EXPECT_EQ(idle_option_warnings(idle, Names::kScenes).size(), 3u);
+  EXPECT_EQ(idle_option_warnings(idle, Names::kScenes)[2],
+            "volumeRestitution has no effect with restShape = isolated: flow keeps the volume of a hexahedron");
+  idle.rest_shape = RestShape::kJoined;
+  EXPECT_TRUE(idle_option_warnings(idle).empty());
 }
 
 TEST(ModelCheck, WithoutMassThereAreNoWaves) {

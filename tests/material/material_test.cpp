@@ -3,11 +3,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
+#include <set>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
+#include "hexaplast/material/rows.hpp"
 #include "support/compare.hpp"
+#include "support/rows.hpp"
 #include "support/shapes.hpp"
 
 namespace hexaplast {
@@ -52,9 +56,7 @@ TEST(Material, RefusesValuesOutsideTheirRangesAndNamesTheElement) {
 
 // Of one material, and of a body of which no element can be carried past its limit. Where some can, it is theirs.
 TEST(Material, RefusesAFractureStressBelowTheYieldStress) {
-  Material m;
-  m.yield_stress = 500;
-  m.fracture_stress = 400;
+  const Material m{.yield_stress = 500, .fracture_stress = 400};
   EXPECT_TRUE(refuses<InputError>([&] { validate({m}); },
                                   {"fracture_stress = 400: must lie in [500, inf] Pa, from yield_stress on"}));
   std::vector<Material> materials(3, m);
@@ -95,12 +97,109 @@ TEST(Settings, RefuseWhatIsNoEnumeratorAndNumbersOfStepsOutOfRange) {
   EXPECT_TRUE(refuses<InputError>([&] { validate(settings); }, {"volume_restitution"}));
 }
 
+/// What is wrong with a body of these settings, by the names of scenes.
+std::string refusal(const Settings& settings, double flow_rate) {
+  try {
+    validate(settings, Names::kScenes);
+    validate({Material{.yield_stress = 100, .flow_rate = flow_rate}}, settings, Names::kScenes);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Settings, NameWhatTheyNeed) {
+  const std::vector<double> relaxing = {1, 0.2};
+  const std::pair<Settings, const char*> always[] = {
+      {{}, ""},
+      {{.bending = Bending::kBlended}, ""},
+      {{.rest_shape = RestShape::kJoined}, ""},
+      {{.yield_stress_measure = YieldStressMeasure::kCauchy}, ""},
+      {{.relaxation = relaxing}, ""},
+      {{.yield_stress_measure = YieldStressMeasure::kCauchy, .rest_shape = RestShape::kJoined},
+       "yieldStressMeasure = cauchy needs restShape = isolated"},
+      {{.volumetric = Volumetric::kSample, .yield_stress_measure = YieldStressMeasure::kCauchy},
+       "yieldStressMeasure = cauchy needs volumetric = volumeRatio"},
+      {{.relaxation = {1, 0.2, 3}}, "relaxation: 3 numbers, must be pairs of a modulus and a time, at most 8"},
+      {{.relaxation = std::vector<double>(18, 1)},
+       "relaxation: 18 numbers, must be pairs of a modulus and a time, at most 8"},
+      {{.relaxation = {1, 0}}, "relaxation = 0: must lie in (0, inf)"},
+      {{.relaxation = {1, kInf}}, "relaxation = inf: must lie in (0, inf)"},
+      {{.bending = Bending::kBlended, .relaxation = relaxing}, "relaxation needs bending = assumedCorner"},
+      {{.volumetric = Volumetric::kSample, .relaxation = relaxing}, "relaxation needs volumetric = volumeRatio"},
+      {{.law = ElasticLaw::kMooneyRivlin, .relaxation = relaxing}, "relaxation needs law = corotated"},
+      {{.bending = Bending::kVertex, .precision = Precision::kMixed}, "bending = vertex needs precision = double"},
+      {{.bending = Bending::kBlended, .precision = Precision::kMixed}, "bending = blended needs precision = double"},
+      {{.volumetric = Volumetric::kSample, .precision = Precision::kMixed},
+       "volumetric = sample needs precision = double"},
+      {{.rotation_plasticity = RotationPlasticity::kCentre, .precision = Precision::kMixed},
+       "rotationPlasticity = centre needs precision = double"},
+      {{.averaging = AveragingMethod::kJacobi, .precision = Precision::kMixed},
+       "averaging = jacobi needs precision = double"},
+      {{.precision = Precision::kMixed, .implementation = Implementation::kPlain},
+       "implementation = plain needs precision = double"}};
+  for (const auto& [settings, message] : always)
+    for (const double flow_rate : {0.0, 1.0}) EXPECT_EQ(refusal(settings, flow_rate), message);
+
+  const std::pair<Settings, const char*> where_it_flows[] = {
+      {{.law = ElasticLaw::kNeoHookean},
+       "law = neoHookean of a body that flows needs restShape = joined: isolated rest shapes have corotated"},
+      {{.bending = Bending::kCentre},
+       "bending = centre of a body that flows needs restShape = joined: isolated rest shapes have assumedCorner and "
+       "blended"},
+      {{.rotation_plasticity = RotationPlasticity::kVertex},
+       "rotationPlasticity = vertex of a body that flows needs restShape = joined: isolated rest shapes have no flow "
+       "of "
+       "rotation"},
+      {{.rest_shape = RestShape::kJoined, .precision = Precision::kMixed},
+       "restShape = joined of a body that flows needs precision = double"},
+      {{.relaxation = relaxing, .rest_shape = RestShape::kJoined},
+       "relaxation of a body that yields needs restShape = isolated"}};
+  for (const auto& [settings, message] : where_it_flows) {
+    EXPECT_EQ(refusal(settings, 1), message);
+    EXPECT_EQ(refusal(settings, 0), "");
+  }
+  EXPECT_TRUE(refuses<InputError>(
+      [] { validate({Material{.rotation_flow_rate = 2}}, Settings{}); },
+      {"rotation_flow_rate = 2: must be 0 with rest_shape = isolated", "rest_shape = joined has it"}));
+}
+
+TEST(Settings, TellWhatThePlainImplementationComputes) {
+  const Material elastic, flows{.yield_stress = 1, .flow_rate = 1};
+  EXPECT_FALSE(is_plain({flows}, {}));
+  EXPECT_FALSE(is_plain({elastic}, {.rest_shape = RestShape::kJoined}));
+  EXPECT_TRUE(is_plain({flows}, {.rest_shape = RestShape::kJoined}));
+  for (const Settings& settings : std::vector<Settings>{{.bending = Bending::kVertex},
+                                                        {.bending = Bending::kBlended},
+                                                        {.volumetric = Volumetric::kSample},
+                                                        {.rotation_plasticity = RotationPlasticity::kCentre},
+                                                        {.averaging = AveragingMethod::kJacobi},
+                                                        {.implementation = Implementation::kPlain}})
+    EXPECT_TRUE(is_plain({elastic}, settings));
+}
+
+// Any rate is plasticity, and c does not act, but for pressure at each sample.
+TEST(CheckTimeStep, OfIsolatedRestShapesAdvisesAgainstFlowWithoutARate) {
+  EXPECT_EQ(check_time_step({Material{.yield_stress = 1, .flow_rate = 500}}, {.volume_restitution = 100}, 0.01,
+                            Names::kScenes),
+            std::vector<std::string>{
+                "plasticFlowRate = 500 1/s times dt = 0.01 s is 5: all of the excess flows in each step, at no rate"});
+
+  const Settings sample{.volumetric = Volumetric::kSample};
+  const Material stiff{.young_modulus = 1e6, .flow_rate = 500},
+      soft{.poisson_ratio = 0.45, .yield_stress = 1, .flow_rate = 10.1};
+  EXPECT_TRUE(refuses<InputError>(
+      [&] {
+        check_time_step({stiff, soft}, sample, 0.01, Names::kScenes);
+      },
+      {"plasticFlowRate = 10.1 of element 1: must be at most (1 - 2 poissonRatio) / dt = 10 1/s with restShape = "
+       "isolated and volumetric = sample"}));
+  check_time_step({stiff, soft}, sample, 0.0099);
+}
+
 TEST(CheckTimeStep, RefusesWhatIsUnstableAndAdvisesAgainstWhatIsInaccurate) {
-  Material m;
+  Material m{.yield_stress = 300, .flow_rate = 4, .rotation_flow_rate = 2};
   Settings settings{.rest_shape = RestShape::kJoined};
-  m.yield_stress = 300;
-  m.flow_rate = 4;
-  m.rotation_flow_rate = 2;
   EXPECT_TRUE(check_time_step({m}, settings, 0.01).empty());
   EXPECT_EQ(check_time_step({m}, settings, 0.02).size(), 1u);  // nu dt = .08
   EXPECT_TRUE(refuses<InputError>([&] { check_time_step({m}, settings, 0.3); },
@@ -120,6 +219,79 @@ TEST(CheckTimeStep, RefusesWhatIsUnstableAndAdvisesAgainstWhatIsInaccurate) {
                                   {"volume_restitution", "must be below 0.666667"}));
   m.flow_rate = 0;
   EXPECT_TRUE(check_time_step({m}, settings, 1).empty()) << "nothing flows";
+}
+
+struct ThreeMembers {
+  double first = 0;
+  int second = 0;
+  Precision third = {};
+};
+static_assert(num_members<ThreeMembers>() == 3);
+
+template <class Options>
+void expect_a_row_for_each_member(std::span<const Row<Options>> rows) {
+  EXPECT_EQ(rows.size(), num_members<Options>());
+  std::set<std::string_view> members, names;
+  for (const Row<Options>& row : rows) {
+    SCOPED_TRACE(row.member);
+    EXPECT_TRUE(members.insert(row.member).second);
+    EXPECT_TRUE(names.insert(row.name).second);
+    EXPECT_EQ(std::ranges::count(kBodyGroups, row.group), 1);
+    EXPECT_TRUE(row.help.ends_with('.'));
+    EXPECT_EQ(row.words.empty(), row.at.type != MemberType::kWord);
+    for (const double value : row.values({})) EXPECT_TRUE(row.admits(value)) << "the default";
+
+    Options options;
+    support::change(row, options);
+    for (const Row<Options>& other : rows)
+      EXPECT_EQ(other.values(options) == other.values({}), &other != &row) << other.member;
+  }
+}
+
+TEST(Rows, ThereIsOneForEachMember) {
+  expect_a_row_for_each_member(material_rows());
+  expect_a_row_for_each_member(settings_rows());
+}
+
+template <class Options, class Validate>
+void expect_validation(std::span<const Row<Options>> rows, const Validate& validate) {
+  for (const Row<Options>& row : rows) {
+    std::vector<double> wrong;
+    if (row.at.type == MemberType::kWord) {
+      wrong = {-1, static_cast<double>(row.words.size())};
+    } else {
+      for (const double bound : {row.range.min, row.range.max})
+        if (std::isfinite(bound)) wrong.push_back(bound == row.range.min ? bound - 1 : bound + 1);
+      if (row.at.type != MemberType::kInteger) {
+        wrong.push_back(std::numeric_limits<double>::quiet_NaN());
+        if (row.range.exclusive_min) wrong.push_back(row.range.min);
+        if (row.range.exclusive_max) wrong.push_back(row.range.max);
+      }
+    }
+    for (const double value : wrong) {
+      Options options;
+      row.set_values(options, std::vector<double>{value, 1});
+      EXPECT_TRUE(refuses<InputError>([&] { validate(options, Names::kMembers); }, {std::string(row.member)}));
+      EXPECT_TRUE(refuses<InputError>([&] { validate(options, Names::kScenes); }, {std::string(row.name)}));
+    }
+  }
+}
+
+TEST(Rows, ValidationGoesThroughThem) {
+  expect_validation(material_rows(), [](const Material& material, Names names) { validate({material}, names); });
+  expect_validation(settings_rows(), [](const Settings& settings, Names names) { validate(settings, names); });
+}
+
+// An infinite yield stress times no time step is no number.
+TEST(Rows, OnlyRatesAreJudgedByTheTimeStep) { EXPECT_TRUE(check_time_step({Material{}}, {}, 0).empty()); }
+
+TEST(Rows, IntervalsShowWhichBoundsAreAdmissible) {
+  EXPECT_EQ(interval({}, false), "(-inf, inf)");
+  EXPECT_EQ(interval({.min = 0}, true), "[0, inf]");
+  EXPECT_EQ(interval({.min = 0, .max = 1, .exclusive_min = true}, false), "(0, 1]");
+  EXPECT_EQ(called("flow_rate", Names::kScenes), "plasticFlowRate");
+  EXPECT_EQ(called("rotation_plasticity", Names::kScenes), "rotationPlasticity");
+  EXPECT_TRUE(refuses<InputError>([] { return called("yieldStress", Names::kScenes); }, {"yieldStress"}));
 }
 
 }  // namespace

@@ -5,20 +5,21 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
-#include <sstream>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/parallel.hpp"
 #include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
 #include "support/compare.hpp"
 #include "support/dense.hpp"
+#include "support/elastic_laws.hpp"
 #include "support/materials.hpp"
 #include "support/shapes.hpp"
+#include "support/simulation.hpp"
 
 namespace hexaplast {
 namespace {
@@ -33,27 +34,10 @@ using support::stiffness_at;
 
 constexpr double kEquilibrium = std::numeric_limits<double>::infinity();
 
-Settings relaxing(std::vector<double> relaxation, RestShape rest_shape = RestShape::kIsolated,
-                  Implementation implementation = Implementation::kAuto) {
-  return {.relaxation = std::move(relaxation),
-          .recovery = RecoveryMode::kNone,
-          .rest_shape = rest_shape,
-          .implementation = implementation};
+/// By the kernels, which are the plain implementation (tests/plain/plain_test.cpp).
+Settings relaxing(std::vector<double> relaxation, RestShape rest_shape = RestShape::kIsolated) {
+  return {.relaxation = std::move(relaxation), .recovery = RecoveryMode::kNone, .rest_shape = rest_shape};
 }
-
-std::string name_of(Implementation implementation) {
-  return implementation == Implementation::kPlain ? "plain" : "kernels";
-}
-
-/// By either implementation.
-class Relaxation : public testing::TestWithParam<Implementation> {
- protected:
-  static Settings relaxing(std::vector<double> relaxation, RestShape rest_shape = RestShape::kIsolated) {
-    return hexaplast::relaxing(std::move(relaxation), rest_shape, GetParam());
-  }
-};
-INSTANTIATE_TEST_SUITE_P(Of, Relaxation, testing::Values(Implementation::kPlain, Implementation::kAuto),
-                         [](const auto& test) { return name_of(test.param); });
 
 void step(Body& body, const PointArray& x, double h) {
   body.set_time_step(h);
@@ -69,7 +53,7 @@ PointArray force_now(Body& body, const PointArray& x) {
 Mat3 deviator(const Mat3& S) { return S - S.trace() / 3 * Mat3::Identity(); }
 
 // P = P of slow deformation + sum 2 g mu e^(-t/T) R dev S, whatever the steps.
-TEST_P(Relaxation, AfterAJumpIsExponentialForAnySteps) {
+TEST(Relaxation, AfterAJumpIsExponentialForAnySteps) {
   const std::vector<double> relaxation{0.7, 0.3, 2, 0.05};
   const HexMesh mesh = support::distorted_block({2, 2, 2}, kEdge, 0.15, 701);
   const Material material{.young_modulus = 4000, .poisson_ratio = 0.4};
@@ -97,7 +81,7 @@ TEST_P(Relaxation, AfterAJumpIsExponentialForAnySteps) {
   }
 }
 
-TEST_P(Relaxation, ASuddenChangeMeetsAllModuliAndAnEquilibriumTheSlowOnes) {
+TEST(Relaxation, ASuddenChangeMeetsAllModuliAndAnEquilibriumTheSlowOnes) {
   const HexMesh mesh = support::distorted_block({2, 2, 2}, kEdge, 0.15, 702);
   const double E = 4000, nu = 0.4, g = 1.5;
   Body body(mesh, {{.young_modulus = E, .poisson_ratio = nu}}, relaxing({g, 0.3})),
@@ -119,7 +103,7 @@ TEST_P(Relaxation, ASuddenChangeMeetsAllModuliAndAnEquilibriumTheSlowOnes) {
 }
 
 // Uniaxial stress on a cube: strain = stress (1/(9 K) + (1 - g/(1 + g) e^(-t/(T (1 + g))))/(3 mu)).
-TEST_P(Relaxation, CreepIsOfSecondOrder) {
+TEST(Relaxation, CreepIsOfSecondOrder) {
   const double E = 1000, nu = 0.3, g = 1, T = 0.5, end = 2, stress = 1e-4;
   const Lame k = lame(E, nu);
   const auto strain_at = [&](double time) {
@@ -164,13 +148,10 @@ TEST_P(Relaxation, CreepIsOfSecondOrder) {
   EXPECT_NEAR(middle / fine, 4, 0.1);
 }
 
-/// A block whose branches hold what a random path has left in them; `flows`: and whose samples have flowed.
-struct Held {
-  explicit Held(bool flows, Implementation implementation = Implementation::kAuto, std::uint64_t seed = 704)
-      : random(seed),
-        mesh(support::distorted_block({2, 2, 2}, kEdge, 0.15, seed + 1)),
-        body(mesh, {flows ? Material{.yield_stress = 100, .flow_rate = 8, .hardening = 0.2} : Material{}},
-             relaxing({0.7, 0.3, 2, 0.02}, RestShape::kIsolated, implementation)) {
+/// A block whose branches hold what a random path has left in them; true: and whose samples have flowed.
+class HeldBody : public testing::TestWithParam<bool> {
+ protected:
+  HeldBody() {
     for (int n = 0; n < 6; ++n) step(body, placed(), random.uniform(0.01, 0.1));
     body.set_time_step(0.03);
   }
@@ -178,61 +159,31 @@ struct Held {
     return mapped(PointArray(mesh.positions() + random.field(mesh.num_nodes(), size * kEdge)), random.rotation(),
                   random.vector(1));
   }
-  Random random;
-  HexMesh mesh;
-  Body body;
+  Random random{704};
+  HexMesh mesh = support::distorted_block({2, 2, 2}, kEdge, 0.15, 705);
+  Body body{mesh,
+            {GetParam() ? Material{.yield_stress = 100, .flow_rate = 8, .hardening = 0.2} : Material{}},
+            relaxing({0.7, 0.3, 2, 0.02})};
 };
+INSTANTIATE_TEST_SUITE_P(That, HeldBody, testing::Bool(),
+                         [](const auto& test) { return test.param ? "flows" : "is_elastic"; });
 
-class HeldBody : public testing::TestWithParam<std::tuple<bool, Implementation>> {
- protected:
-  Held held{std::get<0>(GetParam()), std::get<1>(GetParam())};
-};
-INSTANTIATE_TEST_SUITE_P(
-    That, HeldBody, testing::Combine(testing::Bool(), testing::Values(Implementation::kPlain, Implementation::kAuto)),
-    [](const auto& test) {
-      return (std::get<0>(test.param) ? "flows_" : "is_elastic_") + name_of(std::get<1>(test.param));
-    });
-
-TEST_P(HeldBody, ForceIsTheSlopeOfTheEnergyInBalanceAndTurnsWithTheBody) {
-  const PointArray x = held.placed(), u = held.random.field(held.mesh.num_nodes(), 1), f = force_at(held.body, x);
-  const double slope =
-      support::central_difference([&](double size) { return held.body.energy(x + size * u); }, 1e-6 * kEdge);
-  EXPECT_NEAR(-f.cwiseProduct(u).sum(), slope, 1e-6 * std::abs(slope));
-
-  const double size = f.cwiseAbs().sum();
-  EXPECT_LE(f.colwise().sum().norm(), 1e-12 * size);
-  const PointArray arms = x.rowwise() - x.colwise().mean();
-  EXPECT_LE(support::moment(arms, f).norm(), 1e-12 * size * kEdge);
-  const Mat3 Q = held.random.rotation();
-  EXPECT_TRUE(agrees(force_at(held.body, mapped(x, Q, held.random.vector(1))), mapped(f, Q), 1e-12));
-}
-
-TEST_P(HeldBody, TangentIsSymmetricAndHasNoNegativeEigenvalue) {
-  const PointArray x = held.placed(), dx = held.random.field(held.mesh.num_nodes(), 1);
-  const Eigen::MatrixXd K = stiffness_at(held.body, x);
-  EXPECT_LE(max_abs(K - K.transpose()), 1e-12 * max_abs(K));
-  const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues();
-  EXPECT_GE(eigenvalues[0], -1e-12 * eigenvalues[eigenvalues.size() - 1]);
-  PointArray product = PointArray::Zero(x.rows(), 3);
-  held.body.add_stiffness_product(-1, dx, product);
-  EXPECT_TRUE(agrees(support::stacked(product), Eigen::VectorXd(K * support::stacked(dx)), 1e-12));
-}
+TEST_P(HeldBody, HasAnEnergyBalanceAndAStiffness) { support::expect_elastic_laws(body, placed(), random); }
 
 // What is dissipated by relaxation, and what the energy loses when it is accounted for.
 TEST_P(HeldBody, DissipatesInEveryStepOfARandomPath) {
   for (int n = 0; n < 200; ++n) {
-    const PointArray x = held.placed(held.random.uniform(0, 0.2));
-    const double h = std::pow(10, held.random.uniform(-6, n % 2 == 0 ? 1 : -1.5)),
-                 before = held.body.dissipated_energy();
-    held.body.set_time_step(h);
-    const double energy = held.body.energy(x);
-    held.body.flow(x, h);
-    EXPECT_GE(held.body.dissipated_energy(), before) << n;
-    EXPECT_LE(held.body.energy(x), energy * (1 + 1e-12)) << n;
+    const PointArray x = placed(random.uniform(0, 0.2));
+    const double h = std::pow(10, random.uniform(-6, n % 2 == 0 ? 1 : -1.5)), before = body.dissipated_energy();
+    body.set_time_step(h);
+    const double energy = body.energy(x);
+    body.flow(x, h);
+    EXPECT_GE(body.dissipated_energy(), before) << n;
+    EXPECT_LE(body.energy(x), energy * (1 + 1e-12)) << n;
   }
 }
 
-TEST_P(Relaxation, WorkOnAClosedPathIsStoredAndDissipated) {
+TEST(Relaxation, WorkOnAClosedPathIsStoredAndDissipated) {
   const HexMesh mesh = support::distorted_block({2, 1, 1}, kEdge, 0.15, 706);
   Random random(707);
   const PointArray u = random.field(mesh.num_nodes(), 0.3 * kEdge), w = random.field(mesh.num_nodes(), 0.3 * kEdge);
@@ -257,7 +208,7 @@ TEST_P(Relaxation, WorkOnAClosedPathIsStoredAndDissipated) {
 }
 
 // Branches carry more than yield stress while stretch grows, and none of it for ever.
-TEST_P(Relaxation, StressAfterAHoldIsTheYieldStress) {
+TEST(Relaxation, StressAfterAHoldIsTheYieldStress) {
   const double tau = 100;
   const HexMesh mesh = support::block({1, 1, 1}, kEdge);
   Body body(mesh, {{.young_modulus = 5000, .poisson_ratio = 0.3, .yield_stress = tau, .flow_rate = 4}},
@@ -283,7 +234,7 @@ TEST_P(Relaxation, StressAfterAHoldIsTheYieldStress) {
 }
 
 // However stiff the branches are: more flow than that would take the stress below it, or turn it round.
-TEST_P(Relaxation, PlasticityWithoutARateReturnsToTheYieldStress) {
+TEST(Relaxation, PlasticityWithoutARateReturnsToTheYieldStress) {
   const double tau = 100, h = 0.01;
   const HexMesh mesh = support::block({1, 1, 1}, kEdge);
   Body body(mesh, {{.young_modulus = 5000, .poisson_ratio = 0.3, .yield_stress = tau, .flow_rate = 500}},
@@ -294,7 +245,7 @@ TEST_P(Relaxation, PlasticityWithoutARateReturnsToTheYieldStress) {
 }
 
 // Pairs of opposite stretches have no rotation, and the moment that balances a stress no bound.
-TEST_P(Relaxation, ForcesOfInvertedSamplesAreBoundedAndInBalance) {
+TEST(Relaxation, ForcesOfInvertedSamplesAreBoundedAndInBalance) {
   const HexMesh mesh = support::block({1, 1, 1}, kEdge);
   Body body(mesh, {{}}, relaxing({1, 0.2}));
   Mat3 F = Mat3::Identity();
@@ -309,46 +260,6 @@ TEST_P(Relaxation, ForcesOfInvertedSamplesAreBoundedAndInBalance) {
   }
 }
 
-TEST_P(Relaxation, ElasticBodiesCountWhatWouldNotFlow) {
-  const HexMesh mesh = support::block({1, 1, 1}, kEdge);
-  for (const RestShape rest_shape : {RestShape::kJoined, RestShape::kIsolated}) {
-    Body body(mesh, {{}}, relaxing({1, 0.2}, rest_shape)), without(mesh, {{}}, relaxing({}, rest_shape));
-    body.set_time_step(0.1);
-    for (const double height : {0.09, 0.11}) {
-      const PointArray x = mapped(mesh.positions(), Vec3(1, 1, height).asDiagonal());
-      EXPECT_EQ(body.flow(x, 0.1).skipped, height < 0.1);
-      EXPECT_EQ(without.flow(x, 0.1).skipped, height < 0.1);
-    }
-    const PointArray inverted = mapped(mesh.positions(), Vec3(1, 1, -1).asDiagonal());
-    EXPECT_EQ(body.flow(inverted, 0.1).inverted, 1);
-  }
-}
-
-TEST_P(Relaxation, GoesOnFromWhatWasSavedBitForBitAndBeginsAgain) {
-  const HexMesh mesh = support::distorted_block({3, 1, 1}, kEdge, 0.1, 708);
-  const Material material{.yield_stress = 60, .flow_rate = 4};
-  const auto made = [&](std::vector<double> relaxation) {
-    return MovingBody(Body(mesh, {material}, relaxing(std::move(relaxation), RestShape::kIsolated)),
-                      {.dt = 0.01, .gravity = {0, -9.81, 0}, .fixed = support::nodes_at(mesh, 0, 0, 0.2 * kEdge)});
-  };
-  MovingBody straight = made({0.7, 0.3, 2, 0.02}), second = made({0.7, 0.3, 2, 0.02}), other = made({0.7, 0.3});
-  const std::string initial = straight.state_hash();
-  straight.run(30);
-  std::stringstream file;
-  straight.save(file);
-  second.load(file);
-  EXPECT_EQ(second.state_hash(), straight.state_hash());
-  straight.run(30);
-  second.run(30);
-  EXPECT_EQ(second.state_hash(), straight.state_hash());
-  EXPECT_GT(straight.body.dissipated_energy(), 0);
-
-  file.seekg(0);
-  EXPECT_THROW(other.load(file), InputError);
-  straight.reset();
-  EXPECT_EQ(straight.state_hash(), initial);
-}
-
 /// A bar that bends by its weight; with isolated rest shapes it yields.
 MovingBody bending_bar(std::vector<double> relaxation, RestShape rest_shape, Precision precision) {
   const HexMesh mesh = support::distorted_block({6, 6, 24}, kEdge, 0.1, 709);
@@ -361,27 +272,14 @@ MovingBody bending_bar(std::vector<double> relaxation, RestShape rest_shape, Pre
           std::make_unique<PreconditionedConjugateGradients>(1e-6, 500, Preconditioner::kMultigrid)};
 }
 
-TEST(RelaxingBody, HasTheSameBitsForAnyThreadsAndGoesOnFromWhatWasSaved) {
-  const int before = num_threads();
+TEST(RelaxingBody, HasTheSameBitsForAnyThreads) {
   for (const RestShape rest_shape : {RestShape::kJoined, RestShape::kIsolated})
-    for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
-      std::string expected;
-      for (const int threads : {1, 2}) {
-        set_num_threads(threads);
-        MovingBody straight = bending_bar({0.7, 0.3, 2, 0.02}, rest_shape, precision),
-                   second = bending_bar({0.7, 0.3, 2, 0.02}, rest_shape, precision);
-        straight.run(3);
-        std::stringstream file;
-        straight.save(file);
-        second.load(file);
-        EXPECT_EQ(straight.run(3).flow.yielded > 0, rest_shape == RestShape::kIsolated);
-        second.run(3);
-        EXPECT_EQ(second.state_hash(), straight.state_hash());
-        if (threads == 1) expected = straight.state_hash();
-        EXPECT_EQ(straight.state_hash(), expected);
-      }
-    }
-  set_num_threads(before);
+    for (const Precision precision : {Precision::kDouble, Precision::kMixed})
+      support::expect_the_same_for_any_threads([&] {
+        MovingBody bar = bending_bar({0.7, 0.3, 2, 0.02}, rest_shape, precision);
+        EXPECT_EQ(bar.run(6).flow.yielded > 0, rest_shape == RestShape::kIsolated);
+        return bar.state_hash();
+      });
 }
 
 // Cycles and their coarse meshes know what branches add to the stiffness, which resists shear nine times as much.
@@ -404,7 +302,7 @@ TEST(RelaxingBody, TakesAboutAsManyIterationsOfMultigrid) {
 }
 
 // A time integrator says how long its step is, a static analysis that it is for ever.
-TEST_P(Relaxation, StaticAnalysisFindsTheEquilibriumOfSlowDeformation) {
+TEST(Relaxation, StaticAnalysisFindsTheEquilibriumOfSlowDeformation) {
   const HexMesh mesh = support::block({4, 1, 1}, kEdge);
   const auto deflection = [&](Settings settings) {
     Body body(mesh, {{}}, std::move(settings));
@@ -418,40 +316,8 @@ TEST_P(Relaxation, StaticAnalysisFindsTheEquilibriumOfSlowDeformation) {
   EXPECT_TRUE(agrees(deflection(relaxing({3, 0.2})), deflection(relaxing({})), 1e-8));
 }
 
-TEST(RelaxingBody, NamesWhatItNeedsAndWhatIsWrong) {
-  const auto refusal = [](const auto& change) {
-    Settings settings = relaxing({1, 0.2}, RestShape::kIsolated);
-    change(settings);
-    try {
-      validate(settings, Names::kScenes);
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  EXPECT_EQ(refusal([](Settings&) {}), "");
-  EXPECT_EQ(refusal([](Settings& s) {
-              s.relaxation = {1, 0.2, 3};
-            }),
-            "relaxation: 3 numbers, must be pairs of a modulus and a time, at most 8");
-  EXPECT_EQ(refusal([](Settings& s) { s.relaxation.assign(18, 1); }),
-            "relaxation: 18 numbers, must be pairs of a modulus and a time, at most 8");
-  EXPECT_EQ(refusal([](Settings& s) { s.relaxation = {1, 0}; }), "relaxation = 0: must lie in (0, inf)");
-  EXPECT_EQ(refusal([](Settings& s) { s.relaxation = {1, kEquilibrium}; }), "relaxation = inf: must lie in (0, inf)");
-  EXPECT_EQ(refusal([](Settings& s) { s.bending = Bending::kBlended, s.implementation = Implementation::kPlain; }),
-            "relaxation needs bending = assumedCorner");
-  EXPECT_EQ(refusal([](Settings& s) { s.volumetric = Volumetric::kSample; }),
-            "relaxation needs volumetric = volumeRatio");
-  EXPECT_EQ(refusal([](Settings& s) { s.rest_shape = RestShape::kJoined, s.law = ElasticLaw::kMooneyRivlin; }),
-            "relaxation needs law = corotated");
+TEST(RelaxingBody, NeedsItsTimeStepBeforeOtherCalls) {
   const HexMesh mesh = support::block({1, 1, 1}, kEdge);
-  const Material flowing{.yield_stress = 1, .flow_rate = 1};
-  EXPECT_TRUE(support::refuses<InputError>(
-      [&] {
-        Body(mesh, {flowing}, relaxing({1, 0.2}, RestShape::kJoined));
-      },
-      {"relaxation of a body that yields needs rest_shape = isolated"}));
-
   Body body(mesh, {{}}, relaxing({1, 0.2}));
   const PointArray& x = mesh.positions();
   for (const auto& call : std::vector<std::function<void()>>{[&] { body.linearize(x); }, [&] { body.energy(x); },
