@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstdlib>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -52,6 +53,18 @@ int posix_memalign(void** at, std::size_t alignment, std::size_t size) {
 namespace hexaplast {
 namespace {
 
+/// Allocations of three steps after four others, on two threads.
+long allocations_of(const std::function<void()>& step) {
+  const int before = num_threads();
+  set_num_threads(2);
+  for (int k = 0; k < 4; ++k) step();
+  const long allocated = num_allocations;
+  for (int k = 0; k < 3; ++k) step();
+  const long found = num_allocations - allocated;
+  set_num_threads(before);
+  return found;
+}
+
 enum class Does { kNothing, kIdles, kFlows };
 
 struct Case {
@@ -93,20 +106,13 @@ TEST_P(Allocations, AStepHasNone) {
   if (GetParam().relaxes) settings.relaxation = {0.7, 0.3, 2, 0.02};
   Body body(support::block({8, 8, 32}, 0.01), {material}, settings);
   support::SimulationSetup setup;
-  for (int n = 0; n < body.mesh().num_nodes(); ++n)
-    if (body.mesh().positions()(n, 2) == 0) setup.fixed.push_back(n);
+  setup.fixed = support::nodes_at(body.mesh(), 2, 0);
   setup.load = [](double, ConstPoints, Points f) { f.col(0).array() += 1e-4; };
   support::Simulation simulation(std::move(body), setup, GetParam().solver());
 
-  const int before = num_threads();
-  set_num_threads(2);
-  for (int step = 0; step < 4; ++step) simulation.step();
-  const long allocated = num_allocations;
   FlowReport flow;
-  for (int step = 0; step < 3; ++step) flow = simulation.step();
-  EXPECT_EQ(num_allocations - allocated, 0);
+  EXPECT_EQ(allocations_of([&] { flow = simulation.step(); }), 0);
   EXPECT_EQ(flow.yielded > 0, GetParam().plasticity == Does::kFlows);
-  set_num_threads(before);
 }
 
 TEST(Allocations, AStepOfManyBodiesInOneLoopHasNone) {
@@ -115,18 +121,11 @@ TEST(Allocations, AStepOfManyBodiesInOneLoopHasNone) {
     Body body(support::block({3, 3, 4 + k}, 0.01),
               {{.young_modulus = 5000, .poisson_ratio = 0.45, .yield_stress = 1e-3, .flow_rate = 2, .hardening = 0.2}});
     support::SimulationSetup setup;
-    for (int n = 0; n < 16; ++n) setup.fixed.push_back(n);
+    setup.fixed = support::nodes_at(body.mesh(), 2, 0);
     setup.load = [](double, ConstPoints, Points f) { f.col(0).array() += 1e-4; };
     bodies.push_back(std::make_unique<support::Simulation>(std::move(body), setup, plain()));
   }
-  const int before = num_threads();
-  set_num_threads(2);
-  const auto step_all = [&] { parallel_for(6, [&](int k) { bodies[static_cast<std::size_t>(k)]->step(); }); };
-  for (int step = 0; step < 4; ++step) step_all();
-  const long allocated = num_allocations;
-  for (int step = 0; step < 3; ++step) step_all();
-  EXPECT_EQ(num_allocations - allocated, 0);
-  set_num_threads(before);
+  EXPECT_EQ(allocations_of([&] { parallel_for(6, [&](int k) { bodies[static_cast<std::size_t>(k)]->step(); }); }), 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -159,16 +158,13 @@ TEST(Allocations, KeepingAccountsOfEnergyHasNone) {
   EnergyBalance balance;
   const std::unique_ptr<LinearSolver> solver = plain();
   PointArray x = body.mesh().positions(), v = PointArray::Zero(x.rows(), 3);
-  const auto step = [&] {
-    euler.step(system, *solver, 0, 0.01, x, v);
-    balance.add_step(euler.energy(), 0, body.energy(x), body.recovery_work(x));
-    body.flow(x, 0.01);
-    balance.add_flow(body.energy(x));
-  };
-  for (int k = 0; k < 4; ++k) step();
-  const long allocated = num_allocations;
-  for (int k = 0; k < 3; ++k) step();
-  EXPECT_EQ(num_allocations - allocated, 0);
+  EXPECT_EQ(allocations_of([&] {
+              euler.step(system, *solver, 0, 0.01, x, v);
+              balance.add_step(euler.energy(), 0, body.energy(x), body.recovery_work(x));
+              body.flow(x, 0.01);
+              balance.add_flow(body.energy(x));
+            }),
+            0);
   EXPECT_GT(balance.load_work, 0);
   EXPECT_GT(balance.flow_loss, 0);
 }

@@ -125,13 +125,6 @@ TEST(OrderOfCalls, OfAnElasticBodyIsTheSame) {
   for (const BodyVerb& verb : referring_verbs()) EXPECT_THROW(verb.call(body), InputError) << verb.name;
 }
 
-TEST(OrderOfCalls, HoldsForABodyWithinASystem) {
-  Body body = called_body();
-  LoadedBody system(body, std::vector<double>(kRows, 1), {}, {});
-  PointArray x = called_world(), v = PointArray::Zero(kRows, 3);
-  EXPECT_TRUE(refuses<InputError>([&] { system.add_product({.mass = 1, .stiffness = -1}, x, v); }, {"linearize"}));
-}
-
 /// A call, one of whose arguments has `wrong` rows in place of `right` ones.
 struct SizedCall {
   std::string call, argument;
@@ -243,11 +236,8 @@ TEST_F(SizesOfCalls, OfSystemsAndIntegrators) {
          moving.fix(std::vector{0});
        }},
   });
-  expect_refusal_of_missing_nodes({{"LoadedBody::fix",
-                                    [&] {
-                                      system.fix({0, kRows});
-                                    }},
-                                   {"LoadedBody::fix", [&] { system.fix({-1}); }},
+  expect_refusal_of_missing_nodes({{"LoadedBody::fix", [&] { system.fix(std::vector{kRows}); }},
+                                   {"LoadedBody::fix", [&] { system.fix(std::vector{-1}); }},
                                    {"MovingBody", [&] { moving.fix(std::vector{kRows}); }},
                                    {"MovingBody", [&] { moving.release(std::vector{-1}); }}});
 }
@@ -300,6 +290,8 @@ TEST_F(SizesOfCalls, OfGripsLoadsAndObstacles) {
 
   PointArray few = x.topRows(30), few_f = PointArray::Zero(30, 3);  // without the last node that the grip holds
   BlockMatrix small(30);
+  const Triangle beyond{0, 1, 30};
+  const Quad before{-1, 1, 2, 3};
   expect_refusal_of_missing_nodes({
       {"nodes_near", [&] { nodes_near(x, std::vector{kRows}, Vec3::Zero(), 1); }},
       {"Grip::close", [&] { grip.close({kRows}, Vec3::Zero(), x); }},
@@ -313,18 +305,9 @@ TEST_F(SizesOfCalls, OfGripsLoadsAndObstacles) {
       {"Grip::add_damping_product", [&] { grip.add_damping_product(1, few, few_f); }},
       {"Grip::add_damping_blocks", [&] { grip.add_damping_blocks(1, small); }},
       {"Grip::add_damping_diagonal", [&] { grip.add_damping_diagonal(1, few_f); }},
-      {"add_pressure",
-       [&] {
-         add_pressure(Triangle{0, 1, 30}, 1, few, few_f);
-       }},
-      {"add_pressure",
-       [&] {
-         add_pressure(Quad{-1, 1, 2, 3}, 1, few, few_f);
-       }},
-      {"area",
-       [&] {
-         area({0, 1, 2, 30}, few);
-       }},
+      {"add_pressure", [&] { add_pressure(beyond, 1, few, few_f); }},
+      {"add_pressure", [&] { add_pressure(before, 1, few, few_f); }},
+      {"area", [&] { area(before, few); }},
       {"Obstacle::add_stiffness_product", [&] { wall.add_stiffness_product(std::vector{30}, 1, few, few_f); }},
       {"Obstacle::add_stiffness_blocks", [&] { wall.add_stiffness_blocks(std::vector{-1}, 1, small); }},
       {"add_tangential_forces",
@@ -399,53 +382,26 @@ static_assert(!std::is_constructible_v<Points, Eigen::MatrixXd&>, "whose columns
 static_assert(std::is_constructible_v<ConstPoints, WithGaps>);
 static_assert(std::is_constructible_v<Points, decltype(std::declval<PointArray&>().bottomRows(2))>);
 
-class ViewsWithGaps : public testing::TestWithParam<Precision> {
- protected:
-  ViewsWithGaps() : state(kRows, 6) {
-    state.leftCols<3>() = called_world();
-    state.rightCols<3>() = support::Random(4).field(kRows, 1);
-  }
-  BesideEachOther state;
-};
-
-TEST_P(ViewsWithGaps, GiveWhatTheSameRowsGiveWithout) {
-  const PointArray x = state.leftCols<3>(), v = state.rightCols<3>();
-  Body with = called_body(GetParam()), without = called_body(GetParam());
-  EXPECT_EQ(with.energy(state.leftCols<3>()), without.energy(x));
-  EXPECT_EQ(with.volume(state.leftCols<3>()), without.volume(x));
-  EXPECT_EQ(with.fields(state.leftCols<3>()).stress_norm, without.fields(x).stress_norm);
-
-  with.linearize(state.leftCols<3>());
-  without.linearize(x);
-  PointArray f = PointArray::Zero(kRows, 3), expected = f;
-  with.add_force(f);
-  without.add_force(expected);
-  EXPECT_EQ(f, expected);
-  with.add_stiffness_product(-1, state.rightCols<3>(), f);
-  without.add_stiffness_product(-1, v, expected);
-  EXPECT_EQ(f, expected);
-  EXPECT_EQ(dot(state.leftCols<3>(), state.rightCols<3>()), dot(x, v));
-
+TEST(Views, OfPointsGiveTheirRowsWhateverLiesBetween) {
+  const PointArray x = called_world();
+  BesideEachOther state(kRows, 6);
+  state << x, 2 * x;
+  const Eigen::MatrixXd columns = x;
+  const Eigen::Map<const PointArray, 0, Eigen::OuterStride<>> every_other(x.data(), kRows / 2, 3,
+                                                                          Eigen::OuterStride<>(6));
+  const auto rows = [](ConstPoints view) { return PointArray(view); };
+  EXPECT_EQ(rows(state.leftCols<3>()), x);
+  EXPECT_EQ(rows(state.rightCols<3>()), 2 * x);
+  EXPECT_EQ(rows(columns), x);
+  EXPECT_EQ(rows(2 * x), 2 * x);
+  EXPECT_EQ(rows(every_other).row(5), x.row(10));
+  Body with = called_body(), without = called_body();
   with.flow(state.leftCols<3>(), kStep);
   without.flow(x, kStep);
   EXPECT_EQ(support::hash_of(with), support::hash_of(without));
 }
 
-TEST_P(ViewsWithGaps, AndOthersThatAreNoPointsAreRight) {
-  const PointArray x = called_world();
-  const Eigen::MatrixXd columns = x;
-  const PointArray twice = 2 * x;
-  const Eigen::Map<const PointArray, 0, Eigen::OuterStride<>> every_other(x.data(), kRows / 2, 3,
-                                                                          Eigen::OuterStride<>(6));
-  Body body = called_body(GetParam());
-  EXPECT_EQ(body.energy(columns), body.energy(x));
-  EXPECT_EQ(body.energy(2 * x), body.energy(twice));
-  const Body half(support::block({1, 1, 1}, kEdge), {Material{}});
-  const PointArray packed = every_other.topRows(8);
-  EXPECT_EQ(half.energy(every_other.topRows(8)), half.energy(packed));
-}
-
-TEST_P(ViewsWithGaps, WhatHasNoneIsNotCopied) {
+TEST(Views, OfPointsWithoutGapsAreNotCopied) {
   PointArray x = called_world();
   const auto place = [](ConstPoints view) { return view.data(); };
   const auto place_to_write = [](Points view) { return view.data(); };
@@ -457,8 +413,6 @@ TEST_P(ViewsWithGaps, WhatHasNoneIsNotCopied) {
   EXPECT_EQ(place_to_write(Eigen::Map<PointArray>(x.data(), kRows, 3)), x.data());
   EXPECT_EQ(place_to_write(Points(x).bottomRows(2)), x.data() + 3 * (kRows - 2));
 }
-
-INSTANTIATE_TEST_SUITE_P(InEachPrecision, ViewsWithGaps, testing::Values(Precision::kDouble, Precision::kMixed));
 
 }  // namespace
 }  // namespace hexaplast

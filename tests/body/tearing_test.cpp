@@ -29,12 +29,7 @@ using support::Random;
 using SurfaceFaces = std::vector<std::array<int, 4>>;
 
 Material tearing(double fracture_stress) {
-  Material m;
-  m.yield_stress = 300;
-  m.flow_rate = 20;
-  m.hardening = 0.3;
-  m.fracture_stress = fracture_stress;
-  return m;
+  return {.yield_stress = 300, .flow_rate = 20, .hardening = 0.3, .fracture_stress = fracture_stress};
 }
 
 /// Volume inside a closed surface of bilinear faces, by the divergence theorem: six times the volume between a face and
@@ -57,22 +52,6 @@ bool is_closed(const SurfaceFaces& surface) {
       passed[{std::min(from, to), std::max(from, to)}] += from < to ? 1 : -1;
     }
   return std::ranges::all_of(passed, [](const auto& edge) { return edge.second == 0; });
-}
-
-/// The greatest number of hexahedra that have the same face.
-int max_hexahedra_on_a_face(const HexMesh& mesh, std::span<const unsigned char> alive) {
-  std::map<Quad, int> hexahedra_on;
-  int max = 0;
-  for (int e = 0; e < mesh.num_elements(); ++e) {
-    if (!alive[e]) continue;
-    for (const auto& local : kFaces) {
-      Quad face{};
-      for (int k = 0; k < 4; ++k) face[k] = mesh.hexahedra()[e][local[k]];
-      std::ranges::sort(face);
-      max = std::max(max, ++hexahedra_on[face]);
-    }
-  }
-  return max;
 }
 
 // Many small bodies, each until nothing is left of it: scripts/soak repeats it with memory and arithmetic watched.
@@ -114,7 +93,6 @@ TEST(Tearing, KeepsSurfaceVolumeAndBalanceOverTenThousandRemovals) {
         ASSERT_EQ(std::ranges::count(history.removed, e), history.alive[e] ? 0 : 1);
         if (history.alive[e]) expected += volume_of[e];
       }
-      ASSERT_LE(max_hexahedra_on_a_face(mesh, history.alive), 2);
       const SurfaceFaces surface = mesh.boundary_faces(history.alive);
       ASSERT_TRUE(is_closed(surface));
       ASSERT_NEAR(enclosed_volume(surface, current), expected, 1e-15);

@@ -17,9 +17,11 @@ constexpr int kSlices = 10;
 
 int node_at(int i, int j, int k) { return i + 4 * (j + 4 * k); }
 
-/// Fraction of the full load in the step of length dt that begins at `time`: its fraction at the end of the step, so
-/// that the first step is loaded and the one that ends at two seconds is the last.
-double load_fraction(double time, double dt) { return time + dt / 2 < 2 ? std::min(1.0, (time + dt) / 0.5) : 0.0; }
+constexpr double kBarStep = 0.01;  // [s]
+
+/// Fraction of the full load in the step that begins at `time`: its fraction at the end of the step, so that the first
+/// step is loaded and the one that ends at two seconds is the last.
+double load_fraction(double time) { return time + kBarStep / 2 < 2 ? std::min(1.0, (time + kBarStep) / 0.5) : 0.0; }
 
 void add_stretch(double fraction, Points f) {
   const double force = 90.0 / 4 * fraction;  // [N] per node of the central face
@@ -47,11 +49,7 @@ Material bar_material(BarLoad load, const std::string& strength) {
   const int level = strength == "high" ? 0 : strength == "medium" ? 1 : strength == "low" ? 2 : 3;
   if (level == 3) throw std::invalid_argument("no bar of strength " + strength);
 
-  Material m;
-  m.young_modulus = 5000;
-  m.poisson_ratio = 0.45;
-  m.hardening = 0.2;
-  m.yield_stress = std::array{300.0, 500.0, 800.0}[level];
+  Material m{.yield_stress = std::array{300.0, 500.0, 800.0}[level], .hardening = 0.2};
   if (load == BarLoad::kStretch) {
     m.flow_rate = std::array{4.0, 2.0, 0.5}[level];
   } else {
@@ -62,7 +60,7 @@ Material bar_material(BarLoad load, const std::string& strength) {
   return m;
 }
 
-Simulation bar(BarLoad load, const std::string& strength, double fracture_stress, double dt) {
+Simulation bar(BarLoad load, const std::string& strength, double fracture_stress) {
   Material material = bar_material(load, strength);
   material.fracture_stress = fracture_stress;
   Settings settings = published_element();
@@ -70,14 +68,14 @@ Simulation bar(BarLoad load, const std::string& strength, double fracture_stress
   HexMesh mesh = block({3, 3, kSlices}, kCell);
 
   SimulationSetup setup;
-  setup.dt = dt;
+  setup.dt = kBarStep;
   setup.euler = {.rayleigh_mass = 0.1, .rayleigh_stiffness = 0.1};
   setup.fixed = nodes_at(mesh, 2, kSlices / 2 * kCell);
-  setup.load = [load, dt](double time, ConstPoints x, Points f) {
+  setup.load = [load](double time, ConstPoints x, Points f) {
     if (load == BarLoad::kStretch)
-      add_stretch(load_fraction(time, dt), f);
+      add_stretch(load_fraction(time), f);
     else
-      add_twist(load_fraction(time, dt), x, f);
+      add_twist(load_fraction(time), x, f);
   };
   return Simulation(Body(std::move(mesh), {material}, settings), std::move(setup));
 }

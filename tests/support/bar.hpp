@@ -12,7 +12,6 @@ namespace hexaplast::support {
 /// 0.01 s, fixed in the middle, loaded at both ends. The load rises over 50 steps, is held to step 200 and then gone;
 /// 500 steps in all.
 inline constexpr int kBarSteps = 500;
-inline constexpr double kBarStep = 0.01;  ///< [s]
 
 enum class BarLoad {
   kStretch,  ///< 90 N along the axis on the central face of each end
@@ -22,9 +21,8 @@ enum class BarLoad {
 /// Material of a preset; `strength` is "high", "medium" or "low": how much of the deformation stays.
 Material bar_material(BarLoad load, const std::string& strength);
 
-/// `fracture_stress` [Pa]: elements go when their yield stress has hardened past it. `dt` [s]: the same load over time
-/// in other steps; must divide 0.01 s.
+/// `fracture_stress` [Pa]: elements go when their yield stress has hardened past it.
 Simulation bar(BarLoad load, const std::string& strength,
-               double fracture_stress = std::numeric_limits<double>::infinity(), double dt = kBarStep);
+               double fracture_stress = std::numeric_limits<double>::infinity());
 
 }  // namespace hexaplast::support

@@ -85,8 +85,6 @@ BarState measure(const Body& body, ConstPoints x) {
       (mean_height(central(mesh, layers.back()), x) - mean_height(central(mesh, layers.front()), x)) / length - 1;
   state.volume_ratio = body.volume(x) / body.initial_volume();
   for (const std::vector<int>& layer : layers) state.twist_deg.push_back(twist(mesh, layer, x));
-  for (int k = 0; k < kSlices; ++k)
-    state.slice_stretch.push_back((mean_height(layers[k + 1], x) - mean_height(layers[k], x)) / kCell);
   return state;
 }
 
@@ -108,13 +106,11 @@ double Schedule::weight(double time) const {
 }
 
 Material calculix_material(double yield_stress, double flow_rate) {
-  Material m;
-  m.young_modulus = 5000;
-  m.poisson_ratio = 0.45;
-  m.hardening = 0.2;
-  m.yield_stress = yield_stress;
-  m.flow_rate = flow_rate;
-  return m;
+  return {.young_modulus = 5000,
+          .poisson_ratio = 0.45,
+          .yield_stress = yield_stress,
+          .flow_rate = flow_rate,
+          .hardening = 0.2};
 }
 
 std::vector<double> face_weights(const HexMesh& mesh, const std::vector<int>& nodes) {
@@ -142,9 +138,7 @@ BarRun run_bar(const BarCase& bar) {
   PointArray x = mesh.positions();
   BarRun run;
   const auto balance = [&](double time) {
-    const NewtonReport report = newton.solve(system, solver, time, x);
-    if (report.status == NewtonStatus::kNotConverged) ++run.unsolved;
-    run.worst_residual = std::max(run.worst_residual, report.residual);
+    if (newton.solve(system, solver, time, x).status == NewtonStatus::kNotConverged) ++run.unsolved;
   };
   const int steps = static_cast<int>(std::lround(bar.schedule.end / bar.dt));
   const int peak = static_cast<int>(std::lround(bar.schedule.hold / bar.dt));
@@ -202,8 +196,8 @@ PointArray elastic_equilibrium(Body& body, const std::vector<int>& fixed, const 
   CholeskySolver solver;
   PointArray x = body.mesh().positions();
   for (int step = 1; step <= load_steps; ++step) {
-    const NewtonReport report = newton.solve(system, solver, static_cast<double>(step) / load_steps, x);
-    if (report.status == NewtonStatus::kNotConverged) throw std::runtime_error("no equilibrium");
+    if (newton.solve(system, solver, static_cast<double>(step) / load_steps, x).status == NewtonStatus::kNotConverged)
+      throw std::runtime_error("no equilibrium");
   }
   return x;
 }

@@ -37,19 +37,17 @@ struct BarCase {
 
 /// The bar at one moment.
 struct BarState {
-  double central_elongation = 0;      ///< [-] between the nodes of the central ninth of both ends
-  double mean_elongation = 0;         ///< [-] between all nodes of both ends
-  double volume_ratio = 1;            ///< of the world mesh
-  std::vector<double> twist_deg;      ///< of each layer of nodes, from the lower end upwards: mean turn of the corners
-                                      ///< of the section and of its central ninth
-  std::vector<double> slice_stretch;  ///< [-] distance of neighbouring layers / initial distance, coarse slices
+  double central_elongation = 0;  ///< [-] between the nodes of the central ninth of both ends
+  double mean_elongation = 0;     ///< [-] between all nodes of both ends
+  double volume_ratio = 1;        ///< of the world mesh
+  std::vector<double> twist_deg;  ///< of each layer of nodes, from the lower end upwards: mean turn of the corners
+                                  ///< of the section and of its central ninth
 };
 
 struct BarRun {
-  BarState peak;              ///< when the load ends to be held
-  BarState residual;          ///< at the end
-  int unsolved = 0;           ///< steps in which no equilibrium was found
-  double worst_residual = 0;  ///< [N] of all steps
+  BarState peak;      ///< when the load ends to be held
+  BarState residual;  ///< at the end
+  int unsolved = 0;   ///< steps in which no equilibrium was found
 };
 
 /// E = 5000 Pa, Poisson's ratio 0.45, hardening 0.2.

@@ -13,11 +13,7 @@
 namespace hexaplast::support {
 namespace {
 
-Material rubber(double poisson_ratio) {
-  Material material;
-  material.poisson_ratio = poisson_ratio;
-  return material;
-}
+Material rubber(double poisson_ratio) { return {.poisson_ratio = poisson_ratio}; }
 
 /// [-] Force along `axis` that holds the nodes at the far end of a cube of 1 m, over Young's modulus.
 double pull(Body& cube, const PointArray& x, int end, int axis) {
