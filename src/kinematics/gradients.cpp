@@ -50,14 +50,6 @@ RestOperator rest_operator(const ElementPoints& plastic_rest, const Sampling& sa
   return rest;
 }
 
-std::array<Mat3, kCorners> deformation_gradients(const RestOperator& rest, const ElementPoints& current) {
-  const Mat3 shared = current.transpose() * rest.shared_gradient;
-  std::array<Mat3, kCorners> F;
-  for (int i = 0; i < kCorners; ++i)
-    F[i] = rest.corner_weight * corner_jacobian(current, i) * rest.inverse_jacobian[i] + shared;
-  return F;
-}
-
 ElementPoints sample_gradient(const RestOperator& rest, int sample) {
   ElementPoints gradient = rest.shared_gradient;
   add_corner_gradient(rest.inverse_jacobian[sample], sample, rest.corner_weight, gradient);

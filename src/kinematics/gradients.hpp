@@ -39,9 +39,6 @@ struct RestOperator {
 
 RestOperator rest_operator(const ElementPoints& plastic_rest, const Sampling& sampling = {});
 
-/// F~_i for all eight samples.
-std::array<Mat3, kCorners> deformation_gradients(const RestOperator& rest, const ElementPoints& current);
-
 /// g~_ia, one row per corner a: dF~_i = sum_a dxh_a (x) g~_ia.
 ElementPoints sample_gradient(const RestOperator& rest, int sample);
 

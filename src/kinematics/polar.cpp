@@ -42,8 +42,4 @@ Mat3 rotation_exp(const Vec3& w) {
   return Mat3::Identity() + to_eigen(scalar::rotation_expm1(vector, 1.0));
 }
 
-Mat3 rotation_power(const Mat3& R, double power) {
-  return Mat3::Identity() + to_eigen(scalar::rotation_expm1(scalar::rotation_log(scalar::entries(R)), power));
-}
-
 }  // namespace hexaplast

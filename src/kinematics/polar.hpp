@@ -33,7 +33,4 @@ void rotations(std::span<const Mat3> F, std::span<Mat3> R);
 Vec3 rotation_log(const Mat3& R);
 Mat3 rotation_exp(const Vec3& w);
 
-/// R^p: the same axis, p times the angle.
-Mat3 rotation_power(const Mat3& R, double power);
-
 }  // namespace hexaplast
