@@ -1,6 +1,6 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Presses a rigid ball into an elastic block with CalculiX, without friction. ccx must be installed.
+"""Presses a rigid ball into an elastic block with CalculiX, without friction.
 
     benchmarks/calculix/indentation.py > tests/data/calculix/indentation.json
 
@@ -13,9 +13,10 @@ one of two laws of large strain with the same constants. `force`: on the whole b
 """
 import itertools
 import json
-import sys
 
-from locking import Mesh, body, solve
+import numpy as np
+
+from deck import Mesh, body, hyperelastic, rows, solve
 
 YOUNG, POISSON_RATIO, RADIUS, PENALTY = 1e4, 0.3, 20e-3, 1e9
 FAR_ACROSS, FAR_UP = [6, 7.5, 9.5, 12.5, 17, 23.5, 33, 45, 60], [0, 10, 15.5, 19.5, 22.5, 24.5, 26]
@@ -28,33 +29,23 @@ DEPTHS = [0.25, 0.5, 1.0]  # mm
 
 
 def block(across, up):
-    mesh = Mesh("block", (len(across) - 1, len(across) - 1, len(up) - 1))
-    for i, j, k in mesh.positions:
-        mesh.positions[i, j, k] = [1e-3 * across[i], 1e-3 * across[j], 1e-3 * up[k]]
+    mesh = Mesh("block", (len(across) - 1, len(across) - 1, len(up) - 1), (1, 1, 1))
+    mesh.positions = 1e-3 * np.array([(x, y, z) for z in up for y in across for x in across])
     return mesh
-
-
-def material(law):
-    if law != "neoHooke":
-        return ["*ELASTIC", f"{YOUNG}, {POISSON_RATIO}"]
-    shear, compressibility = YOUNG / (2 * (1 + POISSON_RATIO)), 6 * (1 - 2 * POISSON_RATIO) / YOUNG
-    return ["*HYPERELASTIC, NEO HOOKE", f"{shear / 2:.12g}, {compressibility:.12g}"]
 
 
 def force(element, across, up, law, depths):
     mesh = block(across, up)
-    lines, number = body(element, mesh)
-    top = 2 * mesh.cells[2]
-    first = len(number) + 1
+    lines, places = body(element, mesh)
     tool = {}  # (i, j, layer): number
     lines.append("*NODE, NSET=TOOL")
     for layer, j, i in itertools.product((0, 1), range(TOOL_CELLS + 1), range(TOOL_CELLS + 1)):
-        n = tool[i, j, layer] = first + len(tool)
+        n = tool[i, j, layer] = len(places) + len(tool) + 1
         x, y = (TOOL_WIDTH * k / TOOL_CELLS for k in (i, j))
         z = 30e-3 + RADIUS - (RADIUS**2 - x**2 - y**2)**0.5 + layer * 1e-3
         lines.append(f"{n}, {x:.12g}, {y:.12g}, {z:.12g}")
     lines.append("*ELEMENT, TYPE=C3D8, ELSET=BALL")
-    element_number = itertools.count(mesh.cells[0] * mesh.cells[1] * mesh.cells[2] + 1)
+    element_number = itertools.count(len(mesh.hexahedra) + 1)
     for j, i in itertools.product(range(TOOL_CELLS), range(TOOL_CELLS)):
         corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
         lines.append(", ".join(str(n) for n in [next(element_number)] +
@@ -66,35 +57,25 @@ def force(element, across, up, law, depths):
     for j, i in itertools.product(range(near), range(near)):
         lines.append(f"{per_layer * (mesh.cells[2] - 1) + mesh.cells[0] * j + i + 1}, S2")
     lines += ["*SURFACE, NAME=UNDER, TYPE=ELEMENT", "BALL, S1"]
-    lines += ["*MATERIAL, NAME=SOFT", *material(law), "*SOLID SECTION, ELSET=BODY, MATERIAL=SOFT",
-              "*MATERIAL, NAME=STIFF", "*ELASTIC", f"{YOUNG}, 0.3", "*SOLID SECTION, ELSET=BALL, MATERIAL=STIFF",
+    elastic = ["*ELASTIC", f"{YOUNG}, {POISSON_RATIO}"]
+    lines += ["*MATERIAL, NAME=SOFT", *(hyperelastic(YOUNG, POISSON_RATIO) if law == "neoHooke" else elastic), "*SOLID SECTION, ELSET=BODY, MATERIAL=SOFT",
+              "*MATERIAL, NAME=STIFF", *elastic, "*SOLID SECTION, ELSET=BALL, MATERIAL=STIFF",
               "*SURFACE INTERACTION, NAME=HARD", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR", f"{PENALTY:.9g}",
               "*CONTACT PAIR, INTERACTION=HARD, TYPE=SURFACE TO SURFACE", "TOP, UNDER", "*BOUNDARY"]
-    for place, n in number.items():
-        lines += [f"{n}, {axis + 1}, {axis + 1}, 0" for axis in (0, 1) if place[axis] == 0 or place[2] == 0]
-        if place[2] == 0:
-            lines.append(f"{n}, 3, 3, 0")
+    held = (places * (1, 1, 0) == (0, 0, 1)) | (places[:, 2:] == 0)  # by the planes of symmetry, by the bottom
+    lines += [f"{n + 1}, {axis + 1}, {axis + 1}, 0" for n, axis in np.argwhere(held)]
     lines.append("TOOL, 1, 2, 0")
     for depth in depths:
         lines += ["*STEP, INC=200" if law == "linear" else "*STEP, NLGEOM, INC=200", "*STATIC", "0.25, 1, 1e-5, 0.5", "*BOUNDARY",
                   f"TOOL, 3, 3, {-1e-3 * depth:.9g}", "*NODE PRINT, NSET=TOOL, TOTALS=ONLY, FREQUENCY=1000", "RF",
                   "*END STEP"]
-    rows = [row for row in solve(lines) if len(row) == 3]
-    return [round(-4 * float(row[2]), 7) for row in rows][-len(depths):]
-
-
-def main():
-    cases = []
-    for name, law in CASES:
-        forces = force("C3D8I", *MESHES[name], law, DEPTHS)
-        cases.append({"element": "C3D8I", "mesh": name, "law": law,
-                      "depth": [round(1e-3 * depth, 9) for depth in DEPTHS], "force": forces})
-        print(cases[-1], file=sys.stderr, flush=True)
-    meshes = {name: {"across": across, "up": up} for name, (across, up) in MESHES.items()}
-    head = {"young_modulus": YOUNG, "poisson_ratio": POISSON_RATIO, "radius": RADIUS, "penalty": PENALTY, "meshes": meshes}
-    print("{\n" + ",\n".join(f'"{name}": {json.dumps(value)}' for name, value in head.items()) +
-          ',\n"cases": [\n' + ",\n".join(" " + json.dumps(case) for case in cases) + "\n]\n}")
+    return (-4 * solve(lines)[1][-len(depths):, 2]).round(7).tolist()
 
 
 if __name__ == "__main__":
-    main()
+    cases = [{"element": "C3D8I", "mesh": name, "law": law, "depth": [round(1e-3 * depth, 9) for depth in DEPTHS],
+              "force": force("C3D8I", *MESHES[name], law, DEPTHS)} for name, law in CASES]
+    meshes = {name: {"across": across, "up": up} for name, (across, up) in MESHES.items()}
+    head = {"young_modulus": YOUNG, "poisson_ratio": POISSON_RATIO, "radius": RADIUS, "penalty": PENALTY, "meshes": meshes}
+    print("{\n" + ",\n".join(f'"{name}": {json.dumps(value)}' for name, value in head.items()) +
+          f',\n"cases": {rows(cases)}\n}}')

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Writes the body of a scene as a deck for a static analysis by CalculiX or Abaqus: its hexahedra as C3D8, its held nodes
 and its loads in the last step, with large displacements. The scene has one body, of one elastic material and without
