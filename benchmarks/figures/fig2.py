@@ -5,7 +5,7 @@ import subprocess
 
 import numpy as np
 
-from bar import BIN, WORK, Grid, elongation, run, slice_twists
+from bar import BIN, WORK, bar, elongation, run, slice_twists
 from picture import END, SIDE, Page
 from report import RESULTS, write_section, write_table
 
@@ -29,10 +29,10 @@ def _asymmetry(grid, x, load):
     """Greatest distance between the shape and its images under the symmetries of bar and load, by element size."""
     worst = 0
     for image in [QUARTER_TURN, HALF_TURN] + (MIRRORS if load == "stretch" else []):
-        moved = np.round((grid.positions @ image.T - grid.positions.min(axis=0)) / grid.size).astype(int)
-        nodes = moved @ np.array([1, 4, 16])
+        moved = np.round((grid.positions @ image.T - grid.positions[0]) / grid.size).astype(int)
+        nodes = moved @ [1, 4, 16]
         worst = max(worst, np.linalg.norm(x[nodes] - x @ image.T, axis=1).max())
-    return worst / grid.size
+    return worst / grid.size[0]
 
 
 def _measure(grid, x, load):
@@ -40,8 +40,8 @@ def _measure(grid, x, load):
 
 
 def make():
-    grid = Grid()
-    page = Page(1420, 880)
+    grid = bar()
+    page = Page(14, 1)
     rows = []
     for column, load in enumerate(LOADS):
         hexahedra = run(f"fig2/hexahedra_{load}", f"bar_{load}_high")
@@ -56,11 +56,11 @@ def make():
                           np.array(state["material"]), state["softness"], state["volume_ratio"]))
 
         for row, (name, faces, peak, material, softness, volume) in enumerate(cases):
-            left, y = 40 + 710 * column, 130 + 210 * row
+            left, y = 2.7 * column, -0.75 * row
             unit = "%" if load == "stretch" else "degrees"
-            page.text((left, y - 94), f"{TITLES[name]}, {load}: {_measure(grid, material, load):.1f} {unit}", 16)
-            page.draw(material, faces, np.full(len(faces), 0.12), SIDE, (left + 250, y), 270)
-            page.draw(material, faces, np.full(len(faces), 0.12), END, (left + 580, y), 270)
+            page.text((left - 1, y + 0.33), f"{TITLES[name]}, {load}: {_measure(grid, material, load):.1f} {unit}")
+            page.draw(material, faces, 0.12, SIDE, (left, y))
+            page.draw(material, faces, 0.12, END, (left + 1.2, y))
             rows.append([load, name, f"{softness:.3f}", f"{_measure(grid, peak, load):.1f}",
                          f"{_measure(grid, material, load):.2f}", f"{100 * _asymmetry(grid, material, load):.3g}",
                          f"{100 * (volume - 1):+.3f}"])

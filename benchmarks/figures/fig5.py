@@ -2,7 +2,7 @@
 """Fig. 5: stretched bars of high, medium and low plasticity, side and end views of the final rest shape."""
 import numpy as np
 
-from bar import Grid, elongation, run, slice_elongations
+from bar import bar, elongation, run, slice_elongations
 from picture import END, SIDE, Page
 from report import RESULTS, write_section, write_table
 
@@ -10,23 +10,20 @@ LEVELS = ("high", "medium", "low")
 
 
 def make():
-    grid = Grid()
+    grid = bar()
     faces, owner = grid.boundary_faces()
     runs = {level: run(f"fig5/{level}", f"bar_stretch_{level}") for level in LEVELS}
     slices = {level: slice_elongations(grid, runs[level].material) for level in LEVELS}
     greatest = max(values.max() for values in slices.values())
 
-    scale = 500
-    page = Page(1280, 820)
+    page = Page(13, 100 * greatest)
     for row, level in enumerate(LEVELS):
-        y = 150 + 230 * row
-        x = runs[level].material
-        values = slices[level][owner // 9] / greatest
-        page.text((40, y - 110), f"{level}: {100 * elongation(grid, x):+.1f} %", 20, bold=True)
-        page.draw(x, faces, values, SIDE, (520, y), scale)
-        page.draw(x, faces, values, END, (1130, y), scale)
-    page.colour_bar((460, 770), 360, 100 * greatest, "elongation of the slice [%]")
-    page.save(RESULTS / "fig5.png")
+        y = -0.45 * row
+        x, values = runs[level].material, 100 * slices[level][owner // 9]
+        page.text((-0.95, y + 0.18), f"{level}: {100 * elongation(grid, x):+.1f} %", weight="bold")
+        page.draw(x, faces, values, SIDE, (0, y))
+        page.draw(x, faces, values, END, (1.2, y))
+    page.save(RESULTS / "fig5.png", "elongation of the slice [%]")
 
     rows = []
     for level in LEVELS:

@@ -2,7 +2,7 @@
 """Fig. 6: twisted bars of high, medium and low plasticity under the three ways to keep a rotation."""
 import numpy as np
 
-from bar import Grid, corner_jacobians, jaggedness, run, slice_twists
+from bar import bar, corner_jacobians, jaggedness, run, slice_twists
 from fig5 import LEVELS
 from picture import END, SIDE, Page
 from report import RESULTS, write_section, write_table
@@ -13,7 +13,7 @@ PROTOTYPE = {"objective": (110.5, 29.2, 4.5), "vertex": (18.0, 4.4, 0.93), "cent
 
 
 def make():
-    grid = Grid()
+    grid = bar()
     faces, owner = grid.boundary_faces()
     rest = corner_jacobians(grid, grid.positions)[0]
     cases = [(level, mode) for level in LEVELS for mode in MODES]
@@ -22,19 +22,17 @@ def make():
     slices = {case: slice_twists(grid, runs[case].material) for case in cases}
     greatest = max(np.abs(values).max() for values in slices.values())
 
-    scale = 300
-    page = Page(1500, 640)
+    page = Page(15, greatest)
     for column, mode in enumerate(MODES):
-        page.text((30 + 490 * column, 34), mode, 20, bold=True)
+        page.text((1.7 * column - 0.5, 0.35), mode, weight="bold")
         for row, level in enumerate(LEVELS):
             case = level, mode
-            x, y = 30 + 490 * column, 130 + 175 * row
-            page.text((x, y - 72), f"{level}: {slices[case].sum():.1f} degrees", 15)
-            values = np.abs(slices[case])[owner // 9] / greatest
-            page.draw(runs[case].material, faces, values, SIDE, (x + 165, y), scale)
-            page.draw(runs[case].material, faces, values, END, (x + 400, y), scale)
-    page.colour_bar((570, 594), 360, greatest, "twist of the slice [degrees]")
-    page.save(RESULTS / "fig6.png")
+            x, y = 1.7 * column, -0.6 * row
+            page.text((x - 0.5, y + 0.24), f"{level}: {slices[case].sum():.1f} degrees")
+            values = np.abs(slices[case])[owner // 9]
+            page.draw(runs[case].material, faces, values, SIDE, (x, y))
+            page.draw(runs[case].material, faces, values, END, (x + 0.8, y))
+    page.save(RESULTS / "fig6.png", "twist of the slice [degrees]")
 
     rows = []
     for level, mode in cases:

@@ -4,9 +4,9 @@ import json
 
 import numpy as np
 
-from bar import ROOT, Grid, elongation, run
+from bar import ROOT, bar, elongation, run
 from picture import SIDE, Page
-from report import PALETTE, RESULTS, Curve, write_plot, write_section, write_table
+from report import RESULTS, write_plot, write_section, write_table
 
 REFERENCE = ROOT / "tests/data/calculix/bar_histories.json"
 # Results depend on loads and stresses over E h^2 and E only: forces grow with h^2 from the reference's h = 0.01 m.
@@ -30,10 +30,11 @@ def _settings(yield_stress, force):
 
 
 def make():
-    grid = Grid()
+    grid = bar()
     with open(REFERENCE) as file:
         reference = json.load(file)["cases"]
     curves, rows, timing, shapes = [], [], [], []
+    num_hexahedra = len(grid.hexahedra)
     for name, (yield_stress, force) in CASES.items():
         theirs = reference[name]
         ours = run(f"fig7/tau{yield_stress}", "bar_stretch_low", _settings(yield_stress, force))
@@ -41,10 +42,8 @@ def make():
         elongations = np.array([elongation(grid, ours.world_at(step)) for step in range(EVERY, STEPS + 1, EVERY)])
         ccx_time = np.array([point["time"] for point in theirs["time_history"]])
         ccx = np.array([point["stretch_total_mean"] - 1 for point in theirs["time_history"]])
-        curves.append(Curve(f"Hexaplast, τ / E = {yield_stress / 5000:g}", time, 100 * elongations,
-                            colour=PALETTE[len(rows)]))
-        curves.append(Curve(f"CalculiX C3D8, τ / E = {yield_stress / 5000:g}", ccx_time, 100 * ccx, dashed=True,
-                            colour=PALETTE[len(rows)]))
+        curves.append((f"Hexaplast, τ / E = {yield_stress / 5000:g}", time, 100 * elongations, f"C{len(rows)}"))
+        curves.append((f"CalculiX C3D8, τ / E = {yield_stress / 5000:g}", ccx_time, 100 * ccx, f"C{len(rows)}--"))
 
         at_theirs = np.interp(ccx_time, time, elongations)
         peak = np.interp(PEAK, time, elongations), np.interp(PEAK, ccx_time, ccx)
@@ -52,9 +51,9 @@ def make():
                      f"{100 * (peak[0] / peak[1] - 1):+.1f}", f"{100 * elongations[-1]:.3f}", f"{100 * ccx[-1]:.3f}",
                      f"{100 * (elongations[-1] / ccx[-1] - 1):+.1f}", f"{100 * np.abs(at_theirs - ccx).max():.3f}",
                      f"{100 * np.abs((1 + at_theirs) / (1 + ccx) - 1).max():.3f}"])
-        timing.append([f"{yield_stress / 5000:g}", f"{1000 * ours.step_ms / grid.num_hexahedra:.0f}",
+        timing.append([f"{yield_stress / 5000:g}", f"{1000 * ours.step_ms / num_hexahedra:.0f}",
                        f"{1000 * theirs['cpu_ms_per_hex_per_increment']:.0f}",
-                       f"{1000 * ours.cpu_s / grid.num_hexahedra:.1f}",
+                       f"{1000 * ours.cpu_s / num_hexahedra:.1f}",
                        f"{theirs['cpu_ms_per_hex_total']:.1f}"])
         shapes += [(f"yield stress / E = {yield_stress / 5000:g}, under load", ours.world_at(100 * PEAK)),
                    (f"yield stress / E = {yield_stress / 5000:g}, after release", ours.material)]
@@ -100,12 +99,10 @@ def _draw(grid, shapes):
     values = []
     for _, x in shapes:
         at = x[grid.hexahedra][..., 2]
-        values.append((at[:, 4:].mean(axis=1) - at[:, :4].mean(axis=1)) / grid.size - 1)
-    greatest = max(value.max() for value in values)
-    page = Page(1400, 520)
+        values.append(100 * ((at[:, 4:].mean(axis=1) - at[:, :4].mean(axis=1)) / grid.size[2] - 1))
+    page = Page(14, max(value.max() for value in values))
     for k, (title, x) in enumerate(shapes):
-        left, y = 40 + 680 * (k % 2), 130 + 190 * (k // 2)
-        page.text((left, y - 90), title, 16)
-        page.draw(x, faces, np.clip(values[k][owner] / greatest, 0, 1), SIDE, (left + 320, y), 460)
-    page.colour_bar((520, 460), 360, 100 * greatest, "elongation of the hexahedron [%]")
-    page.save(RESULTS / "fig7.png")
+        place = 1.3 * (k % 2), -0.5 * (k // 2)
+        page.text((place[0] - 0.5, place[1] + 0.2), title)
+        page.draw(x, faces, values[k][owner], SIDE, place)
+    page.save(RESULTS / "fig7.png", "elongation of the hexahedron [%]")

@@ -2,9 +2,9 @@
 """Fig. 8: three refinements of the stretched bar, loaded over its whole end faces."""
 import numpy as np
 
-from bar import Grid, elongation, run, slice_elongations
+from bar import bar, elongation, run, slice_elongations
 from picture import SIDE, Page
-from report import PALETTE, RESULTS, Curve, write_plot, write_section, write_table
+from report import RESULTS, write_plot, write_section, write_table
 
 REFINEMENTS = (1, 2, 3)
 PEAK_STEP = 200  # the last one under load
@@ -20,46 +20,37 @@ def _settings(r):
     return settings
 
 
-def _draw(page, grid, x, centre, scale, values, greatest):
-    faces, owner = grid.boundary_faces()
-    layer = owner // (grid.cells[0] * grid.cells[1])
-    page.draw(x, faces, np.clip(values[layer] / greatest, 0, 1), SIDE, centre, scale)
-
-
 def make():
-    grids = {r: Grid(r) for r in REFINEMENTS}
+    grids = {r: bar(r) for r in REFINEMENTS}
     ends = {r: run(f"fig8/refinement_{r}", "bar_stretch_face", _settings(r)) for r in REFINEMENTS}
     peaks = {r: ends[r].world_at(PEAK_STEP) for r in REFINEMENTS}
     at_peak = {r: slice_elongations(grids[r], peaks[r]) for r in REFINEMENTS}
     at_end = {r: slice_elongations(grids[r], ends[r].material) for r in REFINEMENTS}
 
-    greatest = max(values.max() for values in at_peak.values())
-    page = Page(1500, 560)
+    page = Page(15, 100 * max(values.max() for values in at_peak.values()))
     for column, title in enumerate(("original", "maximal stretch", "final plastic deformation")):
-        page.text((250 + 500 * column, 34), title, 18, "centre", bold=True)
+        page.text((1.55 * column, 0.25), title, ha="center", weight="bold")
     for row, r in enumerate(REFINEMENTS):
-        grid, y = grids[r], 115 + 150 * row
-        for column, (x, values) in enumerate([(grid.positions, np.zeros(10 * r)), (peaks[r], at_peak[r]),
+        faces, owner = grids[r].boundary_faces()
+        for column, (x, values) in enumerate([(grids[r].positions, np.zeros(10 * r)), (peaks[r], at_peak[r]),
                                               (ends[r].material, at_end[r])]):
-            _draw(page, grid, x, (250 + 500 * column, y), 320, values, greatest)
-    page.colour_bar((570, 510), 360, 100 * greatest, "elongation of the slice [%]")
-    page.save(RESULTS / "fig8.png")
+            page.draw(x, faces, 100 * values[owner // (9 * r * r)], SIDE, (1.55 * column, -0.45 * row))
+    page.save(RESULTS / "fig8.png", "elongation of the slice [%]")
 
     curves = []
-    for colour, r in zip(PALETTE, REFINEMENTS):
+    for colour, r in enumerate(REFINEMENTS):
         middle = (np.arange(10 * r) + 0.5) / (10 * r)
-        curves.append(Curve(f"{grids[r].num_hexahedra} hexahedra, under load", middle, 100 * at_peak[r],
-                            colour=colour))
-        curves.append(Curve(f"{grids[r].num_hexahedra} hexahedra, after release", middle, 100 * at_end[r], dashed=True,
-                            colour=colour))
+        name = f"{len(grids[r].hexahedra)} hexahedra"
+        curves.append((f"{name}, under load", middle, 100 * at_peak[r], f"C{colour}"))
+        curves.append((f"{name}, after release", middle, 100 * at_end[r], f"C{colour}--"))
     write_plot("fig8_profile", "Stretch along the bar at three refinements", "place in the original bar / length",
-               "elongation of the slice [%]", curves, x_end=1)
+               "elongation of the slice [%]", curves)
 
-    hexahedra = np.array([grids[r].num_hexahedra for r in REFINEMENTS])
+    hexahedra = np.array([len(grids[r].hexahedra) for r in REFINEMENTS])
     step_ms = np.array([ends[r].step_ms for r in REFINEMENTS])
     iterations = np.array([ends[r].history["solver_iterations"][1:].mean() for r in REFINEMENTS])
     write_plot("fig8_time", "Time of a step on one processor", "hexahedra", "time [ms]",
-               [Curve("", hexahedra, step_ms)], marks=True)
+               [("", hexahedra, step_ms, "C0o-")])
     slope = np.polyfit(np.log(hexahedra), np.log(step_ms), 1)[0]
 
     rows = []
