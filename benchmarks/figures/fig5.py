@@ -4,7 +4,7 @@ import numpy as np
 
 from bar import bar, elongation, run, slice_elongations
 from picture import END, SIDE, Page
-from report import RESULTS, write_section, write_table
+from report import RESULTS, write_table
 
 LEVELS = ("high", "medium", "low")
 
@@ -33,16 +33,6 @@ def make():
         rows.append([level, f"{100 * elongation(grid, runs[level].material):.2f}",
                      *(f"{100 * value:.2f}" for value in slices[level][5:]), f"{halves:.0e}",
                      f"{100 * volume[-1]:+.4f}", f"{100 * np.abs(volume).max():.3f}"])
-    table = write_table("fig5", ["plasticity", "elongation %", *(f"slice {k} %" for k in range(6, 11)),
+    write_table("fig5", ["plasticity", "elongation %", *(f"slice {k} %" for k in range(6, 11)),
                                  "difference of the halves", "volume error at the end %", "largest at any time %"],
                         rows)
-    write_section("Figure 5: stretch", f"""
-![final rest shapes, side and end views](fig5.png)
-
-The figure shows the final shapes of `scenes/bar_stretch_{{high,medium,low}}.scn` without load, from the side and from
-the end. As in the paper, more plasticity gives a longer bar that is thinner towards the loaded ends, and the
-cross-sections remain symmetric. Slice 6 is next to the fixed middle, slice 10 at the loaded end. The volume error is
-always below 1 %, the value in the paper.
-
-{table}
-""")

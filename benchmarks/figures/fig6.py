@@ -5,7 +5,7 @@ import numpy as np
 from bar import bar, corner_jacobians, jaggedness, run, slice_twists
 from fig5 import LEVELS
 from picture import END, SIDE, Page
-from report import RESULTS, write_section, write_table
+from report import RESULTS, write_table
 
 MODES = ("objective", "vertex", "centre")
 # end-to-end twist [degrees] of an independent prototype in Python
@@ -49,24 +49,3 @@ def make():
                          *(f"slice {k} deg" for k in range(6, 11)), "min det J ratio",
                          "min scaled Jacobian", "jaggedness % of h", "volume error at the end %",
                          "largest at any time %"], rows)
-    high = {mode: slices["high", mode].sum() for mode in MODES}
-    gap = {mode: 100 * jaggedness(grid, runs["high", mode]) for mode in MODES}
-    write_section("Figure 6: twist", f"""
-![final rest shapes, side and end views](fig6.png)
-
-The figure shows the final shapes of `scenes/bar_twist_{{high,medium,low}}.scn` without load, with three values of
-`rotationPlasticity`: objective (ours), vertex and centre (the two modes of the paper).
-
-* At high plasticity the bars keep {high["objective"]:.1f}, {high["vertex"]:.1f} and {high["centre"]:.1f} degrees.
-* As in the paper, the permanent twist grows with the plasticity, and the final volume is the initial one. At high
-  plasticity the volume error of the paper's modes reaches 1.3 % for some time.
-* The objective mode distributes the twist uniformly over the slices. The paper's modes concentrate it near the loaded
-  end and near the fixed middle.
-* The paper reports distorted hexahedra for vertex rotations and jagged ones for centre rotations. The jaggedness of the
-  bars of high plasticity is {gap["objective"]:.2f} %, {gap["vertex"]:.2f} % and {gap["centre"]:.2f} % of h.
-
-Jaggedness is the root mean square distance of the corners of element rest shapes, each placed at the centre of its
-hexahedron, from their mean at every common node. [fig6.csv](fig6.csv) has all levels: the twist of each slice and of an
-independent program (prototype), the minimum of det J relative to the cube's and of the scaled Jacobian at the plastic
-rest positions, and volume errors.
-""")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""docs/results: tables as CSV and Markdown, plots as SVG, and the page that shows them."""
+"""docs/results: tables as CSV and in its page, plots as SVG."""
 import csv
+import re
 
 import matplotlib
 from matplotlib import pyplot
@@ -12,32 +13,15 @@ matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "hexaplast"}
 
 RESULTS = ROOT / "docs/results"
 PAGE = RESULTS / "README.md"
-HEAD = """# The paper's figures
-
-`scripts/reproduce` writes this page; `scripts/reproduce fig5 fig6` makes only the named figures. "The paper" is that of
-R. Gao and J. Peters ([theory](../theory.md)). Unless stated otherwise, shapes are those without load: the plastic rest
-positions. The bar has 3 x 3 x 10 cubes with edge h = 0.1 m, E = 5000 Pa and Poisson's ratio 0.45. It is fixed in the
-middle.
-"""
 
 
 def write_table(name, header, rows):
-    """Writes <name>.csv and returns the same table as Markdown. Numbers arrive as text, formatted."""
+    """Writes <name>.csv, and the table of the page that has this header, where there is one. Numbers arrive as text,
+    formatted."""
     with open(RESULTS / f"{name}.csv", "w", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([header, *rows])
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
-
-
-def write_section(title, body):
-    """Puts a section into the page, in place of the one with the same title; sections stay sorted."""
-    sections = {}
-    if PAGE.exists():
-        for part in PAGE.read_text().split("\n## ")[1:]:
-            name, _, text = part.partition("\n")
-            sections[name] = text.strip()
-    sections[title] = body.strip()
-    PAGE.write_text(HEAD + "".join(f"\n## {name}\n\n{sections[name]}\n" for name in sorted(sections)))
+    head, *lines = ("| " + " | ".join(line) + " |\n" for line in (header, ["---"] * len(header), *rows))
+    PAGE.write_text(re.sub(re.escape(head) + r"(\|.*\n)*", lambda _: head + "".join(lines), PAGE.read_text()))
 
 
 def write_plot(name, title, x_label, y_label, curves):
