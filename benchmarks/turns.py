@@ -12,12 +12,12 @@ def _processor_seconds():
     return used.ru_utime + used.ru_stime
 
 
-def fastest_steps(cases, command, few, many, clock=_processor_seconds, repetitions=REPETITIONS):
+def fastest_steps(cases, command, few, many, clock=_processor_seconds):
     """{case: [ms] of a step}: the difference of the fastest runs of `few` and of `many` steps, so that starting and loading
-    do not count. command(case, steps): what runs it, and may be followed by its environment. clock: seconds so far; those of
+    do not count. command(case, steps): what runs it. clock: seconds so far; those of
     processors unless given, which other programs on the machine disturb less."""
     fastest = {(case, steps): float("inf") for case in cases for steps in (few, many)}
-    for _ in range(repetitions):
+    for _ in range(REPETITIONS):
         for case, steps in fastest:
             words = [str(word) for word in command(case, steps)]
             before = clock()
