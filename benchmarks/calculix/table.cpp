@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// calculix_table: every bar of tests/data/calculix/bar.json and its variations, solved with this library, as CSV on
-// standard output, each with the published element and with the default one (without recovery, which has no part here):
-//
-//   case,refine,element,yield_norm,peak_mean,peak_central,residual_mean,residual_central,residual_volume_ratio,
-//   unsolved_steps
-//
-// for the twisted bar the angle of every layer. calculix_table --locking: the beams of locking.json and
-// locking_meshes.json, --hyperelastic: what hyperelastic.json strains far, --isolated: joined and isolated rest shapes
-// of the default element, all three as rows of docs/validation.md. Takes some minutes.
+// calculix_table [OPTION]: what docs/validation.md compares with CalculiX, solved with this library, as rows of its
+// tables. Without an option the bars of the published element, with peak and permanent values; for the twisted bar the
+// angle of every layer. --locking: the beams of locking.json and locking_meshes.json; --hyperelastic: what
+// hyperelastic.json strains far; --isolated: joined and isolated rest shapes of the default element. Takes some
+// minutes.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
+#include <iterator>
 #include <limits>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -35,7 +34,6 @@ using support::EndLoad;
 using support::Json;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr const char* kNorms[] = {"vonMises", "frobenius", "spectral"};
 
 struct Element {
   const char* name;
@@ -47,23 +45,28 @@ struct Element {
     others.bending = bending;
     others.volumetric = volumetric;
     others.law = law;
-    if (bending == Bending::kVertex) others.implementation = Implementation::kPlain;
     return others;
   }
 };
 constexpr Element kPublished{"published", Bending::kBlended, Volumetric::kSample};
 constexpr Element kDefault{"assumedCorner volumeRatio", Bending::kAssumedCorner, Volumetric::kVolumeRatio};
-constexpr Element kVertex{"vertex", Bending::kVertex, Volumetric::kSample};
 
-BarRun report(const std::string& name, BarCase bar, const Element& element) {
-  bar.settings = element.settings(bar.settings);
-  const BarRun run = support::run_bar(bar);
-  fmt::print("{},{},{},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{}\n", name, bar.refine, element.name,
-             kNorms[static_cast<int>(bar.settings.yield_norm)], run.peak.mean_elongation, run.peak.central_elongation,
-             run.residual.mean_elongation, run.residual.central_elongation, run.residual.volume_ratio, run.unsolved);
+void print_row(const std::string& name, const std::vector<std::string>& cells) {
+  fmt::print("| {} | {} |\n", name, fmt::join(cells, " | "));
   std::fflush(stdout);
-  return run;
 }
+
+/// Each number as `format` writes it.
+std::vector<std::string> texts(const char* format, std::span<const double> numbers) {
+  std::vector<std::string> all;
+  for (const double number : numbers) all.push_back(fmt::format(fmt::runtime(format), number));
+  return all;
+}
+
+std::string both(double peak, double residual) { return fmt::format("{:.6f} / {:.6f}", peak, residual); }
+
+constexpr support::Schedule kSlowStretch{.ramp = 2, .hold = 5, .release = 6, .end = 8};
+constexpr support::Schedule kSlowTwist{.ramp = 2, .hold = 4, .release = 6, .end = 8};
 
 BarCase plastic(double yield_stress, double flow_rate, EndLoad load, double force, support::Schedule schedule = {}) {
   BarCase bar{.material = support::calculix_material(yield_stress, flow_rate), .load = load};
@@ -73,62 +76,53 @@ BarCase plastic(double yield_stress, double flow_rate, EndLoad load, double forc
   return bar;
 }
 
-void report_bars(const Element& element) {
+void report_bars() {
+  fmt::print(
+      "bar: case, refinement | elongation, peak / permanent | of the central ninth | permanent volume | unsolved\n");
+  const auto report = [](const char* name, BarCase bar, int max_refine) {
+    for (bar.refine = 1; bar.refine <= max_refine; ++bar.refine) {
+      const BarRun run = support::run_bar(bar);
+      print_row(fmt::format("{}, {}", name, bar.refine),
+                {both(run.peak.mean_elongation, run.residual.mean_elongation),
+                 both(run.peak.central_elongation, run.residual.central_elongation),
+                 fmt::format("{:.6f}", run.residual.volume_ratio), fmt::to_string(run.unsolved)});
+      if (bar.load != EndLoad::kFaceTwist) continue;
+      print_row("layers, peak [deg]", texts("{:.4f}", run.peak.twist_deg));
+      print_row("layers, permanent [deg]", texts("{:.4f}", run.residual.twist_deg));
+    }
+  };
+  const auto central = EndLoad::kCentralStretch, face = EndLoad::kFaceStretch;
   for (const double force : {0.1, 0.45}) {
-    BarCase bar = plastic(kNever, 0, EndLoad::kCentralStretch, force, {.ramp = 1, .hold = 1, .release = 2, .end = 2});
+    BarCase bar = plastic(kNever, 0, central, force, {.ramp = 1, .hold = 1, .release = 2, .end = 2});
     bar.dt = 0.25;
-    report(fmt::format("elastic_F{}", force), bar, element);
+    report(fmt::format("elastic, F {}", force).c_str(), bar, 1);
   }
-
-  report("visco_tau50_F0.05", plastic(50, 5, EndLoad::kCentralStretch, 0.05), element);
-  BarCase visco = plastic(100, 5, EndLoad::kCentralStretch, 0.1);
-  report("visco_tau100_F0.1", visco, element);
-  visco.settings.yield_norm = YieldNorm::kFrobenius;
-  report("visco_tau100_F0.1", visco, element);
-  visco.settings.yield_norm = YieldNorm::kVonMises;
-  visco.refine = 2;
-  report("visco_tau100_F0.1", visco, element);
-  BarCase face = plastic(100, 5, EndLoad::kFaceStretch, 0.117);
-  report("visco_face_tau100_F0.117", face, element);
-  face.refine = 2;
-  report("visco_face_tau100_F0.117", face, element);
-
+  report("viscoplastic, tau 50, F .05", plastic(50, 5, central, 0.05), 1);
+  report("viscoplastic, tau 100, F .1", plastic(100, 5, central, 0.1), 2);
+  report("viscoplastic, tau 100, F .117, face", plastic(100, 5, face, 0.117), 2);
   // rate-independent references: slow loading and fast flow
-  for (const int refine : {1, 2}) {
-    BarCase bar = plastic(250, 20, EndLoad::kFaceStretch, 0.3, {.ramp = 2, .hold = 5, .release = 6, .end = 8});
-    bar.refine = refine;
-    report("face_tau250_F0.3", bar, element);
-  }
-  for (const int refine : {1, 2}) {
-    BarCase bar = plastic(100, 20, EndLoad::kFaceTwist, 0.06, {.ramp = 2, .hold = 4, .release = 6, .end = 8});
-    bar.refine = refine;
-    const BarRun twisted = report("face_twist_tau100_f0.06", bar, element);
-    for (std::size_t layer = 0; layer < twisted.peak.twist_deg.size(); ++layer)
-      fmt::print("  layer {}: {:.4f} {:.4f} deg\n", layer, twisted.peak.twist_deg[layer],
-                 twisted.residual.twist_deg[layer]);
-  }
+  report("tau 250, F .3, face", plastic(250, 20, face, 0.3, kSlowStretch), 2);
+  report("tau 100, twist", plastic(100, 20, EndLoad::kFaceTwist, 0.06, kSlowTwist), 2);
 }
 
 void report_locking() {
   constexpr double kPoissonRatios[] = {0, 0.3, 0.45, 0.49, 0.499};
-  constexpr Element kElements[] = {kPublished, kDefault};
-  fmt::print("| mesh | C3D8 | C3D8I | C3D20R");
-  for (const Element& element : kElements) fmt::print(" | {}", element.name);
-  fmt::print(" |\n");
+  fmt::print("mesh | C3D8 | C3D8I | C3D20R | published | default\n");
   for (const char* name : {"cubes", "one cell thick", "twice as long", "five times as long", "slanted by 27 degrees",
                            "slanted by 45 degrees", "trapezoids", "moved by 0.15", "moved by 0.3"}) {
     const support::BeamMesh beam = support::beam_mesh(name);
-    fmt::print("| {}", name);
-    for (const char* type : {"C3D8", "C3D8I", "C3D20R"}) {
-      fmt::print(" |");
-      for (const auto& value : beam.reference[type]) fmt::print(" {:.3f}", value.get<double>());
-    }
-    for (const Element& element : kElements) {
-      fmt::print(" |");
+    std::vector<std::string> cells;
+    const auto add = [&](const std::vector<double>& row) {
+      cells.push_back(fmt::format("{:.3f}", fmt::join(row, " ")));
+    };
+    for (const char* type : {"C3D8", "C3D8I", "C3D20R"}) add(beam.reference[type].get<std::vector<double>>());
+    for (const Element& element : {kPublished, kDefault}) {
+      std::vector<double> row;
       for (const double poisson_ratio : kPoissonRatios)
-        fmt::print(" {:.3f}", support::relative_deflection(beam.mesh, beam.weights, poisson_ratio, element.settings()));
+        row.push_back(support::relative_deflection(beam.mesh, beam.weights, poisson_ratio, element.settings()));
+      add(row);
     }
-    fmt::print(" |\n");
+    print_row(name, cells);
   }
 }
 
@@ -142,16 +136,10 @@ constexpr Element kStableNeoHookean =
     with_law("stableNeoHookean", Volumetric::kVolumeRatio, ElasticLaw::kStableNeoHookean);
 constexpr Element kMooneyRivlin = with_law("mooneyRivlin", Volumetric::kVolumeRatio, ElasticLaw::kMooneyRivlin);
 
-constexpr Element kOfEveryLaw[] = {kPublished, kDefault, kNeoHookean, kStableNeoHookean, kMooneyRivlin};
 constexpr Element kOfEveryForm[] = {
     kPublished,        {"blended volumeRatio", Bending::kBlended, Volumetric::kVolumeRatio},
     kDefault,          kNeoHookean,
     kStableNeoHookean, kMooneyRivlin};
-
-void print_row(const std::string& name, const std::vector<std::string>& cells) {
-  fmt::print("| {} | {} |\n", name, fmt::join(cells, " | "));
-  std::fflush(stdout);
-}
 
 std::string name_of(const Json& row) {
   return fmt::format("{}, {}", row.value("element", "C3D8I"), row["law"].get<std::string>());
@@ -170,10 +158,10 @@ void report_cube(double poisson_ratio, const Json& uniaxial, const Json& shear) 
     std::vector<std::string> cells;
     for (std::size_t k = 0; k < uniaxial[row]["stretch"].size(); ++k)
       cells.push_back(cell({uniaxial[row]["stress"][k], uniaxial[row]["volume_ratio"][k]}));
-    for (const double stress : shear[row]["stress"]) cells.push_back(fmt::format("{:.3f}", stress));
+    std::ranges::copy(texts("{:.3f}", shear[row]["stress"].get<std::vector<double>>()), std::back_inserter(cells));
     print_row(name_of(uniaxial[row]), cells);
   }
-  for (const Element& element : kOfEveryLaw) {
+  for (const Element& element : kOfEveryForm) {
     const Settings settings = element.settings();
     std::vector<std::string> cells;
     for (const double stretch : uniaxial[0]["stretch"])
@@ -226,12 +214,7 @@ void report_large_strain() {
 
 // ---- isolated rest shapes
 
-std::string both(double peak, double residual) { return fmt::format("{:.4f} / {:.4f}", peak, residual); }
-
-std::string both(const support::BentCantilever& beam) {
-  constexpr double kMillimetre = 1e3;
-  return both(kMillimetre * beam.loaded, kMillimetre * beam.released);
-}
+std::string both(const support::BentCantilever& beam) { return both(1e3 * beam.loaded, 1e3 * beam.released); }
 
 /// [mm] under the load and after it.
 void report_cantilevers(const Json& reference) {
@@ -291,17 +274,17 @@ void report_isolated() {
   for (const auto& [name, is_plate, all_cells] :
        {std::tuple("beam", false, std::vector{1, 4}), std::tuple("plate", true, std::vector{1, 2, 4})})
     for (const int cells : all_cells) {
-      std::vector<std::string> row;
+      std::vector<double> row;
       for (const double poisson_ratio : {0.0, 0.3, 0.45})
-        row.push_back(fmt::format("{:.3f}", support::limit_moment(cells, is_plate, poisson_ratio)));
-      print_row(fmt::format("{}, {}", name, cells), row);
+        row.push_back(support::limit_moment(cells, is_plate, poisson_ratio));
+      print_row(fmt::format("{}, {}", name, cells), texts("{:.3f}", row));
     }
 
   fmt::print("loop: cells | residual curvature (1.5556) | moment at .9 on the way back (-.6486) | rms\n");
   for (const int cells : {4, 8}) {
     const support::BendingLoop loop = support::bend_to_and_fro(cells);
-    print_row(fmt::to_string(cells), {fmt::format("{:.4f}", loop.residual_curvature),
-                                      fmt::format("{:.4f}", loop.reversed_moment), fmt::format("{:.4f}", loop.rms)});
+    print_row(fmt::to_string(cells),
+              texts("{:.4f}", std::array{loop.residual_curvature, loop.reversed_moment, loop.rms}));
   }
 
   fmt::print("tube: cells | outer displacement | residual hoop stress at the bore (exact) | rms\n");
@@ -313,22 +296,15 @@ void report_isolated() {
   }
 
   fmt::print("block: stretch 1.1 | 1.2 | 1.3\n");
-  const auto forces = [](const std::array<double, 3>& force) {
-    std::vector<std::string> row;
-    for (const double value : force) row.push_back(fmt::format("{:.3f}", value));
-    return row;
-  };
-  print_row("C3D8I", forces(reference["block"]["force"]));
+  print_row("C3D8I", texts("{:.3f}", reference["block"]["force"].get<std::vector<double>>()));
   for (const auto& [moves, flows] : {std::pair(2, 2), std::pair(2, 6), std::pair(10, 10)})
     print_row(fmt::format("{} plastic steps in each of {} moves per %", flows, moves),
-              forces(support::stretch_block(moves, flows)));
+              texts("{:.3f}", support::stretch_block(moves, flows)));
 
   fmt::print("patch: height 2 mm | 4 | 6 | 8 | 10 | 12, force [N]; least corner ratio\n");
-  for (const Json& mesh : reference["patch"]) {
-    std::vector<std::string> row;
-    for (const Json& force : mesh["force"]) row.push_back(fmt::format("{:.3f}", force.get<double>()));
-    print_row(fmt::format("{}, {} mm", mesh["element"].get<std::string>(), 1e3 * mesh["edge"].get<double>()), row);
-  }
+  for (const Json& mesh : reference["patch"])
+    print_row(fmt::format("{}, {} mm", mesh["element"].get<std::string>(), 1e3 * mesh["edge"].get<double>()),
+              texts("{:.3f}", mesh["force"].get<std::vector<double>>()));
   for (const double edge : {0.01, 0.005}) {
     std::vector<std::string> row;
     for (const support::PulledPatch& found : support::pull_patch(edge, 0.012))
@@ -343,35 +319,23 @@ void report_isolated() {
   report_isolated_bar("tau 100, F .1, central", 100, 5, central, 0.1, {}, "bar_variants", "case",
                       "stretch_viscoCalib_tau100_nu5_F0.1_C3D8");
   report_isolated_bar("tau 100, F .117, face", 100, 5, face, 0.117, {}, "bar_elements", "load", "stretchface");
-  report_isolated_bar("tau 250, F .3, face", 250, 20, face, 0.3, {.ramp = 2, .hold = 5, .release = 6, .end = 8},
-                      "bar_variants", "case", "refineface_plast_tau250_F0.3_C3D8_r1");
-  report_isolated_bar("tau 100, twist", 100, 20, twist, 0.06, {.ramp = 2, .hold = 4, .release = 6, .end = 8},
-                      "bar_variants", "case", "twistface_plast_tau100_f0.06_C3D8");
+  report_isolated_bar("tau 250, F .3, face", 250, 20, face, 0.3, kSlowStretch, "bar_variants", "case",
+                      "refineface_plast_tau250_F0.3_C3D8_r1");
+  report_isolated_bar("tau 100, twist", 100, 20, twist, 0.06, kSlowTwist, "bar_variants", "case",
+                      "twistface_plast_tau100_f0.06_C3D8");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc == 2 && std::string_view(argv[1]) == "--locking") {
-    report_locking();
-    return 0;
-  }
-  if (argc == 2 && std::string_view(argv[1]) == "--hyperelastic") {
-    report_large_strain();
-    return 0;
-  }
-  if (argc == 2 && std::string_view(argv[1]) == "--isolated") {
-    report_isolated();
-    return 0;
-  }
-  if (argc > 1) {
+  const std::map<std::string_view, void (*)()> tables{{"", report_bars},
+                                                      {"--locking", report_locking},
+                                                      {"--hyperelastic", report_large_strain},
+                                                      {"--isolated", report_isolated}};
+  const auto table = tables.find(argc == 1 ? "" : argv[1]);
+  if (argc > 2 || table == tables.end()) {
     fmt::print(stderr, "usage: calculix_table [--locking | --hyperelastic | --isolated]\n");
     return 2;
   }
-  fmt::print(
-      "case,refine,element,yield_norm,peak_mean,peak_central,residual_mean,residual_central,residual_volume_ratio,"
-      "unsolved_steps\n");
-  report_bars(kPublished);
-  report("visco_tau100_F0.1", plastic(100, 5, EndLoad::kCentralStretch, 0.1), kVertex);
-  report_bars(kDefault);
+  table->second();
 }
