@@ -205,32 +205,7 @@ struct History {
 
 /// A body on the device.
 struct Body {
-  explicit Body(const Grid& grid)
-      : local(grid.local),
-        sorted(grid.sorted),
-        begin(grid.begin),
-        node(grid.node),
-        partial_begin(grid.partial_begin),
-        places(grid.partial),
-        x(grid.x),
-        rest(grid.rest),
-        mass(grid.mass),
-        weight(grid.num_bricks * 2 * kWidth),
-        coef(grid.num_bricks * kWords * kWidth),
-        partial(grid.num_bricks * kNodes),
-        p(grid.num_nodes),
-        Ap(grid.num_nodes),
-        r(grid.num_nodes),
-        dv(grid.num_nodes),
-        rhs(grid.num_nodes),
-        zero(std::vector<float4>(grid.num_nodes)),
-        block_sum(grid.num_nodes / kNodesOfBlock + 1),
-        scalars(1),
-        start(std::vector<Scalars>{{.alpha = 0, .beta = 0, .rr = 1, .finished = 0}}),
-        left(grid.num_bricks * kWidth),
-        at{grid.num_bricks, grid.num_nodes, local, sorted, begin, node, partial_begin, places},
-        blocks((grid.num_bricks + kBricksOfBlock - 1) / kBricksOfBlock),
-        node_blocks((grid.num_nodes + kNodesOfBlock - 1) / kNodesOfBlock) {}
+  explicit Body(const Grid& from) : grid(from) {}
 
   void linearize_at(const History& history) {
     launch(linearize, blocks, kBricksOfBlock * kWidth, at, rest, float(kEdge), x, history.G, history.mean, coef, weight,
@@ -262,18 +237,21 @@ struct Body {
       add_step();
     }
   }
-  Array<std::uint8_t> local, sorted;
-  Array<std::uint16_t> begin;
-  Array<int> node, partial_begin, places;
-  Array<double4_32a> x;
-  Array<float> rest, mass, weight;
-  Array<uint4> coef;
-  Array<float4> partial, p, Ap, r, dv, rhs, zero;
-  Array<double> block_sum;
-  Array<Scalars> scalars, start;
-  Array<std::uint8_t> left;
-  Layout at;
-  int blocks, node_blocks;
+  const Grid& grid;
+  Array<std::uint8_t> local{grid.local}, sorted{grid.sorted}, left{std::size_t(grid.num_bricks * kWidth)};
+  Array<std::uint16_t> begin{grid.begin};
+  Array<int> node{grid.node}, partial_begin{grid.partial_begin}, places{grid.partial};
+  Array<double4_32a> x{grid.x};
+  Array<float> rest{grid.rest}, mass{grid.mass}, weight{std::size_t(grid.num_bricks * 2 * kWidth)};
+  Array<uint4> coef{std::size_t(grid.num_bricks * kWords * kWidth)};
+  std::size_t num_nodes = grid.num_nodes;
+  Array<float4> partial{std::size_t(grid.num_bricks * kNodes)}, p{num_nodes}, Ap{num_nodes}, r{num_nodes},
+      dv{num_nodes}, rhs{num_nodes}, zero{std::vector<float4>(num_nodes)};
+  Array<double> block_sum{num_nodes / kNodesOfBlock + 1};
+  Array<Scalars> scalars{1}, start{std::vector<Scalars>{{.alpha = 0, .beta = 0, .rr = 1, .finished = 0}}};
+  Layout at{grid.num_bricks, grid.num_nodes, local, sorted, begin, node, partial_begin, places};
+  int blocks = (grid.num_bricks + kBricksOfBlock - 1) / kBricksOfBlock;
+  int node_blocks = (grid.num_nodes + kNodesOfBlock - 1) / kNodesOfBlock;
 };
 
 std::vector<float4> random_vector(int count) {
