@@ -138,7 +138,7 @@ class SizeRun {
   SizeRun(int size, const Options& options, const MachineLimits& limits)
       : options_(options), limits_(limits), size_(size) {
     set_num_threads(1);
-    const Bar elastic = warmed_up(settings(Mode::kElastic, Precision::kDouble));
+    const Bar elastic = warmed_up({.size = size_});
     peer_.emplace(elastic.body());
     peer_->count_iterations(elastic);
   }
@@ -152,7 +152,7 @@ class SizeRun {
       const std::vector<Solver> solvers = solvers_for(precision);
       for (const Mode mode : {Mode::kElastic, Mode::kPlasticIdle, Mode::kPlastic}) {
         peer_->time();
-        for (const int threads : options_.threads) measure_group(mode, precision, threads, solvers);
+        measure_group({.size = size_, .mode = mode, .precision = precision}, solvers);
       }
     }
     if (!options_.flow) {
@@ -172,10 +172,6 @@ class SizeRun {
   }
 
  private:
-  BarSettings settings(Mode mode, Precision precision) const {
-    return {size_, mode, precision, poisson_ratio_, element_, is_pressed_};
-  }
-
   /// A bar, the solver that steps it, and what both take.
   class Run {
    public:
@@ -277,37 +273,28 @@ class SizeRun {
         }
       }
       for (std::size_t k = 0; k < bars.size(); ++k)
-        add(std::move(records[k]), bars[k].mode, solvers[k], measure_stages(runs[k]->bar(), repetitions()));
+        add(std::move(records[k]), bars[k], solvers[k], measure_stages(runs[k]->bar(), repetitions()));
     }
   }
 
   /// The paper's element and its joined rest shapes, by the plain implementation.
   void measure_paper() {
-    element_ = published_element();
     peer_->time();
     for (const Mode mode : {Mode::kElastic, Mode::kPlastic})
-      for (const int threads : options_.threads)
-        measure_group(mode, Precision::kDouble, threads, {{"cg", "25 its", 25, 0}});
-    element_ = {};
+      measure_group({.size = size_, .mode = mode, .element = published_element()}, {{"cg", "25 its", 25, 0}});
   }
 
   /// Bars that flow, free and on a plate, with one solver.
   void measure_contact() {
-    for (const bool is_pressed : {false, true}) {
-      is_pressed_ = is_pressed;
-      for (const int threads : options_.threads)
-        measure_group(Mode::kPlastic, Precision::kMixed, threads,
-                      {{"multigrid", kContactTarget, 0, kContactTolerance}});
-    }
-    is_pressed_ = false;
+    for (const bool is_pressed : {false, true})
+      measure_group({.size = size_, .mode = Mode::kPlastic, .precision = Precision::kMixed, .is_pressed = is_pressed},
+                    {{"multigrid", kContactTarget, 0, kContactTolerance}});
   }
 
   void measure_near_incompressibility() {
-    poisson_ratio_ = kNearlyIncompressible;
-    for (const int threads : options_.threads)
-      for (const char* solver : {"jacobi", "multigrid"})
-        measure_group(Mode::kElastic, Precision::kMixed, threads, {{solver, kOnePercentTarget, 0, kFirstTolerance}});
-    poisson_ratio_ = kPoissonRatio;
+    measure_group(
+        {.size = size_, .precision = Precision::kMixed, .poisson_ratio = kNearlyIncompressible},
+        {{"jacobi", kOnePercentTarget, 0, kFirstTolerance}, {"multigrid", kOnePercentTarget, 0, kFirstTolerance}});
   }
 
   std::vector<Solver> solvers_for(Precision precision) {
@@ -318,7 +305,7 @@ class SizeRun {
         options_.quick ? std::vector<std::string>{"auto"} : std::vector<std::string>{"jacobi", "multigrid", "auto"};
     for (const std::string& name : names) {
       solvers.push_back(
-          {name, kOnePercentTarget, 0, tolerance_for_one_percent(name, settings(Mode::kElastic, precision))});
+          {name, kOnePercentTarget, 0, tolerance_for_one_percent(name, {.size = size_, .precision = precision})});
       if (!options_.quick) solvers.push_back({name, kTightTarget, 0, kTight});
     }
     return solvers;
@@ -340,23 +327,24 @@ class SizeRun {
     return tolerance;
   }
 
-  void measure_group(Mode mode, Precision precision, int threads, const std::vector<Solver>& solvers) {
-    set_num_threads(threads);
-    std::optional<Stages> stages;
-    for (const Solver& solver : solvers) {
-      Solver asked = solver;
-      Record record = measure_steps(mode, precision, asked, stages);
-      while (record.velocity_error > kOnePercent && asked.tolerance > kTight) {
-        asked.tolerance *= kLadder;
-        record = measure_steps(mode, precision, asked, stages);
+  void measure_group(const BarSettings& bar, const std::vector<Solver>& solvers) {
+    for (const int threads : options_.threads) {
+      set_num_threads(threads);
+      std::optional<Stages> stages;
+      for (const Solver& solver : solvers) {
+        Solver asked = solver;
+        Record record = measure_steps(bar, asked, stages);
+        while (record.velocity_error > kOnePercent && asked.tolerance > kTight) {
+          asked.tolerance *= kLadder;
+          record = measure_steps(bar, asked, stages);
+        }
+        add(std::move(record), bar, solver, *stages);
       }
-      add(std::move(record), mode, solver, *stages);
     }
   }
 
-  void add(Record record, Mode mode, const Solver& solver, const Stages& stages) {
-    check(record, mode);
-    const Precision precision = record.precision == "double" ? Precision::kDouble : Precision::kMixed;
+  void add(Record record, const BarSettings& bar, const Solver& solver, const Stages& stages) {
+    check(record, bar.mode);
     const double operator_seconds = 1e-9 * stages.operator_ns;
     record.linearize_ns = stages.linearize_ns;
     record.operator_ns = stages.operator_ns;
@@ -364,7 +352,7 @@ class SizeRun {
     record.flow_ns = stages.flow_ns;
     record.operator_gflops = 1e-9 * stages.operator_flops / operator_seconds;
     record.operator_gbs = 1e-9 * stages.operator_bytes / operator_seconds;
-    record.peak_gflops = limits_.peak_gflops(precision, record.threads);
+    record.peak_gflops = limits_.peak_gflops(bar.precision, record.threads);
     record.read_gbs = limits_.read_gbs(stages.operator_footprint, record.threads);
     outcome_.records.push_back(std::move(record));
     solver_of_.push_back(solver);
@@ -373,8 +361,8 @@ class SizeRun {
   int repetitions() const { return options_.quick ? 3 : 7; }
 
   /// The stages are measured where the first solver of a group has led its bar.
-  Record measure_steps(Mode mode, Precision precision, const Solver& solver, std::optional<Stages>& stages) {
-    Run run(settings(mode, precision), solver, bytes_in_use());
+  Record measure_steps(const BarSettings& bar, const Solver& solver, std::optional<Stages>& stages) {
+    Run run(bar, solver, bytes_in_use());
     // so many that the fastest is a quiet one; the same for any number of threads
     const double work = run.bar().num_elements() * (solver.name == "cg" ? solver.iterations : 40.0);
     const int num_steps = static_cast<int>(std::clamp((options_.quick ? 2e6 : 1e7) / work, 5.0, 100.0));
@@ -404,9 +392,6 @@ class SizeRun {
   const Options& options_;
   const MachineLimits& limits_;
   int size_;
-  Settings element_;
-  double poisson_ratio_ = kPoissonRatio;
-  bool is_pressed_ = false;
   std::optional<Peer> peer_;
   Outcome outcome_;
   std::vector<Solver> solver_of_;  // per record
@@ -433,22 +418,6 @@ double time_peer(const Body& body, double iterations) {
   Peer peer(body);
   peer.time();
   return peer.ms(iterations);
-}
-
-std::vector<std::string> differing_hashes(const std::vector<Record>& records) {
-  std::vector<std::string> differing;
-  for (std::size_t a = 0; a < records.size(); ++a)
-    for (std::size_t b = a + 1; b < records.size(); ++b) {
-      const Record &one = records[a], &other = records[b];
-      if (one.size != other.size || one.shape != other.shape || one.element != other.element ||
-          one.poisson_ratio != other.poisson_ratio || one.mode != other.mode || one.precision != other.precision ||
-          one.solver != other.solver || one.target != other.target || one.state_hash == other.state_hash)
-        continue;
-      differing.push_back(fmt::format("{} hexahedra, {}, {} {} {}: state {} with {} threads, {} with {}", one.size,
-                                      one.mode, one.precision, one.solver, one.target, one.state_hash, one.threads,
-                                      other.state_hash, other.threads));
-    }
-  return differing;
 }
 
 Outcome run(const Options& options, const MachineLimits& limits,

@@ -43,7 +43,4 @@ std::string element_name(const Settings& settings);
 /// [ms] of a step of the dense peer on a body of that mesh and elasticity, under gravity, with so many iterations.
 double time_peer(const Body& body, double iterations);
 
-/// A sentence for each record whose state hash differs from that of the same body with another number of threads.
-std::vector<std::string> differing_hashes(const std::vector<Record>& records);
-
 }  // namespace hexaplast::bench

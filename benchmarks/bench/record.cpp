@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "formats/readable_file.hpp"
 #include "hexaplast/base/error.hpp"
@@ -60,10 +61,9 @@ double rounded(double value) {
   return std::round(value * scale) / scale;
 }
 
-bool same_kind(const Record& a, const Record& b) {
-  return a.size == b.size && a.shape == b.shape && a.element == b.element && a.poisson_ratio == b.poisson_ratio &&
-         a.mode == b.mode && a.precision == b.precision && a.solver == b.solver && a.target == b.target &&
-         a.threads == b.threads && a.simd == b.simd;
+/// What a record is of, for any number of threads and instruction set.
+auto subject(const Record& r) {
+  return std::tie(r.size, r.shape, r.element, r.poisson_ratio, r.mode, r.precision, r.solver, r.target);
 }
 
 std::string kind(const Record& r) {
@@ -140,8 +140,9 @@ std::vector<std::string> compare(const std::vector<Record>& records, const std::
   std::vector<std::string> behind;
   int num_compared = 0;
   for (const Record& record : records) {
-    const auto old =
-        std::find_if(baseline.begin(), baseline.end(), [&](const Record& each) { return same_kind(each, record); });
+    const auto old = std::ranges::find_if(baseline, [&](const Record& each) {
+      return subject(each) == subject(record) && each.threads == record.threads && each.simd == record.simd;
+    });
     if (old == baseline.end()) continue;
     ++num_compared;
     if (record.threads == 1 && record.ratio_to_dense_peer < ratio * old->ratio_to_dense_peer)
@@ -154,6 +155,17 @@ std::vector<std::string> compare(const std::vector<Record>& records, const std::
   if (num_compared == 0)
     behind.push_back("no record has one of its kind in the baseline: same sizes, solvers, threads and instruction set");
   return behind;
+}
+
+std::vector<std::string> differing_hashes(const std::vector<Record>& records) {
+  std::vector<std::string> differing;
+  for (auto one = records.begin(); one != records.end(); ++one)
+    for (auto other = one + 1; other != records.end(); ++other)
+      if (subject(*one) == subject(*other) && one->state_hash != other->state_hash)
+        differing.push_back(fmt::format("{} hexahedra, {}, {} {} {}: state {} with {} threads, {} with {}", one->size,
+                                        one->mode, one->precision, one->solver, one->target, one->state_hash,
+                                        one->threads, other->state_hash, other->threads));
+  return differing;
 }
 
 }  // namespace hexaplast::bench

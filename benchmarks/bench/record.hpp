@@ -65,4 +65,7 @@ std::string table_row(const Record& record);
 /// wait. A sentence too where no record has one of its kind.
 std::vector<std::string> compare(const std::vector<Record>& records, const std::vector<Record>& baseline, double ratio);
 
+/// A sentence for each record whose state hash differs from that of the same body with another number of threads.
+std::vector<std::string> differing_hashes(const std::vector<Record>& records);
+
 }  // namespace hexaplast::bench

@@ -58,7 +58,8 @@ def force(element, across, up, law, depths):
         lines.append(f"{per_layer * (mesh.cells[2] - 1) + mesh.cells[0] * j + i + 1}, S2")
     lines += ["*SURFACE, NAME=UNDER, TYPE=ELEMENT", "BALL, S1"]
     elastic = ["*ELASTIC", f"{YOUNG}, {POISSON_RATIO}"]
-    lines += ["*MATERIAL, NAME=SOFT", *(hyperelastic(YOUNG, POISSON_RATIO) if law == "neoHooke" else elastic), "*SOLID SECTION, ELSET=BODY, MATERIAL=SOFT",
+    lines += ["*MATERIAL, NAME=SOFT", *(hyperelastic(YOUNG, POISSON_RATIO) if law == "neoHooke" else elastic),
+              "*SOLID SECTION, ELSET=BODY, MATERIAL=SOFT",
               "*MATERIAL, NAME=STIFF", *elastic, "*SOLID SECTION, ELSET=BALL, MATERIAL=STIFF",
               "*SURFACE INTERACTION, NAME=HARD", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR", f"{PENALTY:.9g}",
               "*CONTACT PAIR, INTERACTION=HARD, TYPE=SURFACE TO SURFACE", "TOP, UNDER", "*BOUNDARY"]
