@@ -10,6 +10,17 @@ for (const figure of document.querySelectorAll(".pictures figure"))
 const tellTime = (time, from) =>
   document.dispatchEvent(new CustomEvent("hexaplast:time", {detail: {time, from}}));
 
+// Where the nearest of ascending times is.
+function nearestIn(times, time) {
+  let low = 0, high = times.length - 1;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (times[middle] > time) high = middle;
+    else low = middle;
+  }
+  return time - times[low] <= times[high] - time ? low : high;
+}
+
 for (const figure of document.querySelectorAll("figure.chart")) {
   const chart = JSON.parse(figure.querySelector("script").textContent);
   const svg = figure.querySelector("svg");
@@ -29,20 +40,10 @@ for (const figure of document.querySelectorAll("figure.chart")) {
   const line = make("line", {y1: top, y2: top + height, stroke: "var(--frame)"});
   const dots = chart.series.flatMap(series => series.curves.map(curve => make("circle", {r: 4, fill: curve.colour})));
 
-  const nearest = (times, time) => {
-    let low = 0, high = times.length - 1;
-    while (high - low > 1) {
-      const middle = (low + high) >> 1;
-      if (times[middle] > time) high = middle;
-      else low = middle;
-    }
-    return time - times[low] < times[high] - time ? low : high;
-  };
-
   const show = time => {
     let number = 0;
     for (const series of chart.series) {
-      const k = nearest(series.times, time);
+      const k = nearestIn(series.times, time);
       if (number === 0) {
         line.setAttribute("x1", x(series.times[k]));
         line.setAttribute("x2", x(series.times[k]));

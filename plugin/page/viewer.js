@@ -205,12 +205,18 @@ class Painter {
     }
     gl.linkProgram(program);
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
-    const uniform = {};
+    const set = {};  // uniforms by their names
     for (let k = 0; k < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); ++k) {
-      const {name} = gl.getActiveUniform(program, k);
-      uniform[name] = gl.getUniformLocation(program, name);
+      const {name, type} = gl.getActiveUniform(program, k), place = gl.getUniformLocation(program, name);
+      set[name] = {
+        [gl.FLOAT]: value => gl.uniform1f(place, value),
+        [gl.FLOAT_VEC3]: value => gl.uniform3fv(place, value),
+        [gl.FLOAT_VEC4]: value => gl.uniform4fv(place, value),
+        [gl.FLOAT_MAT3]: value => gl.uniformMatrix3fv(place, false, value),
+        [gl.FLOAT_MAT4]: value => gl.uniformMatrix4fv(place, false, value)
+      }[type] ?? (value => gl.uniform1i(place, value));
     }
-    return {program, uniform};
+    return {program, set};
   }
 
   // Everything that follows is seen so. cut: nothing is drawn where cut[0..2] . x > cut[3].
@@ -224,8 +230,11 @@ class Painter {
     this.view = Float32Array.from([0, 1, 2].flatMap(column => rows.map(row => row[column])));
   }
 
-  attributes(program, sizes) {
+  // sizes: how many numbers of a vertex belong to each attribute; indices: null: vertices as they follow
+  draw({program, set}, sizes, kind, vertices, indices, uniforms) {
     const gl = this.gl, total = sizes.reduce((sum, size) => sum + size, 0);
+    if (vertices.length === 0) return;
+    gl.bufferData(gl.ARRAY_BUFFER, vertices, gl.STREAM_DRAW);
     gl.useProgram(program);
     let begin = 0;
     for (let k = 0; k < 3; ++k) {
@@ -234,41 +243,22 @@ class Painter {
       gl.vertexAttribPointer(k, sizes[k], gl.FLOAT, false, 4 * total, 4 * begin);
       begin += sizes[k];
     }
+    const seen = {camera: this.matrix, eye: this.eye, view: this.view};
+    for (const [name, value] of Object.entries({...seen, ...uniforms})) set[name]?.(value);
+    if (!indices) return gl.drawArrays(gl[kind], 0, vertices.length / total);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.STREAM_DRAW);
+    gl.drawElements(gl[kind], indices.length, gl.UNSIGNED_INT, 0);
   }
 
-  // indices: null: vertices as they follow
   surface(vertices, indices, {paint = null, light = "tissue", cut = [0, 0, 0, 1]} = {}) {
-    const gl = this.gl, {program, uniform} = this.surfaces;
-    gl.bufferData(gl.ARRAY_BUFFER, vertices, gl.STREAM_DRAW);
-    this.attributes(program, [3, 3, 1]);
-    gl.uniformMatrix4fv(uniform.camera, false, this.matrix);
-    gl.uniform1i(uniform.isColoured, paint ? 0 : 1);
-    gl.uniform1i(uniform.light, ["none", "tissue", "thing"].indexOf(light));
-    gl.uniform3fv(uniform.paint, paint ?? ink.ink);
-    gl.uniform3fv(uniform.eye, this.eye);
-    gl.uniformMatrix3fv(uniform.view, false, this.view);
-    gl.uniform4fv(uniform.cut, cut);
-    if (!indices) return gl.drawArrays(gl.TRIANGLES, 0, vertices.length / 7);
-    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.STREAM_DRAW);
-    gl.drawElements(gl.TRIANGLES, indices.length, gl.UNSIGNED_INT, 0);
+    this.draw(this.surfaces, [3, 3, 1], "TRIANGLES", vertices, indices,
+              {isColoured: !paint, light: ["none", "tissue", "thing"].indexOf(light), paint: paint ?? ink.ink, cut});
   }
 
   // kind: "LINES" or "POINTS"; indices: null: points as they follow; nearer: [m] before where they are
   marks(kind, points, indices, paint, {opacity = 1, nearer = 0, size = 1, mark = 0, cut = [0, 0, 0, 1]} = {}) {
-    const gl = this.gl, {program, uniform} = this.lines;
-    if (points.length === 0) return;
-    gl.bufferData(gl.ARRAY_BUFFER, points, gl.STREAM_DRAW);
-    this.attributes(program, [3]);
-    gl.uniformMatrix4fv(uniform.camera, false, this.matrix);
-    gl.uniform4fv(uniform.paint, [...paint, opacity]);
-    gl.uniform4fv(uniform.cut, cut);
-    gl.uniform1f(uniform.nearer, nearer);
-    gl.uniform3fv(uniform.eye, this.eye);
-    gl.uniform1f(uniform.size, size);
-    gl.uniform1i(uniform.mark, mark);
-    if (!indices) return gl.drawArrays(gl[kind], 0, points.length / 3);
-    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, Uint32Array.from(indices), gl.STREAM_DRAW);
-    gl.drawElements(gl[kind], indices.length, gl.UNSIGNED_INT, 0);
+    this.draw(this.lines, [3], kind, points, indices && Uint32Array.from(indices),
+              {paint: [...paint, opacity], nearer, size, mark, cut});
   }
 }
 
@@ -474,7 +464,7 @@ class Viewer {
   press(event) {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     const turns = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]}[event.key];
-    const nearest = this.nearestIndex();
+    const nearest = nearestIn(this.times, this.time);
     if (turns && event.shiftKey) this.camera.pan(0.05 * turns[0], 0.05 * turns[1]);
     else if (turns) this.camera.turn(-0.12 * turns[0], -0.12 * turns[1]);
     else if (event.key === "+" || event.key === "=") this.camera.zoom(0.88);
@@ -504,24 +494,19 @@ class Viewer {
   // Time
   // -----------------------------------------------------------------------------------------------------------------
 
-  nearestIndex() {
-    return this.times.reduce((found, time, k) =>
-      Math.abs(time - this.time) < Math.abs(this.times[found] - this.time) ? k : found, 0);
-  }
-
   // isTold: whether the charts follow
   goTo(time, isTold = true) {
     this.time = Math.min(Math.max(time, this.times[0]), this.times[this.times.length - 1]);
     this.isBlended = this.isPlaying;
-    const index = this.nearestIndex(), slider = this.part("slider");
+    const index = nearestIn(this.times, this.time), slider = this.part("slider");
     if (!this.isBlended) this.time = this.times[index];
     slider.value = index;
-    const step = this.runs[0].data.states[this.runs[0].nearest(this.time)].step;
+    const step = this.runs[0].data.states[nearestIn(this.runs[0].times, this.time)].step;
     const words = `t = ${this.time.toFixed(this.decimals)} s`;
     this.part("time").textContent = words;
     slider.setAttribute("aria-valuetext", `${words}, step ${step}`);
     this.figure.dataset.step = step;
-    if (isTold) document.dispatchEvent(new CustomEvent("hexaplast:time", {detail: {time: this.time, from: this}}));
+    if (isTold) tellTime(this.time, this);
     this.redraw();
   }
 
@@ -637,7 +622,7 @@ class Viewer {
   }
 
   drawRun(run, height) {
-    const nearest = run.nearest(this.time);
+    const nearest = nearestIn(run.times, this.time);
     let moment = {low: nearest, high: nearest, fraction: 0};
     if (this.isBlended) {
       const between = run.between(this.time);

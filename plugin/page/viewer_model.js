@@ -185,15 +185,6 @@ class Run {
     return places;
   }
 
-  // The state whose time is nearest.
-  nearest(time) {
-    let found = 0;
-    this.times.forEach((other, s) => {
-      if (Math.abs(other - time) < Math.abs(this.times[found] - time)) found = s;
-    });
-    return found;
-  }
-
   // Two states and how far the time has come from the one to the other; between states that differ by more than
   // positions there is nothing to blend.
   between(time) {
