@@ -570,12 +570,9 @@ class Viewer {
       const some = Math.max(1, Math.floor(run.times.length / 8));
       for (let s = run.times.length - 1; s >= 0; s -= some) {
         surfaces(run.positions(s)).forEach(take);
-        for (const tool of run.data.states[s].tools ?? []) {
-          const places = run.toolPoints(tool);
-          for (let k = 0; k < tool.points; ++k) if (isNear(pointAt(places, k))) points.push(pointAt(places, k));
-        }
-        const ends = run.springEnds({low: s, high: s, fraction: 0}) ?? [];
-        for (let k = 0; k < ends.length / 3; ++k) if (isNear(pointAt(ends, k))) points.push(pointAt(ends, k));
+        const tools = run.data.states[s].tools ?? [], ends = run.springEnds({low: s, high: s, fraction: 0}) ?? [];
+        for (const places of [...tools.map(tool => run.toolPoints(tool)), ends])
+          for (let k = 0; k < places.length / 3; ++k) if (isNear(pointAt(places, k))) points.push(pointAt(places, k));
       }
     }
     const [, , width, height] = this.frames()[0];

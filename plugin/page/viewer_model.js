@@ -16,6 +16,8 @@ const scaled = (a, factor) => [factor * a[0], factor * a[1], factor * a[2]];
 const unit = a => scaled(a, 1 / (norm(a) || 1));
 const pointAt = (points, k) => [points[3 * k], points[3 * k + 1], points[3 * k + 2]];
 
+const blended = (numbers, others, fraction) => numbers.map((number, k) => number + fraction * (others[k] - number));
+
 // Arrays of whole numbers, as PackedNumbers (plugin/record) writes them.
 async function unpack(data) {
   const deflated = Uint8Array.from(atob(data.data), letter => letter.charCodeAt(0));
@@ -199,10 +201,7 @@ class Run {
 
   blendedPositions({low, high, fraction}) {
     const places = this.positions(low);
-    if (fraction === 0) return places;
-    const others = this.positions(high);
-    for (let i = 0; i < places.length; ++i) places[i] += fraction * (others[i] - places[i]);
-    return places;
+    return fraction === 0 ? places : blended(places, this.positions(high), fraction);
   }
 
   // Of a node: the fraction of the scale, or -1 where there is no value.
@@ -223,9 +222,8 @@ class Run {
     const fractions = this.fractions(field, low, range);
     if (fraction === 0) return fractions;
     const others = this.fractions(field, high, range);
-    for (let node = 0; node < fractions.length; ++node)
-      if (fractions[node] >= 0 && others[node] >= 0) fractions[node] += fraction * (others[node] - fractions[node]);
-    return fractions;
+    return fractions.map((number, node) =>
+      number >= 0 && others[node] >= 0 ? number + fraction * (others[node] - number) : number);
   }
 
   // What is there at a state: hexahedra, the surface of the bodies, and the embedded surfaces.
@@ -303,11 +301,7 @@ class Run {
     const [from, to] = [low, high].map(state => this.data.states[state].springs);
     if (!from) return null;
     const places = ({first, ends}) => this.placesIn(this.arrays.springs, this.data.springBox, first, ends);
-    const ends = places(from);
-    if (fraction === 0 || from.ends !== to?.ends) return ends;
-    const others = places(to);
-    for (let i = 0; i < ends.length; ++i) ends[i] += fraction * (others[i] - ends[i]);
-    return ends;
+    return from.ends === to?.ends ? blended(places(from), places(to), fraction) : places(from);
   }
 
   toolSurface(tool, points) {
