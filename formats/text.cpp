@@ -25,15 +25,14 @@ std::size_t utf8_length(std::string_view text, std::size_t at) {
   return 0;
 }
 
-namespace {
-
-/// The number of the character of well-formed UTF-8.
 unsigned code_point(std::string_view character) {
   const unsigned first = static_cast<unsigned char>(character[0]);
   unsigned code = character.size() == 1 ? first : first & (0x7Fu >> character.size());
   for (const char c : character.substr(1)) code = code << 6 | (static_cast<unsigned char>(c) & 0x3Fu);
   return code;
 }
+
+namespace {
 
 /// Control characters, ends of lines, and marks that turn the direction of writing.
 bool is_unseen(unsigned code) {

@@ -11,6 +11,9 @@ namespace hexaplast {
 /// cut off).
 std::size_t utf8_length(std::string_view text, std::size_t at);
 
+/// The number of the character of well-formed UTF-8.
+unsigned code_point(std::string_view character);
+
 /// Text as a terminal may be shown it: what is no character to be seen (escape and all other control characters but
 /// line ends and tabs, delete, marks that turn the direction of writing) becomes a backslash, u and its number; bytes
 /// that are no UTF-8 a backslash, x and theirs. All else stays as it is.

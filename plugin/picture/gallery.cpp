@@ -99,8 +99,8 @@ void Gallery::fit(Camera& camera, Scale& scale, Strongest& strongest, const Eige
       else
         reaches_out = true;
     }
-    for (const Moment::Spring& spring : state.springs)
-      for (const Vector3f& end : {spring.from, spring.to})
+    for (const SpringLine& spring : state.springs)
+      for (const Vector3f end : {spring.from.cast<float>(), spring.to.cast<float>()})
         if (is_near(end))
           camera.see({&end, 1});
         else
@@ -142,7 +142,7 @@ Drawing Gallery::drawing(const State& state, const Camera& camera, const Scale& 
   page.add_title(title_, fmt::format("t = {:.{}f} s", state.time, time_decimals_));
   page.add_colour_bar(scale);
   page.add_keys(keys_of_shapes(scale), keys_of_forces(state, camera, strongest));
-  return std::move(page).finished();
+  return std::move(page.drawing());
 }
 
 // What the marks mean.

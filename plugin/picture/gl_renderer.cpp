@@ -13,6 +13,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "formats/text.hpp"
 #include "picture/painter.hpp"
 
 namespace hexaplast::output {
@@ -35,11 +36,12 @@ class Typeface {
   Typeface(const Typeface&) = delete;
   Typeface& operator=(const Typeface&) = delete;
 
-  void draw(const Drawing::Text& text, Image& image) {
-    FT_Set_Char_Size(face_, 0, std::lround(text.size * kUnits), 72, 72);
+  /// unit: [pixels] of the text's place and size
+  void draw(const Drawing::Text& text, float unit, Image& image) {
+    FT_Set_Char_Size(face_, 0, std::lround(text.size * unit * kUnits), 72, 72);
     const std::u32string letters = decoded(text.words);
     const double fraction = text.align == Drawing::Align::kLeft ? 0 : text.align == Drawing::Align::kCentre ? 0.5 : 1;
-    double pen = text.x - fraction * width(letters);
+    double pen = text.x * unit - fraction * width(letters);
     for (const char32_t letter : letters) {
       // whole pixels move the bitmap, the rest moves the outline, so that letters keep their even distances
       FT_Vector rest{std::lround((pen - std::floor(pen)) * kUnits), 0};
@@ -47,7 +49,7 @@ class Typeface {
       if (FT_Load_Char(face_, letter, FT_LOAD_NO_HINTING | FT_LOAD_RENDER) != 0) continue;
       const FT_GlyphSlot glyph = face_->glyph;
       blend(glyph->bitmap, static_cast<int>(std::floor(pen)) + glyph->bitmap_left,
-            static_cast<int>(std::lround(text.y)) - glyph->bitmap_top, text.colour, image);
+            static_cast<int>(std::lround(text.y * unit)) - glyph->bitmap_top, text.colour, image);
       pen += advance(glyph);
     }
   }
@@ -64,22 +66,12 @@ class Typeface {
     return sum;
   }
 
-  /// Code points of UTF-8; a broken sequence shows as the replacement sign.
-  static std::u32string decoded(const std::string& words) {
+  /// Code points of UTF-8; a broken byte shows as the replacement sign.
+  static std::u32string decoded(std::string_view words) {
     std::u32string letters;
-    for (std::size_t i = 0; i < words.size();) {
-      const auto first = static_cast<unsigned char>(words[i++]);
-      const int more = first < 0x80   ? 0
-                       : first < 0xC0 ? -1
-                       : first < 0xE0 ? 1
-                       : first < 0xF0 ? 2
-                       : first < 0xF8 ? 3
-                                      : -1;
-      char32_t letter = more <= 0 ? first : first & (0x3F >> more);
-      int missing = std::max(more, 0);
-      for (; missing > 0 && i < words.size() && (words[i] & 0xC0) == 0x80; --missing)
-        letter = letter << 6 | (static_cast<unsigned char>(words[i++]) & 0x3F);
-      letters.push_back(more < 0 || missing > 0 ? U'\uFFFD' : letter);
+    for (std::size_t length = 0; !words.empty(); words.remove_prefix(std::max<std::size_t>(length, 1))) {
+      length = utf8_length(words, 0);
+      letters.push_back(length == 0 ? U'\uFFFD' : code_point(words.substr(0, length)));
     }
     return letters;
   }
@@ -182,7 +174,7 @@ class GlRenderer final : public Renderer {
     painter_.draw_page(drawing, kOversampling);
 
     Image image = averaged(drawing.width, drawing.height);
-    for (const Drawing::Text& text : drawing.texts) (text.bold ? bold_ : regular_).draw(text, image);
+    for (const Drawing::Text& text : drawing.texts) (text.bold ? bold_ : regular_).draw(text, drawing.unit, image);
     return image;
   }
 

@@ -71,7 +71,7 @@ Page::Page(int width, int height)
     : unit_(std::min(static_cast<float>(width) / kPageWidth, static_cast<float>(height) / kPageHeight)),
       width_(static_cast<float>(width) / unit_),
       height_(static_cast<float>(height) / unit_),
-      drawing_{.width = width, .height = height, .triangles = {}, .lines = {}, .texts = {}} {}
+      drawing_{.width = width, .height = height, .unit = unit_, .triangles = {}, .lines = {}, .texts = {}} {}
 
 Window Page::window() const {
   return {.left = kMargin, .top = kTop, .width = width_ - 2 * kMargin, .height = height_ - kTop - kBottom};
@@ -98,11 +98,8 @@ void Page::add_colour_bar(const Scale& scale) {
   // every column has its own colour
   for (int column = 0; column < static_cast<int>(kBarWidth); ++column) {
     const Colour colour = colour_of((column + 0.5) / kBarWidth);
-    const float x0 = left + static_cast<float>(column), x1 = x0 + 1;
-    const Drawing::Vertex a{x0, top, 0, colour}, b{x1, top, 0, colour}, c{x1, bottom, 0, colour},
-        d{x0, bottom, 0, colour};
-    drawing_.triangles.push_back({{a, b, c}});
-    drawing_.triangles.push_back({{a, c, d}});
+    const float x = left + static_cast<float>(column);
+    add_rectangle(x, top, x + 1, bottom, colour);
   }
   const auto add_arrow = [&](float x, float tip, Colour colour) {
     drawing_.triangles.push_back({{{x, top, 0, colour}, {tip, (top + bottom) / 2, 0, colour}, {x, bottom, 0, colour}}});
@@ -145,18 +142,20 @@ void Page::add_keys(const std::vector<Key>& keys, float left) {
         add_ring({x, y, 0, {}});
         break;
       case Key::Mark::kGap:
-      case Key::Mark::kShape: {
-        const Colour colour = key.mark == Key::Mark::kGap ? kNoValue : key.colour;
-        const Drawing::Vertex a{x - 16, y - 6, 0, colour}, b{x + 16, y - 6, 0, colour}, c{x + 16, y + 6, 0, colour},
-            d{x - 16, y + 6, 0, colour};
-        drawing_.triangles.push_back({{a, b, c}});
-        drawing_.triangles.push_back({{a, c, d}});
+      case Key::Mark::kShape:
+        add_rectangle(x - 16, y - 6, x + 16, y + 6, key.mark == Key::Mark::kGap ? kNoValue : key.colour);
         break;
-      }
     }
     write(left + 42, y + 5, 15, Drawing::Align::kLeft, kFaint, key.words);
     y += kKeyLine;
   }
+}
+
+void Page::add_rectangle(float left, float top, float right, float bottom, Colour colour) {
+  const Drawing::Vertex a{left, top, 0, colour}, b{right, top, 0, colour}, c{right, bottom, 0, colour},
+      d{left, bottom, 0, colour};
+  drawing_.triangles.push_back({{a, b, c}});
+  drawing_.triangles.push_back({{a, c, d}});
 }
 
 // About a place.
@@ -189,26 +188,6 @@ void Page::add_ring(Drawing::Vertex centre) {
       drawing_.triangles.push_back({{inner(k), outer(k + 1), inner(k + 1)}});
     }
   }
-}
-
-Drawing Page::finished() && {
-  const auto grow = [&](Drawing::Vertex& vertex) {
-    vertex.x *= unit_;
-    vertex.y *= unit_;
-  };
-  for (Drawing::Triangle& triangle : drawing_.triangles)
-    for (Drawing::Vertex& corner : triangle.corner) grow(corner);
-  for (Drawing::Line& line : drawing_.lines) {
-    grow(line.from);
-    grow(line.to);
-    line.width *= unit_;
-  }
-  for (Drawing::Text& text : drawing_.texts) {
-    text.x *= unit_;
-    text.y *= unit_;
-    text.size *= unit_;
-  }
-  return std::move(drawing_);
 }
 
 }  // namespace hexaplast::output

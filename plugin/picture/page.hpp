@@ -77,11 +77,9 @@ class Page {
   void add_keys(const std::vector<Key>& left, const std::vector<Key>& right = {});
   void add_ring(Drawing::Vertex centre);  ///< with a rim that sets it off from any colour
 
-  /// The page in pixels.
-  Drawing finished() &&;
-
  private:
   void add_keys(const std::vector<Key>& keys, float left);
+  void add_rectangle(float left, float top, float right, float bottom, Colour colour);
   void add_arrow(float x, float y, const Key& key);
   void add_dot(float x, float y);
 

@@ -494,7 +494,8 @@ void Painter::draw_page(const Drawing& page, int density) {
 
   glUseProgram(flat_);
   Matrix4f clip = Matrix4f::Identity();  // y downwards; depth 0 near, 1 far
-  clip.diagonal() << 2 / static_cast<float>(page.width), -2 / static_cast<float>(page.height), 2, 1;
+  clip.diagonal() << 2 * page.unit / static_cast<float>(page.width), -2 * page.unit / static_cast<float>(page.height),
+      2, 1;
   clip.col(3) << -1, 1, -1, 1;
   set(flat_, "clip", clip);
   set(flat_, "nearer", 0);
@@ -511,7 +512,7 @@ void Painter::draw_page(const Drawing& page, int density) {
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   for (std::size_t k = 0; k < page.lines.size(); ++k) {
-    glLineWidth(page.lines[k].width * static_cast<float>(density));
+    glLineWidth(page.lines[k].width * page.unit * static_cast<float>(density));
     glDepthMask(page.lines[k].opacity < 1 ? GL_FALSE : GL_TRUE);
     glDrawArrays(GL_LINES, num_corners + 2 * static_cast<int>(k), 2);
   }

@@ -22,16 +22,19 @@ std::vector<double> values_of(Quantity quantity, const Bodies& bodies, ConstPoin
     numbers.resize(static_cast<std::size_t>(bodies.mesh().num_elements()), 0);
     return numbers;
   }
-  ElementFields fields = bodies.fields(positions);
+  return values_in(bodies.fields(positions), quantity);
+}
+
+const std::vector<double>& values_in(const ElementFields& fields, Quantity quantity) {
   switch (quantity) {
     case Quantity::kStress:
-      return std::move(fields.stress_norm);
+      return fields.stress_norm;
     case Quantity::kYield:
-      return std::move(fields.yield_stress);
+      return fields.yield_stress;
     case Quantity::kVolumeRatio:
-      return std::move(fields.volume_ratio);
+      return fields.volume_ratio;
     default:
-      return std::move(fields.plastic_strain);
+      return fields.plastic_strain;
   }
 }
 

@@ -40,6 +40,9 @@ constexpr const QuantityEntry& entry_of(Quantity quantity) { return kQuantities[
 /// The quantity of a word; none where no quantity is called so.
 std::optional<Quantity> quantity_of(std::string_view word);
 
+/// The values that a quantity of hexahedra has among the fields of a body. Not of regions, which a body does not know.
+const std::vector<double>& values_in(const ElementFields& fields, Quantity quantity);
+
 /// Values of a body's present state, one per hexahedron or per node. A yield stress is infinite where there is none.
 /// regions: numbers of the hexahedra's regions, which a body does not know; empty: there are none, and all have 0.
 std::vector<double> values_of(Quantity quantity, const Bodies& bodies, ConstPoints positions, ConstPoints velocities,

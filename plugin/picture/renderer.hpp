@@ -21,8 +21,8 @@ struct Image {
   std::vector<std::uint8_t> pixels;  ///< height x width x 3
 };
 
-/// What a picture consists of: bodies in space, and before them what is drawn in the plane of the image, in pixels: x
-/// to the right, y downwards, from its upper left corner.
+/// What a picture consists of: bodies in space, and before them what is drawn in the plane of the image, in units of a
+/// page: x to the right, y downwards, from its upper left corner.
 struct Drawing {
   struct Vertex {
     float x = 0, y = 0;
@@ -47,8 +47,9 @@ struct Drawing {
     std::string words;  ///< UTF-8, one line
   };
 
-  int width = 0;
-  int height = 0;
+  int width = 0;                          ///< [pixels]
+  int height = 0;                         ///< [pixels]
+  float unit = 1;                         ///< [pixels] of all coordinates, widths and sizes
   std::shared_ptr<const View> view = {};  ///< null: nothing stands behind the rest
   std::vector<Triangle> triangles;
   std::vector<Line> lines;  ///< at equal depth in front of the triangles

@@ -17,33 +17,10 @@ constexpr float kGap = 26;                      // between sections
 constexpr float kCaption = 34;                  // height of the line below a section
 constexpr float kBehind = 0.9f, kFront = 0.5f;  // depths
 
-/// A section as it is seen: places in its plane [m].
-struct Section {
-  std::vector<Eigen::Vector2f> points;
-  std::vector<float> values;
-  std::vector<Triangle> triangles;
-  std::vector<Edge> inner_lines, outline;
-};
-
-/// The directions to the right and upwards of who looks against an axis: y stands upright unless it is the axis.
-std::pair<Vec3, Vec3> directions(int axis) {
-  const Vec3 up = axis == 1 ? Vec3(-Vec3::UnitZ()) : Vec3(Vec3::UnitY());
-  return {up.cross(Vec3::Unit(axis)), up};
-}
-
-Section section_at(const HexMesh& mesh, ConstPoints positions, const PointArray& at_nodes,
-                   std::span<const unsigned char> alive, int axis, double place) {
-  const PlaneCut cut = picture_cut(mesh, positions, {Vec3::Unit(axis), place}, alive);
-  PointArray points(cut.num_points(), 3), blended(cut.num_points(), 3);
-  cut.apply(positions, points);
-  cut.apply(at_nodes, blended);
-  const auto [right, up] = directions(axis);
-  Section section{{}, {}, cut.triangles(), cut.inner_lines(), cut.outline()};
-  for (Eigen::Index n = 0; n < points.rows(); ++n) {
-    section.points.emplace_back(points.row(n).dot(right), points.row(n).dot(up));
-    section.values.push_back(static_cast<float>(blended(n, 0)));
-  }
-  return section;
+/// A place as who looks against an axis sees it, to the right and upwards: y stands upright unless it is the axis.
+Eigen::Vector2f seen_along(int axis, const Eigen::Vector3f& place) {
+  const Eigen::Vector3f up = axis == 1 ? Eigen::Vector3f(0, 0, -1) : Eigen::Vector3f(0, 1, 0);
+  return {place.dot(up.cross(Eigen::Vector3f::Unit(axis))), place.dot(up)};
 }
 
 /// How sections of a size fill a window best.
@@ -74,20 +51,23 @@ Drawing SectionPage::drawing(const HexMesh& mesh, ConstPoints positions, const s
   const auto [min, max] = extent_along(Vec3::Unit(axis), positions, mesh.hexahedra(), alive);
   const auto [min_behind, max_behind] = extent_along(Vec3::Unit(axis), behind, mesh.hexahedra());
 
-  std::vector<Section> sections, ghosts;
+  std::vector<CutFace> sections, ghosts;
   std::vector<double> places;
   Scale scale(quantity, range);
   Eigen::AlignedBox2f box;
+  const auto extend = [&](const CutFace& section) {
+    for (const Eigen::Vector3f& point : section.points) box.extend(seen_along(axis, point));
+  };
   for (int k = 0; k < count; ++k) {
     const double fraction = (k + 0.5) / count;
     places.push_back(min + fraction * (max - min));
-    sections.push_back(section_at(mesh, positions, at_nodes, alive, axis, places.back()));
+    sections.push_back(cut_face(mesh, positions, at_nodes, {Vec3::Unit(axis), places.back()}, alive));
     scale.see(sections.back().values);
-    for (const Eigen::Vector2f& point : sections.back().points) box.extend(point);
+    extend(sections.back());
     if (ghost.empty()) continue;
     const double place_behind = min_behind + fraction * (max_behind - min_behind);
-    ghosts.push_back(section_at(mesh, behind, at_nodes, {}, axis, place_behind));
-    for (const Eigen::Vector2f& point : ghosts.back().points) box.extend(point);
+    ghosts.push_back(cut_face(mesh, behind, at_nodes, {Vec3::Unit(axis), place_behind}, {}));
+    extend(ghosts.back());
   }
   if (box.isEmpty()) box.extend(Eigen::Vector2f(0, 0));
   const Eigen::Vector2f size = box.sizes().cwiseMax(1e-6f * static_cast<float>(max - min) + 1e-30f);
@@ -106,31 +86,29 @@ Drawing SectionPage::drawing(const HexMesh& mesh, ConstPoints positions, const s
     const float x = window.left + window.width / 2 +
                     (static_cast<float>(k % grid.columns) - static_cast<float>(in_row - 1) / 2) * cell_width;
     const float y = window.top + (static_cast<float>(row) + 0.5f) * cell_height - kCaption / 2;
-    const auto on_page = [&](const Eigen::Vector2f& point, float depth, const Colour& colour) {
-      return Drawing::Vertex{x + grid.scale * (point.x() - box.center().x()),
-                             y - grid.scale * (point.y() - box.center().y()), depth, colour};
+    const auto on_page = [&](const Eigen::Vector3f& place, float depth, const Colour& colour) {
+      const Eigen::Vector2f from_middle = seen_along(axis, place) - box.center();
+      return Drawing::Vertex{x + grid.scale * from_middle.x(), y - grid.scale * from_middle.y(), depth, colour};
     };
-    const auto draw_lines = [&](const Section& section, const std::vector<Edge>& lines, float depth,
+    const auto draw_faces = [&](const CutFace& section, float depth, const auto& colour_of_value) {
+      const auto corner = [&](int point) {
+        return on_page(section.points[point], depth, colour_of_value(section.values[point]));
+      };
+      for (const auto& [a, b, c] : section.triangles) picture.triangles.push_back({{corner(a), corner(b), corner(c)}});
+    };
+    const auto draw_lines = [&](const CutFace& section, const std::vector<Edge>& lines, float depth,
                                 const Colour& colour, float line_width, float opacity) {
       for (const auto& [a, b] : lines)
         picture.lines.push_back({on_page(section.points[a], depth, colour), on_page(section.points[b], depth, colour),
                                  line_width, opacity});
     };
     if (!ghosts.empty()) {
-      const Section& ghost_section = ghosts[k];
-      for (const auto& [a, b, c] : ghost_section.triangles)
-        picture.triangles.push_back(
-            {{on_page(ghost_section.points[a], kBehind, kGhost), on_page(ghost_section.points[b], kBehind, kGhost),
-              on_page(ghost_section.points[c], kBehind, kGhost)}});
-      draw_lines(ghost_section, ghost_section.outline, kBehind, kOriginal, kOutlineWidth, 1);
+      draw_faces(ghosts[k], kBehind, [](float) { return kGhost; });
+      draw_lines(ghosts[k], ghosts[k].outline, kBehind, kOriginal, kOutlineWidth, 1);
     }
-    const Section& section = sections[k];
-    const auto corner = [&](int point) {
-      return on_page(section.points[point], kFront, scale.colour(section.values[point]));
-    };
-    for (const auto& [a, b, c] : section.triangles) picture.triangles.push_back({{corner(a), corner(b), corner(c)}});
-    if (shows_edges) draw_lines(section, section.inner_lines, kFront, kEdge, 1.1f, 0.6f);
-    draw_lines(section, section.outline, kFront, kEdge, 1.7f, 1);
+    draw_faces(sections[k], kFront, [&](float value) { return scale.colour(value); });
+    if (shows_edges) draw_lines(sections[k], sections[k].inner_lines, kFront, kEdge, 1.1f, 0.6f);
+    draw_lines(sections[k], sections[k].outline, kFront, kEdge, 1.7f, 1);
     page.write(x, y + grid.scale * size.y() / 2 + 26, 16, Drawing::Align::kCentre, kInk,
                fmt::format("{} = {:.{}f} m", "xyz"[axis], places[k], decimals));
   }
@@ -141,7 +119,7 @@ Drawing SectionPage::drawing(const HexMesh& mesh, ConstPoints positions, const s
   if (!ghost.empty()) keys.push_back({Key::Mark::kLine, ghost, kOriginal});
   if (scale.has_gaps()) keys.push_back({Key::Mark::kGap, fmt::format("no {}", scale.quantity().label)});
   page.add_keys(keys);
-  return std::move(page).finished();
+  return std::move(page.drawing());
 }
 
 }  // namespace hexaplast::output

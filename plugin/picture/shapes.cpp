@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "picture/ink.hpp"
-#include "picture/picture_cut.hpp"
 
 namespace hexaplast::output {
 namespace {
@@ -27,13 +26,6 @@ std::vector<Surface::Face> faces_of(const std::vector<Triangle>& triangles) {
 
 float diagonal(ConstPoints points) {
   return static_cast<float>((points.colwise().maxCoeff() - points.colwise().minCoeff()).norm());
-}
-
-Moment::Places single(ConstPoints points) {
-  Moment::Places places;
-  places.reserve(static_cast<std::size_t>(points.rows()));
-  for (Eigen::Index n = 0; n < points.rows(); ++n) places.push_back(points.row(n).transpose().cast<float>());
-  return places;
 }
 
 PointArray applied(const Embedding& embedding, ConstPoints nodes) {
@@ -86,12 +78,7 @@ Shapes::Boundary::Boundary(const HexMesh& mesh, std::span<const unsigned char> a
   surface = std::make_shared<Surface>(single(points_at(mesh.positions())), std::move(faces));
 }
 
-PointArray Shapes::Boundary::points_at(ConstPoints nodes) const {
-  PointArray points(std::ssize(node_of_point), 3);
-  for (Eigen::Index p = 0; p < points.rows(); ++p)
-    points.row(p) = nodes.row(node_of_point[static_cast<std::size_t>(p)]);
-  return points;
-}
+PointArray Shapes::Boundary::points_at(ConstPoints nodes) const { return nodes(node_of_point, Eigen::all); }
 
 Shapes::Shapes(const HexMesh& mesh, Staging staging_of_all)
     : staging(std::move(staging_of_all)),
@@ -153,7 +140,7 @@ Moment Shapes::at(ConstPoints positions, std::span<const double> values, std::sp
       moment.embedded_surfaces.push_back(std::move(shown));
     }
   if (!staging.ghost.empty()) moment.ghosts = ghosts_at(ghost);
-  if (staging.cut && staging.shows_body()) moment.cut = cut_face(positions, at_nodes, alive);
+  if (staging.cut && staging.shows_body()) moment.cut = cut_face(mesh_, positions, at_nodes, *staging.cut, alive);
 
   if (staging.shows_hexahedra && !conditions.fixed.empty())
     for (const int node : current_->node_of_point)
@@ -161,8 +148,7 @@ Moment Shapes::at(ConstPoints positions, std::span<const double> values, std::sp
         moment.fixed.push_back(positions.row(node).transpose().cast<float>());
   if (staging.shows_loads) moment.loads = loads_of(conditions, positions, alive);
   for (const Instrument& instrument : conditions.instruments) moment.tools.push_back(tool_of(instrument, positions));
-  for (const auto& [from, to, is_slack] : conditions.springs)
-    moment.springs.push_back({from.cast<float>(), to.cast<float>(), is_slack});
+  moment.springs = conditions.springs;
   return moment;
 }
 
@@ -204,17 +190,6 @@ std::vector<Moment::Shown> Shapes::ghosts_at(const PointArray* nodes) const {
     else
       ghosts.push_back({whole, whole->original(), {}});
   return ghosts;
-}
-
-Moment::CutFace Shapes::cut_face(ConstPoints positions, const PointArray& values,
-                                 std::span<const unsigned char> alive) const {
-  const PlaneCut cut = picture_cut(mesh_, positions, *staging.cut, alive);
-  PointArray points(cut.num_points(), 3), blended(cut.num_points(), 3);
-  cut.apply(positions, points);
-  cut.apply(values, blended);
-  Moment::CutFace face{single(points), {}, cut.triangles(), cut.inner_lines(), cut.outline()};
-  for (Eigen::Index n = 0; n < blended.rows(); ++n) face.values.push_back(static_cast<float>(blended(n, 0)));
-  return face;
 }
 
 Geometry Shapes::geometry(const Moment& moment, const Camera& camera, const Strongest& strongest) const {
@@ -266,7 +241,7 @@ Geometry Shapes::geometry(const Moment& moment, const Camera& camera, const Stro
     if (const std::optional<Arrow> arrow = strongest.arrow_of(load)) arrow->draw(geometry.load_arrows);
   for (const auto& [from, to, is_slack] : moment.springs) {
     Geometry::Places& lines = is_slack ? geometry.slack_springs : geometry.taut_springs;
-    lines.insert(lines.end(), {from, to});
+    lines.insert(lines.end(), {from.cast<float>(), to.cast<float>()});
   }
   return geometry;
 }

@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "hexaplast/geometry/embed.hpp"
-#include "hexaplast/geometry/plane_cut.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 #include "picture/arrow.hpp"
 #include "picture/boundary_conditions.hpp"
 #include "picture/camera.hpp"
 #include "picture/embedded_surface.hpp"
 #include "picture/geometry.hpp"
+#include "picture/picture_cut.hpp"
 #include "picture/quantity.hpp"
 #include "picture/surface.hpp"
 
@@ -52,14 +52,6 @@ struct Moment {
     std::vector<float> values;               ///< one per point
   };
 
-  /// Where the body is cut through.
-  struct CutFace {
-    Places points;  ///< [m]
-    std::vector<float> values;
-    std::vector<Triangle> triangles;
-    std::vector<Edge> inner_lines, outline;
-  };
-
   /// A force at a node.
   struct Load {
     Eigen::Vector3f place;     ///< [m]
@@ -75,11 +67,6 @@ struct Moment {
     Places points;                           ///< [m]
   };
 
-  struct Spring {
-    Eigen::Vector3f from, to;  ///< [m]
-    bool is_slack;
-  };
-
   Shown body;
   std::vector<Shown> embedded_surfaces;
   std::vector<Shown> ghosts;  ///< without values
@@ -87,7 +74,7 @@ struct Moment {
   Places fixed;  ///< [m]
   std::vector<Load> loads;
   std::vector<Tool> tools;
-  std::vector<Spring> springs;
+  std::vector<SpringLine> springs;
 
   /// Those that are filled and coloured.
   std::vector<const Shown*> filled(const Staging& staging) const;
@@ -151,7 +138,6 @@ class Shapes {
   std::vector<Moment::Load> loads_of(const BoundaryConditions& conditions, ConstPoints positions,
                                      std::span<const unsigned char> alive) const;
   Moment::Tool tool_of(const Instrument& instrument, ConstPoints positions);
-  Moment::CutFace cut_face(ConstPoints positions, const PointArray& values, std::span<const unsigned char> alive) const;
   void draw_surface(const Moment::Shown& shown, float scale, Geometry& geometry) const;
 
   const HexMesh& mesh_;

@@ -19,6 +19,13 @@ int corner_at(const Surface::Face& face, int point) {
 
 }  // namespace
 
+std::vector<Vector3f> single(ConstPoints points) {
+  std::vector<Vector3f> places;
+  places.reserve(static_cast<std::size_t>(points.rows()));
+  for (Eigen::Index n = 0; n < points.rows(); ++n) places.push_back(points.row(n).transpose().cast<float>());
+  return places;
+}
+
 Surface::Surface(std::vector<Vector3f> original, std::vector<Face> faces)
     : original_(std::move(original)), faces_(std::move(faces)) {
   const int num_faces = static_cast<int>(faces_.size());

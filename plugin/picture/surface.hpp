@@ -9,6 +9,9 @@
 
 namespace hexaplast::output {
 
+/// Points in single precision.
+std::vector<Eigen::Vector3f> single(ConstPoints points);
+
 /// Quads and triangles that move with their points, and what of them stays the same while they do: edges, and which of
 /// the corners around a point share a normal.
 class Surface {

@@ -75,12 +75,6 @@ std::vector<std::uint32_t> flat(std::span<const std::array<int, N>> cells) {
   return numbers;
 }
 
-std::vector<Vector3f> rows_of(ConstPoints points) {
-  std::vector<Vector3f> places;
-  for (Eigen::Index row = 0; row < points.rows(); ++row) places.push_back(points.row(row).transpose().cast<float>());
-  return places;
-}
-
 }  // namespace
 
 ViewerStates::ViewerStates(const Bodies& bodies, std::string title, long num_steps, double dt, const Staging& staging,
@@ -129,19 +123,12 @@ bool ViewerStates::wants(long step) const { return std::ranges::binary_search(wa
 
 std::vector<float> ViewerStates::nodal_values(Quantity quantity, const ElementFields& fields,
                                               ConstPoints velocities) const {
-  std::vector<double> numbers;
-  if (quantity == Quantity::kSpeed) {
-    numbers = speeds(velocities);
-  } else {
-    std::vector<double> of_regions;
-    if (quantity == Quantity::kRegion) of_regions.assign(regions_.begin(), regions_.end());
-    const std::vector<double>& of_hexahedra = quantity == Quantity::kRegion        ? of_regions
-                                              : quantity == Quantity::kStress      ? fields.stress_norm
-                                              : quantity == Quantity::kYield       ? fields.yield_stress
-                                              : quantity == Quantity::kVolumeRatio ? fields.volume_ratio
-                                                                                   : fields.plastic_strain;
-    numbers = nodal_means(bodies_.mesh(), of_hexahedra, bodies_.alive());
-  }
+  const std::vector<double> of_regions(regions_.begin(), regions_.end());
+  const std::vector<double> numbers =
+      quantity == Quantity::kSpeed
+          ? speeds(velocities)
+          : nodal_means(bodies_.mesh(), quantity == Quantity::kRegion ? of_regions : values_in(fields, quantity),
+                        bodies_.alive());
   return {numbers.begin(), numbers.end()};
 }
 
@@ -157,7 +144,7 @@ ViewerStates::Tool ViewerStates::tool_of(const Instrument& instrument, ConstPoin
   const auto known = std::ranges::find(shapes_, instrument.shape_triangles);
   Tool tool{instrument.id, static_cast<std::size_t>(known - shapes_.begin()),
             instrument.acts_at(positions).cast<float>(), instrument.force().cast<float>(),
-            rows_of(instrument.shape_points)};
+            single(instrument.shape_points)};
   if (known == shapes_.end()) shapes_.push_back(instrument.shape_triangles);
   return tool;
 }
@@ -216,7 +203,7 @@ std::string ViewerStates::json() const {
 
   std::vector<Vector3f> places;
   Eigen::AlignedBox3f box, tool_box, spring_box;
-  const std::vector<Vector3f> initial = rows_of(mesh.positions());
+  const std::vector<Vector3f> initial = single(mesh.positions());
   for (const Vector3f& place : initial) box.extend(place);
   for (const State& state : states_) {
     for (std::size_t node = 0; node < num_nodes; ++node) {
@@ -378,13 +365,17 @@ ViewerData viewer_markup(std::string_view json, std::string_view source) {
   const Json all = Json::parse(json, nullptr, false);
   if (!all.is_object() || all.value("format", Json()) != 1)
     throw InputError(fmt::format("{}: is no file that a run writes for the viewer", source));
+  return {without_marks(all.dump(-1, ' ', false, Json::error_handler_t::replace)), all.contains("states")};
+}
+
+std::string without_marks(std::string_view json) {
   std::string markup;
-  for (const char c : all.dump(-1, ' ', false, Json::error_handler_t::replace))
+  for (const char c : json)
     if (c == '<' || c == '>' || c == '&')
       markup += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
     else
       markup += c;
-  return {std::move(markup), all.contains("states")};
+  return markup;
 }
 
 }  // namespace hexaplast::output

@@ -108,6 +108,9 @@ struct ViewerData {
 /// json: what ViewerStates::json() returns. Throws InputError, which names the source, for anything else.
 ViewerData viewer_markup(std::string_view json, std::string_view source = kViewerName);
 
+/// JSON as it may stand in an element of HTML: what would be a mark there is written by its number.
+std::string without_marks(std::string_view json);
+
 /// None: the directory holds no viewer.json. Throws OutputError or InputError.
 std::optional<ViewerData> read_viewer_data(const std::filesystem::path& directory);
 

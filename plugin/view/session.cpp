@@ -440,10 +440,7 @@ void Session::publish_values(const ElementFields& fields) {
     back_.values = output::speeds(gather(&scene::MechanicalState::velocities, velocities_));
     return;
   }
-  back_.of_hexahedra = quantity_ == Quantity::kStress        ? fields.stress_norm
-                       : quantity_ == Quantity::kYield       ? fields.yield_stress
-                       : quantity_ == Quantity::kVolumeRatio ? fields.volume_ratio
-                                                             : fields.plastic_strain;
+  back_.of_hexahedra = output::values_in(fields, quantity_);
   back_.values = nodal_means(mesh(), back_.of_hexahedra, shown_.alive());
 }
 
