@@ -190,7 +190,7 @@ std::vector<HistoryPanel> single_curves() {
   for (const HistoryPanel& panel : history_panels())
     for (HistoryCurve curve : panel.curves) {
       curve.unless_zero = false;  // the other run may have it
-      panels.push_back({panel.quantity, panel.unit, panel.min_span, {curve}});
+      panels.push_back({panel.quantity, panel.unit, panel.min_span, {std::move(curve)}});
     }
   return panels;
 }
@@ -280,9 +280,8 @@ std::string comparison_page(const fs::path& a, const fs::path& b, const std::vec
   }
 
   std::vector<HistoryPanel> wanted = single_curves();
-  const std::optional<Manifest> manifest = read_manifest(a);
-  const ProbePanels of_probes(manifest ? manifest->probes : std::vector<ProbeRecord>());
-  wanted.insert(wanted.end(), of_probes.panels().begin(), of_probes.panels().end());
+  if (const std::optional<Manifest> manifest = read_manifest(a))
+    for (const ProbeRecord& probe : manifest->probes) wanted.push_back(panel_of(probe));
   const HistoryView view_a = view_history(a / "history.csv", wanted), view_b = view_history(b / "history.csv", wanted);
   page.heading("Over time");
   page.add("<div class=\"charts\">");

@@ -27,7 +27,7 @@ std::vector<Source> sources_of(const HistoryPanel& panel, const HistoryTable& ta
   std::vector<Source> sources;
   for (const HistoryCurve& curve : panel.curves) {
     Source source{&curve, {}};
-    for (const std::string_view column : curve.columns) source.columns.push_back(table.find(column));
+    for (const std::string& column : curve.columns) source.columns.push_back(table.find(column));
     if (std::ranges::count(source.columns, -1) == 0) sources.push_back(std::move(source));
   }
   return sources;
@@ -41,10 +41,10 @@ StepTimes step_times_of(std::vector<double> ms) {
 
 }  // namespace
 
-std::span<const HistoryPanel> history_panels() {
+std::vector<HistoryPanel> history_panels() {
   using Colours = CurveColours;
   constexpr auto kCurrent = &Colours::first, kPlastic = &Colours::second;
-  static const std::vector<HistoryPanel> panels = {
+  return {
       {"elongation",
        "%",
        1,
@@ -81,14 +81,10 @@ std::span<const HistoryPanel> history_panels() {
       {"solver iterations", "", 5, {{"iterations", {"solver_iterations"}, 1, 0, &Colours::first}}},
       {"time per step", "ms", 1e-3, {{"step", {"step_ms"}, 1, 0, &Colours::first}}},
   };
-  return panels;
 }
 
-ProbePanels::ProbePanels(std::vector<ProbeRecord> probes) : probes_(std::move(probes)) {
-  for (const ProbeRecord& probe : probes_) columns_.push_back(probe_column(probe.name));
-  for (std::size_t p = 0; p < probes_.size(); ++p)
-    panels_.push_back(
-        {probes_[p].name, probes_[p].unit, 1e-12, {{probes_[p].name, {columns_[p]}, 1, 0, &CurveColours::first}}});
+HistoryPanel panel_of(const ProbeRecord& probe) {
+  return {probe.name, probe.unit, 1e-12, {{probe.name, {probe_column(probe.name)}, 1, 0, &CurveColours::first}}};
 }
 
 bool has_nothing_to_see(const Panel& panel) {
@@ -142,8 +138,8 @@ HistoryView view_history(const std::filesystem::path& file, std::span<const Hist
     }
     if (shown.empty() || series.steps.empty()) continue;
     series.curves = std::move(shown);
-    view.panels.push_back({.quantity = std::string(wanted[p].quantity),
-                           .unit = std::string(wanted[p].unit),
+    view.panels.push_back({.quantity = wanted[p].quantity,
+                           .unit = wanted[p].unit,
                            .min_span = wanted[p].min_span,
                            .series = {std::move(series)}});
   }

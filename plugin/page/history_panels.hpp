@@ -20,8 +20,8 @@ struct CurveColours {
 
 /// What a panel shows: the sum of columns of history.csv, shifted and then scaled to the panel's unit.
 struct HistoryCurve {
-  std::string_view name;
-  std::vector<std::string_view> columns;
+  std::string name;
+  std::vector<std::string> columns;
   double scale = 1;
   double shift = 0;
   std::string_view CurveColours::*colour = &CurveColours::second;
@@ -29,30 +29,17 @@ struct HistoryCurve {
 };
 
 struct HistoryPanel {
-  std::string_view quantity, unit;
+  std::string quantity, unit;
   double min_span;
   std::vector<HistoryCurve> curves;
 };
 
 /// Elongation, twist, volume error, yielded hexahedra, energy and its balance, displacement where the load is, removed
 /// hexahedra, solver iterations, time per step: in the order in which they are shown.
-std::span<const HistoryPanel> history_panels();
+std::vector<HistoryPanel> history_panels();
 
-/// Panels of probes, one each.
-class ProbePanels {
- public:
-  explicit ProbePanels(std::vector<ProbeRecord> probes);
-  ProbePanels(const ProbePanels&) = delete;
-  ProbePanels& operator=(const ProbePanels&) = delete;
-
-  /// Refer to this object.
-  const std::vector<HistoryPanel>& panels() const { return panels_; }
-
- private:
-  std::vector<ProbeRecord> probes_;
-  std::vector<std::string> columns_;
-  std::vector<HistoryPanel> panels_;
-};
+/// A panel of a probe.
+HistoryPanel panel_of(const ProbeRecord& probe);
 
 /// How long the steps of a run took [ms]; its first row, the initial state, is no step.
 struct StepTimes {

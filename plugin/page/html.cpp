@@ -2,14 +2,15 @@
 #include "page/html.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <algorithm>
-#include <cstdint>
+#include <nlohmann/json.hpp>
 
 #include "formats/base64.hpp"
 #include "formats/xml.hpp"
 #include "page/page_parts.hpp"
 #include "picture/ink.hpp"
+#include "record/viewer_states.hpp"
 
 namespace hexaplast::output {
 namespace {
@@ -19,43 +20,25 @@ constexpr double kChartWidth = 480, kChartHeight = 270;
 constexpr PanelFrame kChartFrame{64, 30, 402, 186};
 
 /// A string of JSON that may stand within an element of HTML.
-std::string json_string(std::string_view words) {
-  std::string text = "\"";
-  for (const char c : words) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || c == '"' || c == '\\' || c == '<' || c == '>' || c == '&')
-      text += fmt::format("\\u{:04x}", byte);
-    else
-      text += c;
-  }
-  return text + '"';
-}
-
-template <class Number>
-std::string numbers(const std::vector<Number>& values, fmt::string_view form) {
-  std::string text = "[";
-  for (const Number value : values) {
-    if (text.size() > 1) text += ',';
-    text += fmt::format(fmt::runtime(form), value);
-  }
-  return text + "]";
+std::string json_string(const std::string& words) {
+  return without_marks(nlohmann::json(words).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 /// What the script needs of a chart.
 std::string json_of(const Panel& panel, const PanelAxes& axes) {
-  std::string all_series;
+  std::vector<std::string> all_series;
   for (const Series& series : panel.series) {
-    std::string curves;
+    std::vector<std::string> curves;
     for (const Curve& curve : series.curves)
-      curves += fmt::format(R"({}{{"name":{},"colour":{},"values":{}}})", curves.empty() ? "" : ",",
-                            json_string(curve.name), json_string(curve.colour), numbers(curve.values, "{:.7g}"));
-    all_series += fmt::format("{}{{\"steps\":{},\"times\":{},\"curves\":[{}]}}", all_series.empty() ? "" : ",",
-                              numbers(series.steps, "{}"), numbers(series.x, "{:.9g}"), curves);
+      curves.push_back(fmt::format(R"({{"name":{},"colour":{},"values":[{:.7g}]}})", json_string(curve.name),
+                                   json_string(curve.colour), fmt::join(curve.values, ",")));
+    all_series.push_back(fmt::format(R"({{"steps":[{}],"times":[{:.9g}],"curves":[{}]}})", fmt::join(series.steps, ","),
+                                     fmt::join(series.x, ","), fmt::join(curves, ",")));
   }
   return fmt::format(R"({{"quantity":{},"unit":{},"frame":[{},{},{},{}],"axes":[{},{},{},{}],"series":[{}]}})",
                      json_string(panel.quantity), json_string(panel.unit), kChartFrame.left, kChartFrame.top,
                      kChartFrame.width, kChartFrame.height, axes.across.min, axes.across.max, axes.upwards.min,
-                     axes.upwards.max, all_series);
+                     axes.upwards.max, fmt::join(all_series, ","));
 }
 
 std::string json_of(const Colour& colour) {

@@ -8,8 +8,8 @@
 #include <charconv>
 #include <fstream>
 #include <map>
-#include <sstream>
 
+#include "formats/readable_file.hpp"
 #include "formats/xml.hpp"
 #include "page/history_panels.hpp"
 #include "page/html.hpp"
@@ -22,15 +22,6 @@ namespace {
 
 constexpr std::size_t kMaxPictures = 8;
 constexpr std::size_t kMaxRemovedSteps = 40;  // rows of the table of removed hexahedra
-
-std::string content_of(const fs::path& file) {
-  require_readable(file);
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in) throw OutputError(fmt::format("{}: cannot be read", file.string()));
-  return text.str();
-}
 
 std::string duration_words(double seconds) {
   if (seconds < 60) return fmt::format("{:.2f} s", seconds);
@@ -88,16 +79,10 @@ std::string mark_step_times(Panel& panel, const StepTimes& times) {
                      times.longest);
 }
 
-/// What every run has, and a panel for each probe behind it.
-std::vector<HistoryPanel> panels_of(const std::vector<HistoryPanel>& of_probes) {
-  std::vector<HistoryPanel> panels(history_panels().begin(), history_panels().end());
-  panels.insert(panels.end(), of_probes.begin(), of_probes.end());
-  return panels;
-}
-
 void add_charts(HtmlPage& page, const fs::path& directory, const std::vector<ProbeRecord>& probes) {
-  const ProbePanels of_probes(probes);
-  HistoryView view = view_history(directory / "history.csv", panels_of(of_probes.panels()), kPageColours);
+  std::vector<HistoryPanel> wanted = history_panels();
+  for (const ProbeRecord& probe : probes) wanted.push_back(panel_of(probe));
+  HistoryView view = view_history(directory / "history.csv", wanted, kPageColours);
   if (view.panels.empty()) return;
   page.heading("Over time");
   page.add("<div class=\"charts\">");
@@ -115,9 +100,10 @@ void add_pictures(HtmlPage& page, const fs::path& directory, double dt) {
   page.heading("Pictures");
   page.add("<div class=\"pictures\">");
   for (const auto& [step, file] : frames) {
+    require_readable(file);
     const std::string caption = fmt::format("step {}, {:.6g} s", step, static_cast<double>(step) * dt);
     page.add(fmt::format("<figure><img alt=\"the body after {}\" src=\"{}\"><figcaption>{}</figcaption></figure>",
-                         caption, data_uri("image/png", content_of(file)), caption));
+                         caption, data_uri("image/png", whole_file(file)), caption));
   }
   page.add("</div>");
 }
