@@ -102,19 +102,6 @@ void shape(scene::Component& tool, const HandSettings& settings) {
   set(tool, "friction", settings.friction);
 }
 
-bool is_of_path(std::string_view attribute) {
-  return attribute == "keyTimes" || attribute == "positions" || attribute == "orientations";
-}
-
-/// The attributes of an instrument that a scene gives, but for the path.
-template <class Visit>
-void for_each_given(scene::Component& component, const Visit& visit) {
-  for (const auto& data : component.all_data())
-    if (data->is_given() && data->attribute().access == attributes::Access::kInput &&
-        data->attribute().name != "name" && !is_of_path(data->attribute().name))
-      visit(*data);
-}
-
 }  // namespace
 
 bool change(scene::Component& component, std::string_view attribute, std::optional<scene::Value> value,
@@ -348,10 +335,13 @@ void Hand::begin_motions() {
     InstrumentMotion& motion = motions_.emplace_back();
     motion.node = &component->node();
     motion.class_name = component->class_name();
-    for_each_given(*component, [&](scene::Data& data) {
-      motion.attributes.emplace_back(data.attribute().name,
-                                     data.link().empty() ? scene::write_value(data.value()) : data.link());
-    });
+    for (const auto& data : component->all_data()) {
+      const std::string_view name = data->attribute().name;
+      const bool is_of_path = name == "keyTimes" || name == "positions" || name == "orientations";
+      if (is_of_path || name == "name" || !data->is_given() || data->attribute().access != attributes::Access::kInput)
+        continue;
+      motion.attributes.emplace_back(name, data->link().empty() ? scene::write_value(data->value()) : data->link());
+    }
   }
   add_key(scene_.time(), at_);
 }

@@ -86,8 +86,6 @@ class Hand {
   int held_body() const { return held_body_; }
   Vec3 force() const;
 
-  Vec3 place() const { return at_; }  ///< [m] of the instrument
-
   /// Whether a component is one of the hand's that neither holds nor touches anything now.
   bool is_idle(const scene::Component& component) const;
 

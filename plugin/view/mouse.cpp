@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "view/mouse.hpp"
-
 #include <imgui.h>
+
+#include "view/window_state.hpp"
 
 namespace hexaplast::view {
 namespace {
@@ -17,12 +17,13 @@ void grab(WindowState& window, double x, double y) {
 
 }  // namespace
 
-void Mouse::follow(WindowState& window) {
+void follow_mouse(WindowState& window) {
   const ImGuiIO& io = ImGui::GetIO();
   const double x = io.MousePos.x - window.left, y = io.MousePos.y;
   const bool is_inside = !io.WantCaptureMouse && x >= 0 && x < window.width;
   window.pointed_at.reset();
-  if (is_inside && !window.grabbed && turning_ < 0) window.pointed_at = window.figure.hit(window.camera.ray(x, y));
+  if (is_inside && !window.grabbed && window.turning < 0)
+    window.pointed_at = window.figure.hit(window.camera.ray(x, y));
   if (is_inside && io.MouseWheel != 0) {
     const double way = kPush * io.MouseWheel * window.figure.box().diagonal().norm();
     if (window.grabbed)  // away from the viewer: it presses
@@ -32,21 +33,21 @@ void Mouse::follow(WindowState& window) {
   }
   if (is_inside && ImGui::IsMouseClicked(ImGuiMouseButton_Left) && !io.KeyShift) grab(window, x, y);
   for (const int button : {ImGuiMouseButton_Left, ImGuiMouseButton_Right, ImGuiMouseButton_Middle})
-    if (is_inside && ImGui::IsMouseClicked(button)) turning_ = button;
+    if (is_inside && ImGui::IsMouseClicked(button)) window.turning = button;
 
   if (window.grabbed && io.MouseDown[ImGuiMouseButton_Left]) {
     window.session->drag(window.camera.at_depth_of(*window.grabbed, x, y));
   } else if (window.grabbed) {
     window.session->release();
     window.grabbed.reset();
-  } else if (turning_ >= 0 && io.MouseDown[turning_]) {
-    const bool is_panning = turning_ == ImGuiMouseButton_Middle || io.KeyShift;
+  } else if (window.turning >= 0 && io.MouseDown[window.turning]) {
+    const bool is_panning = window.turning == ImGuiMouseButton_Middle || io.KeyShift;
     if (is_panning)
       window.camera.pan(io.MouseDelta.x, io.MouseDelta.y);
     else
       window.camera.orbit(io.MouseDelta.x, io.MouseDelta.y);
   } else {
-    turning_ = -1;
+    window.turning = -1;
   }
 }
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "view/panels.hpp"
-
 #include <fmt/format.h>
 #include <imgui.h>
 
@@ -13,6 +11,7 @@
 
 #include "attributes/admissible.hpp"
 #include "view/widgets.hpp"
+#include "view/window_state.hpp"
 
 namespace hexaplast::view {
 namespace {

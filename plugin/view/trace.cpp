@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "page/thinning.hpp"
 #include "record/history_table.hpp"
 
 namespace hexaplast::view {
@@ -34,12 +35,10 @@ void Trace::extend_range(double begin, double& min, double& max) const {
 }
 
 double Trace::quantile(double fraction) const {
-  if (points_.empty()) return 0;
   std::vector<double> values;
   for (const Point& point : points_) values.push_back(point.value);
-  const auto rank = values.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), rank, values.end());
-  return *rank;
+  std::ranges::sort(values);
+  return output::percentile(values, fraction);
 }
 
 Traces::Traces(double span, double num_steps)

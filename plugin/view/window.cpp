@@ -14,10 +14,8 @@
 
 #include "picture/painter.hpp"
 #include "picture/png_file.hpp"
-#include "view/mouse.hpp"
-#include "view/overlay.hpp"
-#include "view/panels.hpp"
 #include "view/screen.hpp"
+#include "view/window_state.hpp"
 
 namespace hexaplast::view {
 namespace {
@@ -144,7 +142,7 @@ class Window {
 
     panel("controls", 0, kLeftWidth, [this] { draw_controls(state_); });
     panel("plots", size.x - kRightWidth, kRightWidth, [this] { draw_plots(state_); });
-    mouse_.follow(state_);
+    follow_mouse(state_);
     draw_overlay(state_);
     ImGui::Render();
 
@@ -198,7 +196,6 @@ class Window {
   WindowState state_;
   Screen screen_;
   output::Painter painter_{output::kWindowLight};
-  Mouse mouse_;
   bool is_fitted_ = false;
   double last_frame_ = 0;  // [s]
 };

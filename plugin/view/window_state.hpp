@@ -7,11 +7,29 @@
 #include "picture/page.hpp"
 #include "view/camera.hpp"
 #include "view/figure.hpp"
-#include "view/rate.hpp"
 #include "view/trace.hpp"
 #include "view/window.hpp"
 
 namespace hexaplast::view {
+
+/// Counts events per second.
+class Rate {
+ public:
+  void count(long events, double now) {
+    events_ += events;
+    if (now - begin_ < kSpan) return;
+    per_second_ = static_cast<double>(events_) / (now - begin_);
+    events_ = 0;
+    begin_ = now;
+  }
+  double per_second() const { return per_second_; }
+
+ private:
+  static constexpr double kSpan = 0.25;  // [s] over which events are counted
+
+  long events_ = 0;
+  double begin_ = 0, per_second_ = 0;
+};
 
 /// What the parts of a window share: the session, what is seen of it at the moment, and how it is looked at.
 struct WindowState {
@@ -43,11 +61,11 @@ struct WindowState {
   std::optional<Figure::Seen> pointed_at;  ///< under the mouse
   output::Strongest strongest;             ///< of what was shown since the beginning
   std::optional<Vec3> grabbed;             ///< [m] where the mouse took hold of the tissue; none: it holds nothing
+  int turning = -1;                        ///< button that moves the camera; -1: none
   Pace pace;
   double speed;  ///< in real time
   Traces traces;
   Rate frames, steps;
-  double seconds_per_second = 0;  ///< simulated, by the clock
   std::string message;
   bool wants_picture = false;  ///< of the window
   bool wants_page = false;     ///< of what it shows, as `render` draws it
@@ -55,5 +73,12 @@ struct WindowState {
  private:
   void place_cut();
 };
+
+void draw_controls(WindowState& window);       ///< what can be changed
+void draw_plots(const WindowState& window);    ///< what is measured
+void draw_overlay(const WindowState& window);  ///< what is written over the body: rates, colour bar, marks of the hand
+
+/// What the mouse does beside the panels, which take it first: pulls at tissue, and moves the camera. Once per frame.
+void follow_mouse(WindowState& window);
 
 }  // namespace hexaplast::view
