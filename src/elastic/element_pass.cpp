@@ -134,17 +134,30 @@ HWY_NOINLINE bool corners_are_thick(const ElementLanes<kGeneral, Assumed::kCorne
   }
 }
 
-/// The stress that yields of isolated rest shapes.                                                            eq. P8
+/// The stress that yields of isolated rest shapes, or more. In each of three directions, what is relieved at a sample
+/// is at most the mean of |sigma_j|: where that does not reach least_yield, nothing is relieved.                 eq. P8
 template <bool kGeneral, class V>
 HWY_NOINLINE void screen_isolated(const ElementLanes<kGeneral, Assumed::kCorner, V>& element,
                                   const MaterialLanes<V>& of, const PressureLanes<V>& p, const Settings& settings,
-                                  float* screen) {
-  Mat<V> normals[kCorners];
+                                  double least_yield, float* screen) {
   Sym<V> corotated[kCorners], sigma[kCorners];
-  yielding_stress(element, of, p, settings.yield_stress_measure, nullptr, normals, corotated, sigma);
-  relieve(normals, sigma);
-  for (int i = 0; i < kCorners; ++i)
-    store_as(stress_norm_bound(sigma[i], settings.yield_norm), screen + (YieldScreen::kNorm + i) * kBlock);
+  yielding_stress(element, of, p, settings.yield_stress_measure, nullptr, corotated, sigma);
+  V norm[kCorners], largest(0.0), sum(0.0);
+  for (int i = 0; i < kCorners; ++i) {
+    norm[i] = stress_norm_bound(sigma[i], settings.yield_norm);
+    largest = max(largest, norm[i]);
+    sum += sqrt(squared_norm(sigma[i]));
+  }
+  const V relieved = V(3.0 / kCorners) * sum;
+  if (bits<double>(largest + relieved < V(least_yield)) == (1u << V::kCount) - 1) {
+    for (V& one : norm) one += relieved;
+  } else {
+    Mat<V> normals[kCorners];
+    sample_normals(element, normals);
+    relieve(normals, sigma);
+    for (int i = 0; i < kCorners; ++i) norm[i] = stress_norm_bound(sigma[i], settings.yield_norm);
+  }
+  for (int i = 0; i < kCorners; ++i) store_as(norm[i], screen + (YieldScreen::kNorm + i) * kBlock);
 }
 
 template <bool kGeneral, class T, class Coef>
@@ -187,7 +200,7 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
   store_as(element.rest.min_jacobian, screen + YieldScreen::kMinJacobian * kBlock);
   if (std::isfinite(pass.thin_from) && !corners_are_thick(element, pass.safe_strain))
     pass.thin[block] |= find_thin<kGeneral>(x, u, element.rest.volume, pass.thin_from) << lane;
-  if (pass.screens) screen_isolated(element, of, p, pass.settings, screen);
+  if (pass.screens) screen_isolated(element, of, p, pass.settings, pass.least_yield[block], screen);
   if (element.plastic) store_mean_plastic(plastic.mean, pass.mean_plastic_of(block) + lane);
   BranchLanes<V> lanes;
   if (const BranchLanes<V>* branches = load_branches(pass.partition, pass.branches, block, lane, of.mu, lanes))

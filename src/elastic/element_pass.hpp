@@ -18,10 +18,11 @@ struct ElementPass {
   const unsigned char* has_flowed;       ///< per block: some G is not 1
   const Branches& branches;
   const Settings& settings;
-  bool screens;        ///< fills YieldScreen::kNorm
-  double thin_from;    ///< [-] corner ratio below which an element is thin
-  double safe_strain;  ///< nearer to a rotation, no corner is
-  double length;       ///< [m] unit of the coefficients
+  bool screens;               ///< fills YieldScreen::kNorm
+  const double* least_yield;  ///< Linearization::least_yield
+  double thin_from;           ///< [-] corner ratio below which an element is thin
+  double safe_strain;         ///< nearer to a rotation, no corner is
+  double length;              ///< [m] unit of the coefficients
   ElementOperator<T, Coef>& op;
   double* force;        ///< [N] slots, added to
   double* volume;       ///< [m^3] [block][element]

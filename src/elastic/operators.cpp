@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <span>
 
@@ -56,6 +57,17 @@ const CornerTensors* flowed_at(const Partition& partition, const History& histor
   return nullptr;
 }
 
+/// What a block of the history has to say to the next linearization.
+void take_history(const Model& model, const History& history, int block, Linearization& at) {
+  const Partition& partition = *model.partition;
+  if (!at.has_flowed.empty()) at.has_flowed[block] = flowed_at(partition, history, block) != nullptr;
+  double& least = at.least_yield[block];
+  least = std::numeric_limits<double>::infinity();
+  for (int place = 0; place < kBlock; ++place)
+    if (const int e = partition.element(block, place); e >= 0 && model.material(e).flow_rate > 0)
+      least = std::min(least, std::ranges::min(history.yield_stress[e]));
+}
+
 template <class T, class Coef>
 void add_product(const ElementOperator<T, Coef>& op, double factor, ConstPoints dx, AlignedVector<T>& argument,
                  AlignedVector<T>& product, Points df) {
@@ -88,8 +100,7 @@ void update_material(const Model& model, const History& history, Linearization& 
         op.resize(at.is_general);
       },
       at.op);
-  for (std::size_t block = 0; block < at.has_flowed.size(); ++block)
-    at.has_flowed[block] = flowed_at(partition, history, static_cast<int>(block)) != nullptr;
+  for (int block = 0; block < partition.num_blocks; ++block) take_history(model, history, block, at);
   at.plastic_rest_version = history.version;
   at.forget();
 }
@@ -99,7 +110,7 @@ void take_flow(const Model& model, const History& history, std::span<const unsig
   for (int chunk = 0; chunk < partition.num_chunks; ++chunk)
     for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
       if (!blocks[block]) continue;
-      at.has_flowed[block] = flowed_at(partition, history, block) != nullptr;
+      take_history(model, history, block, at);
       at.is_stale[chunk] = 1;
       at.is_current = false;
     }
@@ -142,6 +153,7 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
                                         .branches = branches,
                                         .settings = model.settings,
                                         .screens = screens && model.can_flow(),
+                                        .least_yield = at.least_yield.data(),
                                         .thin_from = thin_from,
                                         .safe_strain = 1 - std::cbrt(std::max(thin_from, 0.0)),
                                         .length = model.length,

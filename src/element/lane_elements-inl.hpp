@@ -60,15 +60,26 @@ HWY_NOINLINE std::uint32_t find_thin(const CornerLanes<V>& x, const CornerLanes<
   return bits<ScalarOf<V>>(hn::Not(lowest > V(from)));
 }
 
-/// [Pa] The stress that yields at the samples of isolated rest shapes, and the directions in which an element cannot
-/// show all of it: relieve(normals, sigma) takes that away. corotated: without the pressure of the volume ratio.
-/// of_branches: q, or null.
-///                                                                                                 eq. P6, P7, P7t
+/// The directions in which an element cannot show all of the stress of its samples: relieve(normals, sigma) takes that
+/// away.                                                                                                       eq. P6
+template <bool kGeneral, class N>
+HWY_INLINE void sample_normals(const ElementLanes<kGeneral, Assumed::kCorner, N>& element,
+                               Mat<N> (&normals)[kCorners]) {
+  normals[0] = unit_rows(dual_of(element.rest));
+  for (int i = 0; i < kCorners; ++i)
+    if (element.plastic)
+      normals[i] = face_normals(element.plastic->inverse[i], dual_of(element.rest));
+    else
+      normals[i] = normals[0];
+}
+
+/// [Pa] The stress that yields at the samples of isolated rest shapes. corotated: without the pressure of the volume
+/// ratio. of_branches: q, or null.                                                                      eq. P7, P7t
 template <bool kGeneral, class N>
 HWY_INLINE void yielding_stress(const ElementLanes<kGeneral, Assumed::kCorner, N>& element, const MaterialLanes<N>& of,
                                 const PressureLanes<N>& p, YieldStressMeasure measure,
-                                const std::type_identity_t<Sym<N>>* of_branches, Mat<N> (&normals)[kCorners],
-                                Sym<N> (&corotated)[kCorners], Sym<N> (&sigma)[kCorners]) {
+                                const std::type_identity_t<Sym<N>>* of_branches, Sym<N> (&corotated)[kCorners],
+                                Sym<N> (&sigma)[kCorners]) {
   using T = ScalarOf<N>;
   const N pressure = p.in_stress - p.shared;
   for (int i = 0; i < kCorners; ++i) {
@@ -83,12 +94,6 @@ HWY_INLINE void yielding_stress(const ElementLanes<kGeneral, Assumed::kCorner, N
       sigma[i].yy += pressure;
       sigma[i].zz += pressure;
     }
-    if (element.plastic)
-      normals[i] = face_normals(element.plastic->inverse[i], dual_of(element.rest));
-    else if (i == 0)
-      normals[i] = unit_rows(dual_of(element.rest));
-    else
-      normals[i] = normals[0];
   }
 }
 

@@ -247,8 +247,9 @@ HWY_NOINLINE std::uint32_t flow_isolated_lanes(const Model& model, const Lineari
     isolated.fails = decompose_or_fail(element);
     ModeLanes<V> volume_gradient;
     const PressureLanes<V> pressure = pressures(of, element, u, volume_gradient);
-    yielding_stress(element, of, pressure, model.settings.yield_stress_measure, nullptr, isolated.normals,
-                    isolated.corotated, isolated.whole);
+    sample_normals(element, isolated.normals);
+    yielding_stress(element, of, pressure, model.settings.yield_stress_measure, nullptr, isolated.corotated,
+                    isolated.whole);
     return flow_isolated_samples<T, false>(model, at, dt, history, block, lane, wanted, of, here.number, element,
                                            isolated, plastic_inverse, 0, trial, flows);
   };
@@ -340,8 +341,9 @@ HWY_NOINLINE std::uint32_t relax_lanes(const Model& model, const Linearization& 
   if (model.can_flow()) {
     ModeLanes<D> volume_gradient;
     const PressureLanes<D> pressure = pressures(of, element, u, volume_gradient);
-    yielding_stress(element, of, pressure, settings.yield_stress_measure, isolated.of_branches, isolated.normals,
-                    isolated.corotated, isolated.whole);
+    sample_normals(element, isolated.normals);
+    yielding_stress(element, of, pressure, settings.yield_stress_measure, isolated.of_branches, isolated.corotated,
+                    isolated.whole);
     isolated.fails = 0;
     left = flow_isolated_samples<double, true>(model, at, dt, history, block, lane, wanted, of, here.number, element,
                                                isolated, plastic_inverse, branches.moduli(), trial, flows);

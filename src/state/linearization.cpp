@@ -62,6 +62,7 @@ Linearization::Linearization(const Model& model)
       is_general(model.partition->num_blocks),
       volume(per_element(model)),
       has_flowed(model.settings.rest_shape == RestShape::kIsolated ? model.partition->num_blocks : 0),
+      least_yield(model.partition->num_blocks),
       mean_plastic(has_flowed.size() * kMeanPlastic * kBlock),
       is_stale(model.partition->num_chunks, 1),
       current(slot_vector<double>(*model.partition)),

@@ -35,6 +35,7 @@ struct Linearization {
   std::vector<unsigned char> is_general;  ///< per block: some element is no parallelepiped
   AlignedVector<double> volume;           ///< [m^3] of the plastic rest shape, [block][element]; 0 where nothing is
   std::vector<unsigned char> has_flowed;  ///< per block: some G of isolated rest shapes is not 1; empty of joined ones
+  std::vector<double> least_yield;        ///< [Pa] per block: of the thresholds of what can flow; infinite: nothing can
   AlignedVector<float> mean_plastic;      ///< there: Gm, [block][kMeanPlastic][element]; empty of joined ones
 
   /// G per element of the history; null where nothing in a block has flowed by isolated rest shapes.
