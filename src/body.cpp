@@ -36,7 +36,7 @@ double moved(double threshold, double before, double now) {
 }
 
 // To be raised with each change of History::serialize. Members of Material and Settings are part of the identity.
-constexpr std::uint32_t kSavedVersion = 5;
+constexpr std::uint32_t kSavedVersion = 6;
 constexpr SavedKind kSavedBody{{'H', 'X', 'P', 'B', 'O', 'D', 'Y', '\0'}, kSavedVersion, "body"};
 
 /// What saved members are: their names, in their order, and the words that enumerators stand for.
@@ -134,7 +134,7 @@ double Body::dissipated_energy() const { return state_->history.dissipated_energ
 
 ElementPoints Body::element_rest_shape(int hexahedron) const {
   state_->require_hexahedron(hexahedron);
-  const ElementHistory element = state_->history.element(hexahedron);
+  const ElementHistory element = state_->history.element(state_->model, hexahedron);
   ElementPoints shape;
   for (int a = 0; a < kCorners; ++a)
     shape.row(a) = (element.rotation_map[a] * element.rest_shape.row(a).transpose()).transpose();
@@ -308,6 +308,7 @@ void Body::set_materials(std::vector<Material> materials) {
     history.plastic_stretch = History(changed).plastic_stretch;
   else if (!changed.tracks_plastic_stretch)
     history.plastic_stretch.clear();
+  if (changed.has_rest_shapes()) history.add_rest_shapes(changed);
   if (changed.can_flow_isolated()) history.add_plastic_inverse();
   const bool could_rotate = !history.rotation_yield.empty();
   if (changed.can_rotate && !could_rotate) history.rotation_yield = History(changed).rotation_yield;

@@ -50,7 +50,7 @@ Mat3 frame_of(const HexahedronState& state, RotationFrame frame) {
 
 HexahedronState initial_hexahedron(const ElementPoints& initial, const Material& material) {
   const Model model(mesh_of(initial), {material}, {.rest_shape = RestShape::kJoined});  // which every material has
-  return {initial, initial, initial, History(model).element(0)};
+  return {initial, initial, initial, History(model).element(model, 0)};
 }
 
 HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Material& material,
@@ -145,8 +145,9 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
     found.rotation_increment.fill(Mat3::Identity());
     found.volume_ratio = 1;
   } else {
-    const plain::ElementStep step = plain::flow_element(
-        model, 0, state.plastic_rest, state.current, frame_of(state, settings.rotation_frame), before.element(0), dt);
+    const plain::ElementStep step =
+        plain::flow_element(model, 0, state.plastic_rest, state.current, frame_of(state, settings.rotation_frame),
+                            before.element(model, 0), dt);
     found.stretch_flow_fraction = step.stretch_fraction;
     found.stretch_increment = step.stretch;
     found.rotation_flow_fraction = step.rotation_fraction;
@@ -154,7 +155,7 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
     found.volume_ratio = step.volume_ratio;
   }
 
-  found.history = after.element(0);
+  found.history = after.element(model, 0);
   found.rest_volume = volume(found.history.rest_shape);
   found.plastic_rest = after.plastic_rest_positions;
   found.plastic_volume = volume(found.plastic_rest);

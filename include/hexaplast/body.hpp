@@ -130,11 +130,11 @@ class Body {
   /// What has become of the body. Views are of the present state: the next call that changes the history ends them.
   ///
   /// [m] num_nodes x 3: where nodes would be without forces. With RestShape::kIsolated that is an equilibrium, found to
-  /// about 1e-4 of an edge by 4 to 16 linear solutions where something has flowed since it was asked for; each
-  /// connected part is laid on its initial positions. Nothing else depends on it.                    theory.md
-  /// section 5.9
+  /// about 1e-4 of an edge where something has flowed since it was asked for, by 4 to 12 linear solutions of most
+  /// bodies, 50 to 100 of one that is about to snap through; each connected part is laid on its initial positions.
+  /// Nothing else depends on it.                                                               theory.md section 5.9
   const PointArray& plastic_rest_positions() const;
-  bool plastic_rest_has_converged() const;                 ///< if not, they are less exact: the best of 50 iterations
+  bool plastic_rest_has_converged() const;                 ///< if not, they are less exact: the best of 100 iterations
   std::span<const unsigned char> alive() const;            ///< per hexahedron: 0 once it is removed
   std::span<const int> removed() const;                    ///< in the order of their removal
   std::span<const CornerValues> yield_stress() const;      ///< [Pa] per hexahedron; infinite if it never yields

@@ -17,7 +17,7 @@ std::uint64_t available_memory(const std::filesystem::path& root = "/");
 
 /// [byte] per hexahedron that a body takes at least, whatever it is made of: elastic, in mixed precision. The smallest
 /// of what is measured for each kind (material.hpp: bytes_per_hexahedron).
-inline constexpr double kMinBytesPerHexahedron = 3300;
+inline constexpr double kMinBytesPerHexahedron = 3000;
 
 /// Throws InputError where a body of so many hexahedra, at so many bytes each, does not fit into a memory of
 /// `available` bytes beside what is granted already: the machine would not refuse it, but swap until nothing moves, and

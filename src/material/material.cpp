@@ -211,8 +211,8 @@ double bytes_per_hexahedron(const std::vector<Material>& materials, const Settin
                       coefficients * (settings.precision == Precision::kMixed ? 2 : sizeof(double)) + 2 * of_cycles +
                       2 * sizeof(float) + of_latest +
                       (settings.recovery != RecoveryMode::kNone ? 3 * sizeof(double) : 0);
-  if (settings.precision == Precision::kMixed) return more + (flows ? 4700 : kMinBytesPerHexahedron);
-  return more + (flows ? 6200 : 3700);
+  if (settings.precision == Precision::kMixed) return more + (flows ? 4100 : kMinBytesPerHexahedron);
+  return more + (flows ? 5600 : 3400);
 }
 
 std::vector<std::string> check_time_step(const std::vector<Material>& materials, const Settings& settings, double dt,

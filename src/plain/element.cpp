@@ -145,7 +145,7 @@ ElementOutcome flow_alone(const Model& model, ConstPoints x, double dt, const Ma
   const Hexahedron& corners = model.mesh.hexahedra()[element];
   const ElementStep step =
       flow_element(model, element, gather(before.plastic_rest_positions, corners), gather(x, corners),
-                   frame ? *frame : Mat3(Mat3::Identity()), before.element(element), dt);
+                   frame ? *frame : Mat3(Mat3::Identity()), before.element(model, element), dt);
   next.set_element(element, step.next);
   return {.yielded = step.yielded,
           .inverted = step.inverted,

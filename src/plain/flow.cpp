@@ -141,7 +141,7 @@ class Step {
 
   /// Takes back the step of one element: its present shape becomes its rest shape.
   void roll_back(int e) {
-    ElementHistory element = before_.element(e);
+    ElementHistory element = before_.element(model_, e);
     const ElementPoints x = about_mean(rest_of(e, before_));
     for (int i = 0; i < kCorners; ++i) element.rest_shape.row(i) = x.row(i) * element.rotation_map[i];
     next.set_element(e, element);
@@ -196,8 +196,7 @@ FlowReport flow_isolated(const Model& model, ConstPoints x, double dt, History& 
 
 FlowReport flow(const Model& model, ConstPoints x, double dt, LinearSolver& solver, History& history,
                 std::span<const BranchStep> branches) {
-  if (model.settings.rest_shape == RestShape::kIsolated || !branches.empty())
-    return flow_isolated(model, x, dt, history, branches);
+  if (!model.has_rest_shapes() || !branches.empty()) return flow_isolated(model, x, dt, history, branches);
   Step step(model, x, history);
   step.flow_elements(dt);
   if (!model.can_flow() || !step.has_changed()) return step.report;

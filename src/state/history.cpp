@@ -36,9 +36,7 @@ bool is_flowed(const CornerTensors& plastic_inverse) {
 }
 
 History::History(const Model& model)
-    : rest_shape(model.mesh.num_elements()),
-      rotation_map(static_cast<std::size_t>(model.mesh.num_elements()) * model.maps_per_element(), Mat3::Identity()),
-      yield_stress(model.mesh.num_elements()),
+    : yield_stress(model.mesh.num_elements()),
       rotation_yield(model.can_rotate ? model.mesh.num_elements() : 0),
       plastic_rest_positions(model.mesh.positions()),
       plastic_strain(model.mesh.num_elements(), CornerValues{}),
@@ -47,33 +45,35 @@ History::History(const Model& model)
       branch_strain(static_cast<std::size_t>(model.mesh.num_elements()) * model.settings.num_branches(),
                     CornerSymmetric{}),
       branch_stretch(model.settings.num_branches() > 0 ? model.mesh.num_elements() : 0, CornerSymmetric{}) {
-  averaging_increment.setZero(model.mesh.num_nodes(), 3);
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
-    rest_shape[e] = model.initial_shape(e);
     yield_stress[e].fill(model.material(e).yield_stress);
     if (model.can_rotate) rotation_yield[e].fill(model.material(e).rotation_yield);
   }
+  if (model.has_rest_shapes()) add_rest_shapes(model);
   if (model.can_flow_isolated()) add_plastic_inverse();
   removed.reserve(model.mesh.num_elements());  // a step allocates nothing
 }
 
-ElementHistory History::element(int e) const {
-  ElementHistory element{rest_shape[e],
-                         {},
+ElementHistory History::element(const Model& model, int e) const {
+  ElementHistory element{rest_shape.empty() ? model.initial_shape(e) : rest_shape[e],
+                         identities(),
                          yield_stress[e],
                          rotation_yield.empty() ? CornerValues{} : rotation_yield[e],
                          plastic_strain[e],
                          plastic_stretch.empty() ? identities() : plastic_stretch[e],
                          plastic_inverse.empty() ? identities() : plastic_inverse[e]};
-  const std::size_t maps = rotation_map.size() / rest_shape.size();
-  for (int i = 0; i < kCorners; ++i) element.rotation_map[i] = rotation_map[e * maps + (maps == 1 ? 0 : i)];
+  const std::size_t maps = model.maps_per_element();
+  for (int i = 0; i < kCorners && !rotation_map.empty(); ++i)
+    element.rotation_map[i] = rotation_map[e * maps + (maps == 1 ? 0 : i)];
   return element;
 }
 
 void History::set_element(int e, const ElementHistory& element) {
-  rest_shape[e] = element.rest_shape;
-  const std::size_t maps = rotation_map.size() / rest_shape.size();
-  std::copy_n(element.rotation_map.begin(), maps, rotation_map.begin() + e * maps);
+  if (!rest_shape.empty()) {
+    rest_shape[e] = element.rest_shape;
+    const std::size_t maps = rotation_map.size() / rest_shape.size();
+    std::copy_n(element.rotation_map.begin(), maps, rotation_map.begin() + e * maps);
+  }
   yield_stress[e] = element.yield_stress;
   if (!rotation_yield.empty()) rotation_yield[e] = element.rotation_yield;
   plastic_strain[e] = element.plastic_strain;
@@ -81,6 +81,13 @@ void History::set_element(int e, const ElementHistory& element) {
   if (plastic_inverse.empty()) return;
   plastic_inverse[e] = element.plastic_inverse;
   has_flowed[e] = is_flowed(plastic_inverse[e]);
+}
+
+void History::add_rest_shapes(const Model& model) {
+  if (!rest_shape.empty()) return;
+  for (int e = 0; e < model.mesh.num_elements(); ++e) rest_shape.push_back(model.initial_shape(e));
+  rotation_map.resize(rest_shape.size() * model.maps_per_element(), Mat3::Identity());
+  averaging_increment.setZero(model.mesh.num_nodes(), 3);
 }
 
 void History::add_plastic_inverse() {
@@ -127,12 +134,14 @@ void History::serialize(Archive& archive) {
 void validate(const Model& model, const History& history) {
   const auto num_elements = static_cast<std::size_t>(model.mesh.num_elements());
   const Eigen::Index num_nodes = model.mesh.num_nodes();
-  const std::size_t num_maps = num_elements * static_cast<std::size_t>(model.maps_per_element());
-  require(history.rest_shape.size() == num_elements && history.yield_stress.size() == num_elements &&
-              history.plastic_strain.size() == num_elements && history.alive.size() == num_elements,
+  require((history.rest_shape.empty() || history.rest_shape.size() == num_elements) &&
+              history.yield_stress.size() == num_elements && history.plastic_strain.size() == num_elements &&
+              history.alive.size() == num_elements,
           "it is of another number of hexahedra");
   require(history.plastic_rest_positions.rows() == num_nodes, "it is of another number of nodes");
-  require(history.rotation_map.size() == num_maps && history.averaging_increment.rows() == num_nodes &&
+  require((history.rest_shape.empty() ? !model.has_rest_shapes() : model.settings.rest_shape == RestShape::kJoined) &&
+              history.rotation_map.size() == history.rest_shape.size() * model.maps_per_element() &&
+              history.averaging_increment.rows() == (history.rest_shape.empty() ? 0 : num_nodes) &&
               history.plastic_stretch.size() == (model.tracks_plastic_stretch ? num_elements : 0) &&
               (history.plastic_inverse.empty() ? !model.can_flow_isolated()
                                                : history.plastic_inverse.size() == num_elements &&

@@ -16,7 +16,7 @@ namespace hexaplast {
 /// Everything plastic; changes once per accepted time step, by flow(), and between two steps when the host takes
 /// elements out or changes the material (Body). A checkpoint saves exactly this.
 struct History {
-  std::vector<ElementPoints> rest_shape;     ///< y per element
+  std::vector<ElementPoints> rest_shape;     ///< y per element; empty, as Pi, where it stays (Model::has_rest_shapes)
   std::vector<Mat3> rotation_map;            ///< Pi per element, or per element and corner (Model::maps_per_element)
   std::vector<CornerValues> yield_stress;    ///< [Pa] tau per element
   std::vector<CornerValues> rotation_yield;  ///< [rad] tau^R per element; empty until the model can rotate
@@ -29,7 +29,8 @@ struct History {
   double dissipated_energy = 0;                ///< [J] accumulated plastic work
   std::vector<unsigned char> alive;            ///< per element: 0 once it is removed
   std::vector<int> removed;                    ///< removed elements in the order of their removal
-  PointArray averaging_increment;  ///< [m] latest step of the averaging, from which the next one starts; num_nodes x 3
+  PointArray averaging_increment;  ///< [m] latest step of the averaging, from which the next one starts; num_nodes x
+                                   ///< 3, without rows where there is no y
   std::vector<CornerSymmetric> branch_strain;   ///< b = q / (2 g mu) per element and viscoelastic branch
   std::vector<CornerSymmetric> branch_stretch;  ///< dev S at the latest step, per element; empty without branches
   long version = 0;  ///< grows whenever something changes, so that derived data know they are old
@@ -37,9 +38,10 @@ struct History {
   /// The initial state of a model: plastic rest positions = initial positions.
   explicit History(const Model& model);
 
-  ElementHistory element(int e) const;
+  ElementHistory element(const Model& model, int e) const;
   void set_element(int e, const ElementHistory& element);
-  /// Makes room for isolated rest shapes, which all are the initial ones, unless it is there.
+  /// Makes room for joined or isolated rest shapes, which all are the initial ones, unless it is there.
+  void add_rest_shapes(const Model& model);
   void add_plastic_inverse();
   /// Of each viscoelastic branch of an element.
   std::span<CornerSymmetric> branch_strains_of(int e) {

@@ -50,6 +50,8 @@ struct Model {
   }
 
   bool can_flow() const { return can_stretch || can_rotate; }
+  /// Whether joined rest shapes may become others than the initial ones.
+  bool has_rest_shapes() const { return is_plain && settings.rest_shape == RestShape::kJoined; }
   bool can_flow_isolated() const { return can_flow() && settings.rest_shape == RestShape::kIsolated; }
 
   ElementPoints initial_shape(int element) const;                   ///< [m] corners about their mean

@@ -36,7 +36,7 @@ TEST_P(GoldenMesh, ThreePlasticStepsAtHeldPositions) {
     for (int e = 0; e < body.mesh().num_elements(); ++e) {
       EXPECT_TRUE(agrees(beta[e], step["beta"][e].get<double>(), tolerance));
       EXPECT_TRUE(agrees(history.rest_shape[e], matrix(step["y"][e]), tolerance));
-      const ElementHistory element = history.element(e);
+      const ElementHistory element = history.element(body.state().model, e);
       for (int a = 0; a < kCorners; ++a) {
         const Json& Pi = mode == "paper_vertex" ? step["Pi_vertex"][e][a] : step["Pi"][e];
         EXPECT_TRUE(agrees(element.rotation_map[a], matrix(Pi), tolerance));

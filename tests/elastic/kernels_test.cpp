@@ -76,8 +76,8 @@ void expect_the_flow_of_the_elements(Body body, const PointArray& x) {
   ASSERT_EQ(plain::flow(model, x, 0.01, solver, expected).yielded, body.mesh().num_elements());
   body.flow(x, 0.01);
   for (int e = 0; e < model.mesh.num_elements(); ++e)
-    support::expect_same_history(body.state().history.element(e), expected.element(e), model.lame[e], kEdge,
-                                 rounding_of_flow(model.settings.precision));
+    support::expect_same_history(body.state().history.element(model, e), expected.element(model, e), model.lame[e],
+                                 kEdge, rounding_of_flow(model.settings.precision));
 }
 
 TEST_P(OnEverySet, FlowIsThatOfTheElements) {

@@ -141,7 +141,7 @@ FlowReport flow_both(Body& body, const PointArray& x) {
   EXPECT_EQ(found.alive, expected.alive);
   EXPECT_NEAR(found.dissipated_energy, expected.dissipated_energy, kRounding * expected.dissipated_energy);
   for (int e = 0; e < model.mesh.num_elements(); ++e)
-    support::expect_same_history(found.element(e), expected.element(e), model.lame[e], kEdge, kRounding);
+    support::expect_same_history(found.element(model, e), expected.element(model, e), model.lame[e], kEdge, kRounding);
   const auto agree = [](const std::vector<CornerSymmetric>& some, const std::vector<CornerSymmetric>& others) {
     ASSERT_EQ(some.size(), others.size());
     for (std::size_t k = 0; k < some.size(); ++k)
@@ -311,7 +311,8 @@ TEST_P(EveryPlainOption, LanesAreTheElements) {
         EXPECT_NEAR(outcomes[e].volume_error, alone.volume_error, kRounding);
         EXPECT_NEAR(outcomes[e].dissipated, alone.dissipated, kRounding * alone.dissipated);
         yielded += alone.yielded;
-        support::expect_same_history(found.element(e), expected.element(e), model.lame[e], kEdge, kRounding);
+        support::expect_same_history(found.element(model, e), expected.element(model, e), model.lame[e], kEdge,
+                                     kRounding);
       }
       plain::flow(model, x, kStep, solver, history);  // on which the next step follows
     }

@@ -26,7 +26,9 @@ using support::kJoined;
 using support::mapped;
 
 Model elastic_model(HexMesh mesh) {
-  return Model(std::move(mesh), {Material{}}, {.rest_shape = RestShape::kJoined, .averaging_tolerance = 1e-12});
+  return Model(
+      std::move(mesh), {Material{}},
+      {.rest_shape = RestShape::kJoined, .averaging_tolerance = 1e-12, .implementation = Implementation::kPlain});
 }
 
 AveragingReport join(const Model& model, LinearSolver& solver, History& history) {
@@ -81,7 +83,8 @@ History cut_from(const Model& model, const PointArray& positions) {
 
 TEST(Averaging, JoinsPiecesOfATwistedBarWhateverTheSize) {
   for (const int refine : {1, 2, 4}) {
-    const Model model(support::block({3 * refine, 2 * refine, 8 * refine}, kEdge / refine), {Material{}}, kJoined);
+    const Model model(support::block({3 * refine, 2 * refine, 8 * refine}, kEdge / refine), {Material{}},
+                      {.rest_shape = RestShape::kJoined, .implementation = Implementation::kPlain});
     History history = cut_from(model, support::stretched_and_twisted(model.mesh, 1.2, 1.0));
     PreconditionedConjugateGradients solver = averaging_solver(model);
     for (int k = 0; k < 12; ++k) EXPECT_TRUE(join(model, solver, history).converged);

@@ -137,7 +137,7 @@ TEST(FinalState, ComesBackWithAllItsBits) {
   expect_points("positions", x);
   expect_points("velocities", v);
   expect_points("plastic_rest_positions", body.plastic_rest_positions());
-  const ElementHistory second = body.state().history.element(1);
+  const ElementHistory second = body.state().history.element(body.state().model, 1);
   ASSERT_EQ(read["isolated_shapes"].size(), static_cast<std::size_t>(body.mesh().num_elements()));
   for (int a = 0; a < kCorners; ++a) {
     const Vec3 corner = second.rotation_map[a] * second.rest_shape.row(a).transpose();
