@@ -8,11 +8,12 @@ from report import RESULTS, write_plot, write_table
 
 REFINEMENTS = (1, 2, 3)
 PEAK_STEP = 200  # the last one under load
+PUBLISHED = ("bending=blended", "volumetric=sample", "recovery=none")  # the element of the paper
 NODE_FORCES = {"corners": 1.75, "borders": 3.5, "inner": 7.0}  # [N] of the scene, r = 1
 
 
 def _settings(r):
-    settings = [f"bar/grid.n={3 * r + 1} {3 * r + 1} {10 * r + 1}"]
+    settings = [f"bar/material.{word}" for word in PUBLISHED] + [f"bar/grid.n={3 * r + 1} {3 * r + 1} {10 * r + 1}"]
     for side, sign in (("Up", 1), ("Down", -1)):
         for kind, force in NODE_FORCES.items():
             load = f"0 0 {sign * force / r**2:.17g}"
