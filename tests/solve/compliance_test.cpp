@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/SparseCholesky>
 #include <array>
 #include <vector>
 
+#include "hexaplast/base/block_matrix.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/solve/cholesky.hpp"
@@ -56,18 +58,24 @@ PointArray transposed(const Slab& slab, const std::vector<ConstraintRow>& rows, 
 }
 
 Eigen::MatrixXd factorised(const Slab& slab, const std::vector<ConstraintRow>& rows) {
-  CholeskySolver cholesky;
+  BlockMatrix A(slab.num_nodes());
+  slab.assemble(A);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int n = 0; n < slab.num_nodes(); ++n)
+    for (const BlockMatrix::Entry& entry : A.row(n))
+      for (int k = 0; k < 9; ++k)
+        entries.emplace_back(3 * n + k / 3, 3 * entry.column + k % 3, entry.block(k / 3, k % 3));
+  Eigen::SparseMatrix<double> matrix(3 * slab.num_nodes(), 3 * slab.num_nodes());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+
   const auto count = static_cast<Eigen::Index>(rows.size());
-  Eigen::MatrixXd W = Eigen::MatrixXd::Zero(count, count);
-  PointArray x(slab.num_nodes(), 3);
+  Eigen::MatrixXd J(matrix.rows(), count);
   for (Eigen::Index j = 0; j < count; ++j) {
     PointArray b = transposed(slab, rows, Eigen::VectorXd::Unit(count, j));
     slab.project(b);
-    cholesky.solve(slab, b, x);
-    for (Eigen::Index i = 0; i < count; ++i)
-      for (const auto& [node, direction] : rows[static_cast<std::size_t>(i)]) W(i, j) += x.row(node).dot(direction);
+    J.col(j) = Eigen::Map<const Eigen::VectorXd>(b.data(), b.size());
   }
-  return W;
+  return J.transpose() * Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(matrix).solve(J);
 }
 
 struct SystemCase {
