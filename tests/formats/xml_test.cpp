@@ -5,8 +5,6 @@
 #include <gtest/gtest.h>
 #include <tinyxml2.h>
 
-#include <random>
-
 #include "formats/text.hpp"
 
 namespace hexaplast {
@@ -58,6 +56,8 @@ TEST(Xml, ErrorsNameTheTagAndWhatIsWrong) {
             "2: unknown entity: only &amp; &lt; &gt; &quot; &apos; and character numbers are allowed"},
            {"<a>\n\xFF</a>", "2: the file is not valid UTF-8"}})
     EXPECT_EQ(verdict_on_xml(text), verdict) << text;
+  for (const char* reference : {"&#0;", "&#x0;", "&#xD800;", "&#x110000;", "&#;", "&#xg;"})
+    EXPECT_EQ(verdict_on_xml(std::string("<a>") + reference + "</a>").rfind("1: unknown entity: ", 0), 0u) << reference;
   EXPECT_EQ(verdict_on_xml(std::string_view("<a>\n\0</a>", 9)), "2: the file contains a NUL byte: must be text");
   EXPECT_EQ(verdict_on_xml("<" + std::string(1000, 'n') + ">"), "1: <" + std::string(40, 'n') + "...> is never closed");
 }
@@ -70,8 +70,9 @@ TEST(Xml, OtherEncodingsAreSaidToBeNoUtf8) {
 }
 
 TEST(Xml, TakesWhatIsWellFormed) {
-  for (const char* text : {"<a/>", "\xEF\xBB\xBF<?xml version='1.0'?>\n<?more?>\n<!-- > < & -->\n<a\tb = 'c > \"d'\n/>",
-                           "<a b='&#233;&#x1F600;&amp;'>text ]]> é<![CDATA[ <&> ]]></a >", "<ä:b.c-1 _x=''/>"})
+  for (const char* text :
+       {"<a/>", "\xEF\xBB\xBF<?xml version='1.0'?>\r\n<?more?>\n<!-- > < & -->\n<a\tb = 'c > \"d'\n/>",
+        "<a b='&#233;&#x1F600;&amp;'>text ]]> é<![CDATA[ <&> ]]></a >", "<ä:b.c-1 _x=''/>"})
     EXPECT_EQ(verdict_on_xml(text), "1") << text;
   EXPECT_EQ(verdict_on_xml("<a><b/><b></b></a>"), "3");
   EXPECT_EQ(verdict_on_xml(" \n"), "0") << "that there is a root is asked by whoever wants one";
@@ -87,40 +88,13 @@ TEST(Xml, OfMoreThanTheLimitsIsRefused) {
   };
   EXPECT_EQ(verdict_on_xml(nested(98)), "98") << "the parser has a limit of its own";
   EXPECT_EQ(verdict_on_xml(nested(99)), "1: more than 98 levels of elements");
+  std::string open;
+  for (int k = 0; k < 1'000'000; ++k) open += "<a>";
+  EXPECT_EQ(verdict_on_xml(open), "1: more than 98 levels of elements");
   EXPECT_EQ(verdict_on_xml("<a><a/><a/><a/><a/>\n<a/>", kFew), "2: more than 5 elements");
   EXPECT_EQ(verdict_on_xml("<a x='' y='' z=''\nu=''/>", kFew), "2: an element has more than 3 attributes");
   EXPECT_EQ(verdict_on_xml("<a x='' y='' z=''><a x='' y='' z=''/>\n<a x=''/></a>", kFew), "2: more than 6 attributes");
   EXPECT_EQ(verdict_on_xml("<!----><!----><!----><!---->\n<!----><!---->", kFew), "2: more than 5 comments");
-}
-
-// Whatever is let pass the parser reads without a word of its own: XML_ERROR_PARSING and the like are never seen.
-TEST(Xml, LeavesTheParserNothingToComplainOf) {
-  const std::string whole =
-      "<?xml version='1.0'?>\n<!-- c --><Node a='1 &lt;' b=\"2\">\n<bar x='&#65;'/>text<![CDATA[ d ]]>\n"
-      "<bar><b2 y='z' w='v'></b2></bar></Node>\n";
-  std::mt19937 random(18);
-  const auto below = [&](std::size_t bound) {
-    return std::uniform_int_distribution<std::size_t>(0, bound - 1)(random);
-  };
-  int num_refused = 0, num_read = 0;
-  for (int k = 0; k < 10'000; ++k) {
-    std::string text = whole;
-    for (std::size_t changes = 1 + below(3); changes > 0; --changes) {
-      const std::size_t at = below(text.size());
-      static constexpr std::string_view kSigns = "<>/'\"=&;?![]- \nab1:";
-      if (below(3) == 0)
-        text.erase(at, 1 + below(6));
-      else if (below(2) == 0)
-        text.insert(at, 1, kSigns[below(kSigns.size())]);
-      else
-        text.insert(at, whole.substr(below(whole.size()), below(12)));
-    }
-    const std::string verdict = verdict_on_xml(text);
-    ASSERT_EQ(verdict.find("not well-formed XML ("), std::string::npos) << text << "\n" << verdict;
-    ++(verdict.find(':') == verdict.npos ? num_read : num_refused);
-  }
-  EXPECT_GT(num_read, 500);
-  EXPECT_GT(num_refused, 2500);
 }
 
 TEST(Printable, ShowsWhatWouldSteerATerminal) {

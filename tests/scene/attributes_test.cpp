@@ -141,24 +141,6 @@ class ExampleScenes : public testing::Test {
   const fs::path before_ = fs::current_path(), folder_;
 };
 
-TEST_F(ExampleScenes, WhatIsNoNumberIsRefusedEverywhere) {
-  for_each_numeric_attribute([&](const Description& component, const Attribute& attribute) {
-    const int count = numbers_wanted(attribute.type);
-    for (const char* word : {"abc", "1,5", "nan", "-nan", "inf", "-inf", "1e309", "0x1", "--1"})
-      EXPECT_NE(answer_to(component, attribute, repeated(word, count)).refusal_of_text, "") << word;
-    if (is_integer(attribute.type)) {
-      for (const char* word : {"1.5", "1e308", "1e-320", "9223372036854775808", "-9223372036854775809"})
-        EXPECT_NE(answer_to(component, attribute, repeated(word, count)).refusal_of_text, "") << word;
-    }
-    if (is_single(attribute.type)) {
-      EXPECT_EQ(answer_to(component, attribute, "").refusal_of_text, "0 values given, must be one");
-      EXPECT_EQ(answer_to(component, attribute, "1 2").refusal_of_text, "2 values given, must be one");
-    } else if (count > 1) {
-      EXPECT_NE(answer_to(component, attribute, repeated("1", count + 1)).refusal_of_text, "");
-    }
-  });
-}
-
 TEST_F(ExampleScenes, NumbersOutOfRangeAreRefusedWithTheRangeAndOthersRunOrAreRefused) {
   for_each_numeric_attribute([&](const Description& component, const Attribute& attribute) {
     const int count = numbers_wanted(attribute.type);

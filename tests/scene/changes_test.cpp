@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
 #include <set>
@@ -29,12 +28,13 @@ using support::run;
 
 constexpr int kChangesAt = 3, kSteps = 8;  // the step that the change begins with, of all
 
-/// An attribute of each kind, for others to follow.
+/// An attribute of each type of numbers, and of text, for others to follow.
 constexpr Attribute kSourceAttributes[] = {
     {.name = "switch", .type = Type::kBool},       {.name = "number", .type = Type::kInteger},
     {.name = "real", .type = Type::kReal},         {.name = "text", .type = Type::kText},
-    {.name = "integers", .type = Type::kIntegers}, {.name = "reals", .type = Type::kReals},
-    {.name = "vectors", .type = Type::kVectors3},
+    {.name = "integers", .type = Type::kIntegers}, {.name = "hexahedra", .type = Type::kHexahedra},
+    {.name = "reals", .type = Type::kReals},       {.name = "boxes", .type = Type::kBoxes},
+    {.name = "vector", .type = Type::kVector3},    {.name = "vectors", .type = Type::kVectors3},
 };
 constexpr Description kSource{
     .class_name = "Source", .category = "Test", .help = "Is followed.", .attributes = kSourceAttributes};
@@ -46,25 +46,8 @@ class Source final : public scene::Component, public scene::Changeable {
 };
 
 std::string_view source_of(Type type) {
-  switch (type) {
-    case Type::kBool:
-      return "switch";
-    case Type::kInteger:
-      return "number";
-    case Type::kReal:
-      return "real";
-    case Type::kIntegers:
-    case Type::kHexahedra:
-      return "integers";
-    case Type::kVector3:
-    case Type::kVectors3:
-      return "vectors";
-    case Type::kReals:
-    case Type::kBoxes:
-      return "reals";
-    default:
-      return "text";
-  }
+  const auto found = std::ranges::find(kSourceAttributes, type, &Attribute::type);
+  return found == std::end(kSourceAttributes) ? "text" : found->name;
 }
 
 /// Values that say more than what follows from the present one by itself.
@@ -132,44 +115,33 @@ constexpr attributes::Example kMoreScenes[] = {
     tangentialStiffness="2e6"/>)xml"},
 };
 
+/// Names of attributes with those of their classes.
+std::set<std::string> names(std::initializer_list<std::pair<std::string, std::string_view>> rows) {
+  std::set<std::string> all;
+  for (const auto& [class_name, attributes] : rows)
+    for (const std::string_view name : scene::split_words(attributes)) all.insert(class_name + "." + std::string(name));
+  return all;
+}
+constexpr std::string_view kPlastic =
+    "fractureStress fractureStretch hardening plasticFlowRate rotationFlowRate rotationYield yieldStress";
 /// What acts later than in its step: a forceps that is open yet, and plastic flow, which ends a step.
-const std::set<std::string> kLate = {"GraspForceField.damping",
-                                     "GraspForceField.graspTime",
-                                     "GraspForceField.indices",
-                                     "GraspForceField.keyTimes",
-                                     "GraspForceField.maxForce",
-                                     "GraspForceField.positions",
-                                     "GraspForceField.radius",
-                                     "GraspForceField.rayleighStiffness",
-                                     "GraspForceField.releaseTime",
-                                     "GraspForceField.stiffness",
-                                     "HexahedronElastoplasticFEMForceField.fractureStress",
-                                     "HexahedronElastoplasticFEMForceField.fractureStretch",
-                                     "HexahedronElastoplasticFEMForceField.hardening",
-                                     "HexahedronElastoplasticFEMForceField.plasticFlowRate",
-                                     "HexahedronElastoplasticFEMForceField.rotationFlowRate",
-                                     "HexahedronElastoplasticFEMForceField.rotationYield",
-                                     "HexahedronElastoplasticFEMForceField.yieldStress",
-                                     "MaterialRegion.fractureStress",
-                                     "MaterialRegion.fractureStretch",
-                                     "MaterialRegion.hardening",
-                                     "MaterialRegion.plasticFlowRate",
-                                     "MaterialRegion.rotationFlowRate",
-                                     "MaterialRegion.rotationYield",
-                                     "MaterialRegion.yieldStress"};
+const std::set<std::string> kLate =
+    names({{"GraspForceField",
+            "damping graspTime indices keyTimes maxForce positions radius rayleighStiffness releaseTime stiffness"},
+           {"HexahedronElastoplasticFEMForceField", kPlastic},
+           {"MaterialRegion", kPlastic}});
 /// What has no effect in these scenes.
-const std::set<std::string> kIdle = {"FixedProjectiveConstraint.activate_projectVelocity",
-                                     "PartialFixedProjectiveConstraint.projectVelocity",
-                                     "PartialLinearMovementProjectiveConstraint.linearMovementBetweenNodesInIndices"};
+const std::set<std::string> kIdle =
+    names({{"FixedProjectiveConstraint", "activate_projectVelocity"},
+           {"PartialFixedProjectiveConstraint", "projectVelocity"},
+           {"PartialLinearMovementProjectiveConstraint", "linearMovementBetweenNodesInIndices"}});
 /// What cannot have another value by itself: lists that are as long as others, or excluded by them.
-const std::set<std::string> kRefused = {"AttachProjectiveConstraint.indices2",
-                                        "InstrumentContactForceField.embeddedPositions",
-                                        "InstrumentContactForceField.embeddedTriangles",
-                                        "MaterialRegion.indices",
-                                        "RestShapeSpringsForceField.external_points",
-                                        "SpringForceField.indices1",
-                                        "SpringForceField.indices2",
-                                        "SurfacePressureForceField.triangleIndices"};
+const std::set<std::string> kRefused = names({{"AttachProjectiveConstraint", "indices2"},
+                                              {"InstrumentContactForceField", "embeddedPositions embeddedTriangles"},
+                                              {"MaterialRegion", "indices"},
+                                              {"RestShapeSpringsForceField", "external_points"},
+                                              {"SpringForceField", "indices1 indices2"},
+                                              {"SurfacePressureForceField", "triangleIndices"}});
 
 /// Other values than the present one, the likely ones first.
 std::vector<Value> others(const Attribute& attribute, const Value& present, const std::string& name) {

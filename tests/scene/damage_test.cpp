@@ -5,13 +5,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <random>
 #include <regex>
 #include <string>
 
+#include "support/files.hpp"
 #include "support/scene.hpp"
 
 namespace {
@@ -23,8 +22,7 @@ std::map<std::string, std::string> shipped_scenes() {
   std::map<std::string, std::string> scenes;
   for (const fs::directory_entry& entry : fs::directory_iterator(fs::path(HEXAPLAST_SOURCE_DIR) / "scenes")) {
     if (entry.path().extension() != ".scn") continue;
-    std::ifstream file(entry.path(), std::ios::binary);
-    scenes[entry.path().filename().string()].assign(std::istreambuf_iterator<char>(file), {});
+    scenes[entry.path().filename().string()] = support::content(entry.path());
   }
   return scenes;
 }

@@ -16,13 +16,14 @@ using support::at;
 /// A directory of its own for each test. Messages name files in it without the directory.
 class SceneInclude : public testing::Test {
  protected:
-  SceneInclude() { fs::create_directories(directory_ / "parts"); }
-
-  void write(const std::string& name, const std::string& text) { support::put(directory_ / name, text); }
+  void write(const std::string& name, const std::string& text) {
+    fs::create_directories((directory_ / name).parent_path());
+    support::put(directory_ / name, text);
+  }
 
   scene::Scene read(const std::string& name) {
     scene::PluginLoader& loader = support::plugins();
-    return scene::read_scene(directory_ / name, support::factory(), loader);
+    return scene::read_scene(directory_ / name, support::factory(), loader, search_path_);
   }
 
   std::string errors_of(const std::string& name) {
@@ -39,6 +40,7 @@ class SceneInclude : public testing::Test {
   }
 
   const support::Scratch directory_;
+  scene::SearchPath search_path_;
 };
 
 TEST_F(SceneInclude, AFileStandsForItsRootAndIsFoundFromTheIncludingFile) {
@@ -72,6 +74,7 @@ TEST_F(SceneInclude, ErrorsShowTheChainOfFiles) {
 }
 
 TEST_F(SceneInclude, WhatCannotBeIncludedIsAnError) {
+  fs::create_directory(directory_ / "parts");
   write("main.scn",
         "<Node>\n<include/>\n<include href=''/>\n<include href='absent.xml'/>\n<include href='parts'/>"
         "\n<include href='a.xml'><BoxROI/></include>\n<include href='a.xml' box='1 1 1 2 2 2'/></Node>");
@@ -86,6 +89,7 @@ TEST_F(SceneInclude, WhatCannotBeIncludedIsAnError) {
 }
 
 TEST_F(SceneInclude, CirclesAreFoundWhateverTheFilesAreCalled) {
+  fs::create_directory(directory_ / "parts");
   write("main.scn", "<Node>\n<include href='parts/../main.scn'/></Node>");
   EXPECT_EQ(errors_of("main.scn"), "main.scn:2: error: include.href: 'parts/../main.scn' includes itself");
 
@@ -111,6 +115,60 @@ TEST_F(SceneInclude, LevelsAndNumberAreLimited) {
     write(file(i), "<Node><include href='" + file(i + 1) + "'/><include href='" + file(i + 1) + "'/></Node>");
   write(file(16), "<Node/>");
   EXPECT_NE(errors_of(file(0)).find("error: include.href: more than 1000 includes\n"), std::string::npos);
+}
+
+/// The file is not beside the scene, but below a directory of the search path.
+class SceneSearchPath : public SceneInclude {
+ protected:
+  SceneSearchPath() {
+    write("scenes/a.scn", "<Node><include href='parts/part.xml'/></Node>");
+    write("one/parts/part.xml", part("mesh/m.obj"));
+    search_path_ = scene::SearchPath({directory_ / "none", directory_ / "one", directory_ / "two"});
+  }
+
+  static std::string part(const std::string& mesh) {
+    return "<Node name='Group'><MeshOBJLoader name='mesh' filename='" + mesh + "'/></Node>";
+  }
+
+  /// A triangle whose first corner lies at x.
+  void write_mesh(const std::string& name, double x) {
+    write(name, "v " + std::to_string(x) + " 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  }
+
+  double first_x() {
+    scene::Scene scene = read("scenes/a.scn");
+    scene.init();
+    return at<scene::Component>(scene, "mesh").reals("position")[0];
+  }
+};
+
+TEST_F(SceneSearchPath, TheFileItselfComesFirstThenTheDirectoriesInTheirOrder) {
+  write_mesh("two/mesh/m.obj", 2);
+  EXPECT_EQ(first_x(), 2);
+  write_mesh("one/mesh/m.obj", 1);
+  EXPECT_EQ(first_x(), 1);
+  write_mesh("one/parts/mesh/m.obj", 3);  // beside the file that names it
+  EXPECT_EQ(first_x(), 3);
+  // what is read is never written over
+  scene::Scene scene = read("scenes/a.scn");
+  scene.init();
+  for (const char* input : {"one/parts/mesh/m.obj", "one/parts/part.xml"})
+    EXPECT_FALSE(scene.root().files().inputs.replaced_by(directory_ / input).empty()) << input;
+}
+
+TEST_F(SceneSearchPath, WhatIsNowhereIsRefusedWithThePlaces) {
+  EXPECT_NE(errors_of("scenes/a.scn").find("  hint: looked for in none, "), std::string::npos);
+  fs::remove(directory_ / "one/parts/part.xml");
+  EXPECT_NE(errors_of("scenes/a.scn").find("'parts/part.xml': no such file\n  hint: looked for in none, "),
+            std::string::npos);
+}
+
+TEST_F(SceneSearchPath, NamesThatLeadUpwardsCountFromTheirFileAlone) {
+  write("one/parts/part.xml", part("../m.obj"));
+  write_mesh("m.obj", 7);  // one/../m.obj
+  const std::string errors = errors_of("scenes/a.scn");
+  EXPECT_NE(errors.find("no such file"), std::string::npos);
+  EXPECT_EQ(errors.find("hint"), std::string::npos) << errors;
 }
 
 }  // namespace
