@@ -8,20 +8,12 @@
 #include <thread>
 
 #include "hexaplast/body.hpp"
+#include "support/bar_scene.hpp"
 #include "support/scene.hpp"
 #include "view/session.hpp"
 
 /// Sessions of the live window, without a window.
 namespace hexaplast::support {
-
-/// A soft bar of 0.1 x 0.1 x 0.3 m that stands on its lower end and yields under little stress.
-inline constexpr const char* kBar =
-    "<Node dt='0.01' gravity='0 0 0'><DefaultAnimationLoop/>"
-    "<EulerImplicitSolver rayleighMass='0.1' rayleighStiffness='0.05'/>"
-    "<CGLinearSolver iterations='200' tolerance='1e-9' threshold='1e-30'/>"
-    "<RegularGridTopology name='grid' n='3 3 7' max='0.1 0.1 0.3'/><MechanicalObject name='nodes'/>"
-    "<UniformMass totalMass='3'/><HexahedronElastoplasticFEMForceField name='body' youngModulus='5000' "
-    "poissonRatio='0.4' yieldStress='150' plasticFlowRate='4'/><FixedProjectiveConstraint indices='0-8'/></Node>";
 
 inline const Vec3 kTop(0.05, 0.05, 0.3);
 
@@ -84,5 +76,20 @@ view::Snapshot wait_for(view::Session& session, const Wanted& wanted) {
 inline view::Snapshot wait_for_step(view::Session& session, long step) {
   return wait_for(session, [&](const view::Snapshot& at) { return at.step == step && !at.is_running; });
 }
+
+inline std::unique_ptr<scene::Component> make(std::string_view class_name) { return factory().make(class_name); }
+
+/// A session on the bar, whose steps are waited for.
+class BarSession : public testing::Test {
+ protected:
+  view::Snapshot advance(long steps) {
+    session.advance(steps);
+    return wait_for_step(session, step += steps);
+  }
+
+  Played played;
+  view::Session session{played.subject(), make};
+  long step = 0;
+};
 
 }  // namespace hexaplast::support

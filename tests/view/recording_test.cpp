@@ -14,7 +14,6 @@ namespace {
 using support::kTop;
 using support::Played;
 using support::wait_for;
-using support::wait_for_step;
 
 /// The scene that repeats what was done.
 std::string record(Played& played, const Session& session) {
@@ -29,33 +28,17 @@ std::string hash_of(const std::string& text) {
   return again.hash_after(settings.integer("steps"));
 }
 
-std::unique_ptr<scene::Component> make(std::string_view class_name) { return support::factory().make(class_name); }
-
-/// A session that is waited for.
-class Steps {
- public:
-  explicit Steps(Session& session) : session_(session) {}
-
-  Snapshot advance(long steps) {
-    session_.advance(steps);
-    return wait_for_step(session_, step_ += steps);
-  }
-
-  /// The hand goes on after each step.
+/// One whose hand goes on after each step.
+class RecordedScene : public support::BarSession {
+ protected:
   Snapshot drag(Vec3 from, const Vec3& by, int steps) {
     Snapshot last;
     for (int k = 0; k < steps; ++k) {
-      session_.drag(from += by);
+      session.drag(from += by);
       last = advance(1);
     }
     return last;
   }
-  void set(long step) { step_ = step; }
-  long get() const { return step_; }
-
- private:
-  Session& session_;
-  long step_ = 0;
 };
 
 HandSettings with(HandSettings settings, Tool tool) {
@@ -63,23 +46,20 @@ HandSettings with(HandSettings settings, Tool tool) {
   return settings;
 }
 
-TEST(RecordedScene, RepeatsPullsAndSliders) {
-  Played played;
-  Session session(played.subject(), make);
-  Steps steps(session);
+TEST_F(RecordedScene, RepeatsPullsAndSliders) {
   session.set("youngModulus", 6000);  // before the first step
-  steps.advance(3);
+  advance(3);
   session.grab({.place = kTop}, session.suggested_hand());
-  steps.drag(kTop, Vec3(0.004, -0.001, 0.007), 20);
+  drag(kTop, Vec3(0.004, -0.001, 0.007), 20);
   session.set("yieldStress", 90);
   session.set("yieldStress", 110);
-  steps.drag(kTop, Vec3(-0.002, 0.003, 0.006), 10);
+  drag(kTop, Vec3(-0.002, 0.003, 0.006), 10);
   session.release();
-  steps.advance(7);
+  advance(7);
   session.set("yieldStress", std::nullopt);
   session.grab({.place = kTop}, session.suggested_hand());  // twice, and without a step between
   session.grab({.place = Vec3(0, 0.05, 0.15)}, session.suggested_hand());
-  steps.drag(Vec3(0, 0.05, 0.15), Vec3(-0.005, 0, 0), 10);
+  drag(Vec3(0, 0.05, 0.15), Vec3(-0.005, 0, 0), 10);
   session.stop();  // it still holds
   EXPECT_EQ(session.actions().motions.size(), 2u);
   EXPECT_EQ(session.actions().changes.size(), 3u) << "of two at the same time the last one counts";
@@ -88,22 +68,19 @@ TEST(RecordedScene, RepeatsPullsAndSliders) {
   EXPECT_GT(std::ranges::max(played.body().fields(played.positions()).plastic_strain), 0.02);
 }
 
-TEST(RecordedScene, RepeatsWhatTouches) {
-  Played played;
-  Session session(played.subject(), make);
-  Steps steps(session);
+TEST_F(RecordedScene, RepeatsWhatTouches) {
   EXPECT_EQ(session.touch_refusal(), "");
   for (const Tool tool : {Tool::kSphere, Tool::kCapsule, Tool::kBox, Tool::kSphere}) {
-    const Vec3 side = steps.advance(1).positions.row(50).transpose();  // the middle of the side, below the top
+    const Vec3 side = advance(1).positions.row(50).transpose();  // the middle of the side, below the top
     session.grab({.place = side, .outwards = Vec3::UnitX(), .towards = Vec3(1, 0, 1).normalized()},
                  with(session.suggested_hand(), tool));
-    const Vec3 coming = steps.advance(1).hand_force;
+    const Vec3 coming = advance(1).hand_force;
     if (side == Vec3(0.1, 0.05, 0.25)) {
       EXPECT_EQ(coming, Vec3(0, 0, 0)) << "it does not touch yet";
     }
-    EXPECT_LT(steps.drag(side, Vec3(-0.003, 0, 0.0005), 12).hand_force.x(), -0.05) << "it pushes";
+    EXPECT_LT(drag(side, Vec3(-0.003, 0, 0.0005), 12).hand_force.x(), -0.05) << "it pushes";
     session.release();
-    if (tool != Tool::kCapsule) steps.advance(20);  // the box takes the place of the capsule at once
+    if (tool != Tool::kCapsule) advance(20);  // the box takes the place of the capsule at once
   }
   session.stop();
   EXPECT_EQ(session.actions().motions.size(), 4u);
@@ -111,15 +88,12 @@ TEST(RecordedScene, RepeatsWhatTouches) {
   EXPECT_GT((played.positions() - played.body().mesh().positions()).rowwise().norm().maxCoeff(), 0.005);
 }
 
-TEST(RecordedScene, LeavesOutWhatWasUndone) {
-  Played played;
-  Session session(played.subject(), make);
-  Steps steps(session);
+TEST_F(RecordedScene, LeavesOutWhatWasUndone) {
   const auto pull = [&](const Vec3& by, Tool tool, int count) {
     session.grab({.place = kTop}, with(session.suggested_hand(), tool));
-    steps.drag(kTop, by, count);
+    drag(kTop, by, count);
     session.release();
-    return steps.advance(3);
+    return advance(3);
   };
   pull(Vec3(0, 0, 0.01), Tool::kGrip, 12);
   session.set("yieldStress", 120);
@@ -135,31 +109,28 @@ TEST(RecordedScene, LeavesOutWhatWasUndone) {
   EXPECT_EQ(back.positions, kept.positions);
   EXPECT_EQ(back.sample.time, kept.sample.time);
   EXPECT_EQ(back.parameter_values, kept.parameter_values) << "the sliders too";
-  steps.set(kept.step);
+  step = kept.step;
   pull(Vec3(0.003, 0, -0.006), Tool::kCapsule, 9);
   session.stop();
   EXPECT_EQ(session.actions().motions.size(), 3u);
   EXPECT_EQ(hash_of(record(played, session)), played.hash());
 }
 
-TEST(RecordedScene, BeginsAnewAfterAReset) {
-  Played played;
-  Session session(played.subject(), make);
-  Steps steps(session);
+TEST_F(RecordedScene, BeginsAnewAfterAReset) {
   session.grab({.place = kTop}, with(session.suggested_hand(), Tool::kSphere));
-  steps.drag(kTop, Vec3(0.01, 0, -0.01), 10);
+  drag(kTop, Vec3(0.01, 0, -0.01), 10);
   session.set("yieldStress", 90);
   session.reset();
-  steps.set(0);
+  step = 0;
   session.grab({.place = kTop}, session.suggested_hand());
-  steps.drag(kTop, Vec3(0.01, 0, 0.01), 10);
+  drag(kTop, Vec3(0.01, 0, 0.01), 10);
   session.stop();
   EXPECT_EQ(session.actions().motions.size(), 1u);
   EXPECT_EQ(session.actions().changes.size(), 1u);
   EXPECT_EQ(hash_of(record(played, session)), played.hash());
 }
 
-TEST(RecordedScene, KeepsOverridesAndNamesFilesFromItsOwnFolder) {
+TEST_F(RecordedScene, KeepsOverridesAndNamesFilesFromItsOwnFolder) {
   const std::string folder = HEXAPLAST_SOURCE_DIR "/scenes/";
   const std::string text =
       "<Node dt='0.01' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/><CGLinearSolver iterations='20'/>"

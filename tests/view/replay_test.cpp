@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <optional>
 #include <thread>
 
 #include "support/compare.hpp"
@@ -16,18 +17,12 @@ namespace hexaplast::view {
 namespace {
 
 /// A run of 12 steps, each third of which is saved, and the positions then.
-struct Written {
-  explicit Written(const std::filesystem::path& directory) {
-    std::string text = support::kBar;
-    text.insert(text.find("</Node>"), "<ConstantForceField indices='54-62' totalForce='1 0 8'/>");
-    support::Played played(text);
-    output::RunPlan plan;
-    plan.title = "bar";
-    plan.num_steps = 12;
-    plan.dt = 0.01;
-    plan.output_every = 3;
-    plan.num_frames = 0;
-    output::Recorder recorder(directory, played.body(), plan);
+class WrittenRun : public testing::Test {
+ protected:
+  WrittenRun() {
+    support::Played played(support::bar_with("<ConstantForceField indices='54-62' totalForce='1 0 8'/>"));
+    output::Recorder recorder(scratch / "run", played.body(),
+                              {.title = "bar", .num_steps = 12, .dt = 0.01, .output_every = 3, .num_frames = 0});
     auto& state = support::at<scene::MechanicalState>(played.scene(), "nodes");
     recorder.record({}, state.positions(), state.velocities());
     for (int step = 1; step <= 12; ++step) {
@@ -38,95 +33,84 @@ struct Written {
     }
     strain = std::ranges::max(played.body().fields(state.positions()).plastic_strain);
     recorder.finish();
+    replay.emplace(output::RecordedRun(scratch / "run"));
   }
+
+  const support::Scratch scratch;
   std::vector<PointArray> positions;  // after each step
-  double strain;
+  double strain = 0;
+  std::optional<Replay> replay;
+  Snapshot now;
 };
 
-TEST(Replay, GoesFromStateToState) {
-  const support::Scratch scratch;
-  const Written written(scratch / "run");
-  Replay replay{output::RecordedRun(scratch / "run")};
-  ASSERT_EQ(replay.num_states(), 5);
-  EXPECT_EQ(replay.title(), "run");
-  EXPECT_NEAR(replay.dt(), 0.03, 1e-12);
-  Snapshot now;
-  ASSERT_TRUE(replay.take(now));
+TEST_F(WrittenRun, GoesFromStateToState) {
+  ASSERT_EQ(replay->num_states(), 5);
+  EXPECT_EQ(replay->title(), "run");
+  EXPECT_NEAR(replay->dt(), 0.03, 1e-12);
+  ASSERT_TRUE(replay->take(now));
   EXPECT_EQ(now.step, 0);
-  EXPECT_FALSE(replay.take(now)) << "nothing has changed";
-  replay.advance(2);
-  ASSERT_TRUE(replay.take(now));
+  EXPECT_FALSE(replay->take(now)) << "nothing has changed";
+  replay->advance(2);
+  ASSERT_TRUE(replay->take(now));
   EXPECT_EQ(now.step, 6);
   EXPECT_NEAR(now.sample.time, 0.06, 1e-12);
-  EXPECT_TRUE(support::agrees(now.positions, written.positions[5], 1e-6));
-  replay.advance(-1);
-  replay.take(now);
+  EXPECT_TRUE(support::agrees(now.positions, positions[5], 1e-6));
+  replay->advance(-1);
+  replay->take(now);
   EXPECT_EQ(now.step, 3);
-  replay.go_to(4);
-  replay.take(now);
+  replay->go_to(4);
+  replay->take(now);
   EXPECT_EQ(now.step, 12);
-  EXPECT_NEAR(std::ranges::max(now.of_hexahedra), written.strain, 1e-6);
+  EXPECT_NEAR(std::ranges::max(now.of_hexahedra), strain, 1e-6);
   EXPECT_EQ(now.values.size(), 63u);
-  replay.show(Quantity::kSpeed);
-  ASSERT_TRUE(replay.take(now));
+  replay->show(Quantity::kSpeed);
+  ASSERT_TRUE(replay->take(now));
   EXPECT_TRUE(now.of_hexahedra.empty());
   EXPECT_GT(std::ranges::max(now.values), 0.01);
-  replay.advance(9);
-  replay.take(now);
+  replay->advance(9);
+  replay->take(now);
   EXPECT_EQ(now.step, 12) << "the last one";
-  replay.reset();
-  replay.take(now);
+  replay->reset();
+  replay->take(now);
   EXPECT_EQ(now.step, 0);
 
-  const Traces traces = traces_of(replay.directory());
+  const Traces traces = traces_of(replay->directory());
   EXPECT_NEAR(traces.kinetic.latest_time(), 0.12, 1e-12);
   EXPECT_GT(traces.current_elongation.latest(), 0.1) << "[%]";
   EXPECT_EQ(traces.step_ms.latest_time(), 12);
 }
 
-TEST(Replay, PlaysAndStopsAtTheEnd) {
-  const support::Scratch scratch;
-  const Written written(scratch / "run");
-  Replay replay{output::RecordedRun(scratch / "run")};
-  replay.set_pace(Pace::kRealTime, 0.5);
-  replay.run();
-  Snapshot now;
+TEST_F(WrittenRun, PlaysAndStopsAtTheEnd) {
+  replay->set_pace(Pace::kRealTime, 0.5);
+  replay->run();
   std::vector<long> steps;
   do {
-    if (replay.take(now)) steps.push_back(now.step);
+    if (replay->take(now)) steps.push_back(now.step);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   } while (now.is_running);
   EXPECT_TRUE(std::ranges::is_sorted(steps));
   EXPECT_EQ(steps.back(), 12);
-  replay.set_pace(Pace::kFree);
-  replay.run();  // from the beginning again, and a state at each look
-  replay.take(now);
+  replay->set_pace(Pace::kFree);
+  replay->run();  // from the beginning again, and a state at each look
+  replay->take(now);
   EXPECT_EQ(now.step, 3);
 }
 
-TEST(Replay, TellsOfAFileThatIsDamaged) {
-  const support::Scratch scratch;
-  const Written written(scratch / "run");
-  Replay replay{output::RecordedRun(scratch / "run")};
-  Snapshot now;
-  replay.take(now);
+TEST_F(WrittenRun, TellsOfAFileThatIsDamaged) {
+  replay->take(now);
   std::ofstream(scratch / "run" / "mesh_000003.vtu") << "nothing";
-  replay.advance(1);
-  ASSERT_TRUE(replay.take(now));
+  replay->advance(1);
+  ASSERT_TRUE(replay->take(now));
   EXPECT_NE(now.failure.find("mesh_000003.vtu"), std::string::npos) << now.failure;
-  replay.reset();
-  replay.take(now);
+  replay->reset();
+  replay->take(now);
   EXPECT_EQ(now.failure, "");
   EXPECT_EQ(now.step, 0);
 }
 
-TEST(PagePicture, IsDrawnAsTheWindowLooks) {
-  const support::Scratch scratch;
-  const Written written(scratch / "run");
-  Replay replay{output::RecordedRun(scratch / "run")};
-  Snapshot now;
-  replay.go_to(4);
-  replay.take(now);
+TEST_F(WrittenRun, IsDrawnOnAPageAsInTheWindow) {
+  replay->go_to(4);
+  replay->take(now);
   Camera camera(Vec3::UnitY(), Vec3(1, 0.4, 2));
   camera.resize(1280, 720);
   camera.fit(Eigen::AlignedBox3d(Vec3(0, 0, 0), Vec3(0.1, 0.1, 0.3)));
@@ -136,12 +120,12 @@ TEST(PagePicture, IsDrawnAsTheWindowLooks) {
     return all;
   };
   const output::Drawing whole =
-      page_picture(replay, now, {}, {}, camera, output::Scale(Quantity::kPlasticStrain, std::pair(0.0, 0.5)));
+      page_picture(*replay, now, {}, {}, camera, output::Scale(Quantity::kPlasticStrain, std::pair(0.0, 0.5)));
   EXPECT_NE(words(whole).find("run|"), std::string::npos) << words(whole);
   EXPECT_NE(words(whole).find("t = 0.12 s|"), std::string::npos) << words(whole);
   EXPECT_NE(words(whole).find("initial shape|"), std::string::npos) << words(whole);
   const Look cut{.ghost = Ghost::kNone, .cut = Plane{Vec3::UnitZ(), 0.15}};
-  const output::Drawing half = page_picture(replay, now, {}, cut, camera, output::Scale(Quantity::kPlasticStrain));
+  const output::Drawing half = page_picture(*replay, now, {}, cut, camera, output::Scale(Quantity::kPlasticStrain));
   EXPECT_EQ(words(half).find("initial shape|"), std::string::npos) << words(half);
   EXPECT_TRUE(whole.view->geometry.cut_faces.empty());
   EXPECT_FALSE(half.view->geometry.cut_faces.empty());

@@ -17,22 +17,28 @@
 namespace hexaplast::view {
 namespace {
 
+using support::bar_with;
+using support::BarSession;
 using support::kBar;
 using support::kTop;
 using support::Played;
 using support::wait_for;
 using support::wait_for_step;
 
-std::unique_ptr<scene::Component> hand(std::string_view class_name) { return support::factory().make(class_name); }
-
 Touch touch(const Vec3& place) { return {.place = place}; }
 
+/// Of the first parameter of an attribute; as many as there are: there is none.
+std::size_t number_of(const Session& session, std::string_view name) {
+  const auto attribute = [](const Parameter& one) { return one.attribute->name; };
+  return static_cast<std::size_t>(std::ranges::find(session.parameters(), name, attribute) -
+                                  session.parameters().begin());
+}
+
 TEST(Session, MovesTheSceneAsACommandDoesWhileItIsLookedAt) {
-  const std::string loaded = std::string(kBar).insert(std::string(kBar).find("</Node>"),
-                                                      "<ConstantForceField indices='54-62' totalForce='0 0 3'/>");
+  const std::string loaded = bar_with("<ConstantForceField indices='54-62' totalForce='0 0 3'/>");
   Played alone(loaded), played(loaded);
   {
-    Session session(played.subject(), hand);
+    Session session(played.subject(), support::make);
     session.advance(30);
     wait_for(session, [](const Snapshot& at) { return at.step >= 10; });
     for (const Quantity quantity : {Quantity::kStress, Quantity::kVolumeRatio, Quantity::kSpeed})
@@ -46,9 +52,7 @@ TEST(Session, MovesTheSceneAsACommandDoesWhileItIsLookedAt) {
 }
 
 // That takes as long as some steps: nobody waits for it while the scene moves.
-TEST(Session, FindsTheReleasedShapeWhereItIsLookedAtOrTheScenePauses) {
-  Played played;
-  Session session(played.subject(), hand);
+TEST_F(BarSession, FindsTheReleasedShapeWhereItIsLookedAtOrTheScenePauses) {
   session.set_pace(Pace::kFree);
   session.grab(touch(kTop), session.suggested_hand());
   session.drag(kTop + Vec3(0, 0, 0.15));
@@ -75,27 +79,22 @@ TEST(Session, FindsTheReleasedShapeWhereItIsLookedAtOrTheScenePauses) {
   EXPECT_GT(at.sample.measures.plastic_elongation, 0);
 }
 
-TEST(Session, WhatIsDraggedFarStaysStretched) {
-  Played played;
-  Session session(played.subject(), hand);
+TEST_F(BarSession, WhatIsDraggedFarStaysStretched) {
   session.grab(touch(kTop), session.suggested_hand());
-  session.advance(1);
-  Snapshot at = wait_for_step(session, 1);
+  Snapshot at = advance(1);
   ASSERT_FALSE(at.held.empty());
   for (const int node : at.held)
     EXPECT_LE((at.positions.row(node).transpose() - kTop).norm(), session.suggested_hand().radius + 1e-9);
 
   session.drag(kTop + Vec3(0, 0, 0.15));
-  session.advance(60);
-  at = wait_for_step(session, 61);
+  at = advance(60);
   EXPECT_GT(at.hand_force.z(), 1);
   EXPECT_NEAR(at.hand_force.x(), 0, 0.05 * at.hand_force.z());
   const double pulled = at.sample.measures.current_elongation;
   EXPECT_GT(pulled, 0.05);
 
   session.release();
-  session.advance(150);
-  at = wait_for_step(session, 211);
+  at = advance(150);
   EXPECT_TRUE(at.held.empty());
   EXPECT_EQ(at.hand_force, Vec3(0, 0, 0));
   EXPECT_GT(at.sample.measures.plastic_elongation, 0.02);
@@ -106,15 +105,12 @@ TEST(Session, WhatIsDraggedFarStaysStretched) {
   EXPECT_GT(at.sample.greatest_plastic_strain, 0.02);
 }
 
-TEST(Session, MaterialsChangeWhileItMoves) {
-  Played played;
-  Session session(played.subject(), hand);
+TEST_F(BarSession, MaterialsChangeWhileItMoves) {
   session.set("youngModulus", 8000);
   session.set("yieldStress", 90);
   session.set("poissonRatio", 0.5);    // out of the attribute's range
   session.set("rotationFlowRate", 1);  // isolated rest shapes have none: refused by the body
-  session.advance(1);
-  const Snapshot at = wait_for_step(session, 1);
+  const Snapshot at = advance(1);
   session.stop();
   const Material& material = played.body().materials().front();
   EXPECT_EQ(material.young_modulus, 8000);
@@ -129,14 +125,9 @@ TEST(Session, MaterialsChangeWhileItMoves) {
 
 TEST(Session, ThereIsAParameterForEachMemberOfAMaterial) {
   Played played;
-  const Session session(played.subject(), hand);
-  const auto parameter = [&](std::string_view name) {
-    const auto found =
-        std::ranges::find(session.parameters(), name, [](const Parameter& one) { return one.attribute->name; });
-    EXPECT_NE(found, session.parameters().end()) << name;
-    return *found;
-  };
+  const Session session(played.subject(), support::make);
   ASSERT_EQ(session.parameters().size(), material_rows().size());
+  const auto parameter = [&](std::string_view name) { return session.parameters().at(number_of(session, name)); };
   for (const Row<Material>& row : material_rows()) parameter(row.name);
   EXPECT_EQ(parameter("youngModulus").value, 5000);
   EXPECT_EQ(parameter("youngModulus").attribute->unit, "Pa");
@@ -153,19 +144,14 @@ TEST(Session, ThereIsAParameterForEachMemberOfAMaterial) {
 }
 
 // A body that yields, then one that never does, then one that breaks: as ticks in a panel.
-TEST(Session, AttributesCanBeTakenAwayAndGivenAgain) {
-  Played played;
-  Session session(played.subject(), hand);
+TEST_F(BarSession, AttributesCanBeTakenAwayAndGivenAgain) {
   const auto parameter_value = [&](const Snapshot& at, std::string_view name) {
-    const auto parameter =
-        std::ranges::find(session.parameters(), name, [](const Parameter& one) { return one.attribute->name; });
-    EXPECT_TRUE(parameter->may_be_none) << name;
-    return at.parameter_values.at(static_cast<std::size_t>(parameter - session.parameters().begin()));
+    EXPECT_TRUE(session.parameters().at(number_of(session, name)).may_be_none) << name;
+    return at.parameter_values.at(number_of(session, name));
   };
   session.set("yieldStress", std::nullopt);
   session.set("fractureStress", 700);
-  session.advance(1);
-  const Snapshot without = wait_for_step(session, 1);
+  const Snapshot without = advance(1);
   ASSERT_EQ(without.messages.size(), 1u);
   EXPECT_NE(without.messages[0].find("fractureStress has no effect: without yieldStress"), std::string::npos)
       << without.messages[0];
@@ -173,8 +159,7 @@ TEST(Session, AttributesCanBeTakenAwayAndGivenAgain) {
   EXPECT_EQ(parameter_value(without, "fractureStress"), 700);
   session.set("yieldStress", 150);
   session.set("fractureStress", std::nullopt);
-  session.advance(1);
-  const Snapshot with = wait_for_step(session, 2);
+  const Snapshot with = advance(1);
   EXPECT_EQ(parameter_value(with, "yieldStress"), 150);
   EXPECT_FALSE(parameter_value(with, "fractureStress"));
   session.stop();
@@ -188,7 +173,7 @@ TEST(Session, AFactorMovesTheValuesOfAllHexahedra) {
   std::string all = "youngModulus='";
   for (int e = 0; e < 24; ++e) all += std::to_string(4000 + 100 * e) + " ";
   Played played(std::string(kBar).replace(std::string(kBar).find(one), one.size(), all + "'"));
-  Session session(played.subject(), hand);
+  Session session(played.subject(), support::make);
   const Parameter& parameter = session.parameters().front();
   ASSERT_EQ(parameter.attribute->name, "youngModulus");
   EXPECT_EQ(parameter.of_hexahedra.size(), 24u);
@@ -203,12 +188,8 @@ TEST(Session, AFactorMovesTheValuesOfAllHexahedra) {
 }
 
 TEST(Session, SlidersOfARegionReachTheBody) {
-  const std::string end = "</Node>";
-  std::string text = kBar;
-  text.replace(text.rfind(end), end.size(),
-               "<MaterialRegion name='tumour' indices='3 7' youngModulus='9000' yieldStress='100 300'/></Node>");
-  Played played(text);
-  Session session(played.subject(), hand);
+  Played played(bar_with("<MaterialRegion name='tumour' indices='3 7' youngModulus='9000' yieldStress='100 300'/>"));
+  Session session(played.subject(), support::make);
   ASSERT_EQ(session.parameters().size(), material_rows().size() + 2);
   const Parameter& modulus = session.parameters()[material_rows().size()];
   EXPECT_EQ(modulus.name, "tumour.youngModulus");
@@ -236,9 +217,7 @@ TEST(Session, SlidersOfARegionReachTheBody) {
   EXPECT_EQ(material(3).yield_stress, 200);
 }
 
-TEST(Session, CanBePaused) {
-  Played played;
-  Session session(played.subject(), hand);
+TEST_F(BarSession, CanBePaused) {
   session.run();
   const Snapshot at = wait_for(session, [](const Snapshot& now) { return now.step >= 10; });
   session.pause();
@@ -294,7 +273,7 @@ TEST(Session, AFailureIsToldAndResetLeadsOut) {
     if (fails) throw NumericalError("step 1: the positions are not finite");
     return played.step();
   };
-  Session session(subject, hand);
+  Session session(subject, support::make);
   session.run();
   const Snapshot broken = wait_for(session, [](const Snapshot& at) { return !at.failure.empty(); });
   EXPECT_EQ(broken.failure, "step 1: the positions are not finite");
@@ -309,49 +288,6 @@ TEST(Session, AFailureIsToldAndResetLeadsOut) {
   EXPECT_EQ(session.failure(), "");
 }
 
-// The window adds a grip and a tool to the scene, which is as it was read, or as it is in the middle of a motion.
-TEST(Session, LooksWithoutMovingAnything) {
-  const auto cube = [](const std::string& name, const std::string& min, const std::string& max) {
-    return "<Node name='" + name + "'><RegularGridTopology n='2 2 2' min='" + min + "' max='" + max +
-           "'/><MechanicalObject name='nodes'/><DiagonalMass totalMass='.1'/>"
-           "<HexahedronElastoplasticFEMForceField name='body' youngModulus='5000'/></Node>";
-  };
-  scene::Scene scene = support::read_and_init(
-      "<Node dt='.01' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/><MultigridCGLinearSolver/>" +
-      cube("a", "0 0 0", ".04 .04 .04") + cube("b", "0 0 .05", ".04 .04 .09") +
-      "<AttachProjectiveConstraint object1='@a/nodes' object2='@b/nodes' indices1='4 5 6 7' indices2='0 1 2 3' "
-      "twoWay='true'/></Node>");
-  const PointArray first = support::at<scene::MechanicalState>(scene, "b/nodes").positions();
-  EXPECT_NEAR(first(0, 2), .045, 1e-15) << "half of the gap is taken back";
-  long step = 0;
-  output::StepRecord record;
-  Session session({.title = "cubes",
-                   .scene = scene,
-                   .step = [&]() -> const output::StepRecord& {
-                     scene.step();
-                     record.step = ++step;
-                     return record;
-                   },
-                   .reset = [&] { scene.reset(), record.step = step = 0; },
-                   .serialize = {},
-                   .conditions = {}},
-                  hand);
-  const auto second = [&](const Snapshot& at) { return PointArray(at.positions.bottomRows(8)); };
-  EXPECT_EQ(second(wait_for_step(session, 0)), first);
-  session.advance(2);
-  const PointArray moved = second(wait_for_step(session, 2));
-  EXPECT_LT(moved(0, 2), .044) << "the gap is closing";
-  HandSettings settings = session.suggested_hand();
-  settings.tool = Tool::kSphere;
-  session.grab(touch({.02, .02, .09}), settings);
-  EXPECT_EQ(second(wait_for(session, [](const Snapshot& at) { return at.step == 2; })), moved);
-  session.release();
-  session.reset();
-  EXPECT_EQ(second(wait_for_step(session, 0)), first);
-  session.stop();
-  EXPECT_EQ(session.failure(), "");
-}
-
 // A number on a slider takes the place of a link, and one that is refused leaves it.
 TEST(Session, SlidersTakeThePlaceOfLinks) {
   std::string text = kBar;
@@ -360,7 +296,7 @@ TEST(Session, SlidersTakeThePlaceOfLinks) {
   text.replace(text.find("yieldStress='150'"), 17, "yieldStress='@yields.outputValues' fractureStress='300'");
   text.insert(text.find("<UniformMass"), "<IndexValueMapper name='yields' indices='0-23' value='150'/>");
   Played played(text);
-  Session session(played.subject(), hand);
+  Session session(played.subject(), support::make);
   session.set("youngModulus", 2);
   session.set("yieldStress", 10);  // beyond fracture
   session.advance(1);
@@ -378,7 +314,7 @@ TEST(Session, ResetKeepsSlidersAndNoChangesOfTheScene) {
               "<AttributeChange component='@body' attribute='youngModulus' keyTimes='0.02' values='9000'/>"
               "<AttributeChange component='@body' attribute='yieldStress' keyTimes='0.02' values='70'/>");
   Played played(text);
-  Session session(played.subject(), hand);
+  Session session(played.subject(), support::make);
   session.advance(4);
   wait_for_step(session, 4);
   session.set("yieldStress", 60);
@@ -399,9 +335,7 @@ TEST(Session, ResetKeepsSlidersAndNoChangesOfTheScene) {
 }
 
 // The later one at the same time takes the place of the earlier one, and undo brings that back.
-TEST(Session, UndoBringsBackWhatWasRecorded) {
-  Played played;
-  Session session(played.subject(), hand);
+TEST_F(BarSession, UndoBringsBackWhatWasRecorded) {
   session.set("youngModulus", 6000);
   session.set("yieldStress", 110);
   session.grab(touch(kTop), session.suggested_hand());
@@ -418,7 +352,7 @@ TEST(Session, AResetThatFailsIsTold) {
   Played played;
   Subject subject = played.subject();
   subject.reset = [] { throw InputError("no way back"); };
-  Session session(subject, hand);
+  Session session(subject, support::make);
   session.reset();
   EXPECT_EQ(wait_for(session, [](const Snapshot& at) { return !at.failure.empty(); }).failure, "no way back");
 }
@@ -427,7 +361,7 @@ TEST(Session, AResetThatFailsIsTold) {
 TEST(Session, AfterARefusedInstrumentThereIsNoResetAndNoUndo) {
   Played played;
   Session session(played.subject(), [](std::string_view class_name) {
-    std::unique_ptr<scene::Component> made = hand(class_name);
+    std::unique_ptr<scene::Component> made = support::make(class_name);
     if (scene::Data* triangles = made->find_data("embeddedTriangles"))
       triangles->set(std::vector<std::int64_t>{0, 1, 99}, {.file = "test"});
     return made;
@@ -455,7 +389,7 @@ TEST(Session, NamesOfParametersAreUnique) {
   const std::string text =
       std::string(all.substr(0, begin)) + "<Node name='first'>" + bar + "<Node name='second'>" + bar + "</Node>";
   Played played(text);
-  Session session(played.subject(), hand);
+  Session session(played.subject(), support::make);
   std::vector<std::string> names;
   for (const Parameter& parameter : session.parameters()) names.push_back(parameter.name);
   for (const char* name : {"/first/plate.active", "/second/plate.active"})
@@ -488,7 +422,7 @@ TEST(Session, TheHandTakesHoldOfTheNearestBody) {
     ++record.step;
     return record;
   };
-  Session session({.title = "", .scene = scene, .step = step, .reset = {}, .serialize = {}}, hand);
+  Session session({.title = "", .scene = scene, .step = step, .reset = {}, .serialize = {}}, support::make);
   EXPECT_EQ(session.mesh().num_nodes(), 72);
   std::vector<std::string> names;
   for (const Parameter& parameter : session.parameters()) names.push_back(parameter.name);
@@ -520,7 +454,7 @@ TEST(Session, NeedsABody) {
       "<Node><DefaultAnimationLoop/><EulerImplicitSolver/><CGLinearSolver/><MechanicalObject position='0 0 0'/>"
       "<UniformMass totalMass='1'/></Node>");
   try {
-    Session session({.title = "", .scene = scene, .step = {}, .reset = {}, .serialize = {}}, hand);
+    Session session({.title = "", .scene = scene, .step = {}, .reset = {}, .serialize = {}}, support::make);
     FAIL();
   } catch (const scene::SceneError& error) {
     EXPECT_NE(std::string(error.what()).find("no body in the scene, and a window shows at least one"),

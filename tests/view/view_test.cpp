@@ -76,12 +76,6 @@ TEST(Camera, TurnsWithTheMouseAndNeverOver) {
   EXPECT_LT(camera.pixel_of(Vec3(0, 0.5, 0)).y(), 400 + 1e-9) << "up is not below";
 }
 
-output::Staging staging(std::vector<output::EmbeddedSurface> embedded_surfaces) {
-  output::Staging staging;
-  staging.embedded_surfaces = std::move(embedded_surfaces);
-  return staging;
-}
-
 /// A bar at a moment, drawn out to one and a half times its length.
 Snapshot moment(const HexMesh& mesh) {
   Snapshot snapshot;
@@ -107,15 +101,19 @@ output::Scale scale_of(const Figure& figure, Quantity quantity) {
   return scale;
 }
 
+class FigureOfABar : public testing::Test {
+ protected:
+  const HexMesh mesh = support::block({1, 1, 3}, 1);
+  Figure figure{mesh, {}};
+  Snapshot snapshot = moment(mesh);
+};
+
 void fix(Snapshot& snapshot, std::initializer_list<int> nodes) {
   snapshot.conditions.fixed.assign(static_cast<std::size_t>(snapshot.positions.rows()), 0);
   for (const int node : nodes) snapshot.conditions.fixed[static_cast<std::size_t>(node)] = 1;
 }
 
-TEST(Figure, ShowsTheFacesThatAreLeft) {
-  const HexMesh mesh = support::block({1, 1, 3}, 1);
-  Figure figure(mesh, staging({}));
-  Snapshot snapshot = moment(mesh);
+TEST_F(FigureOfABar, ShowsTheFacesThatAreLeft) {
   fix(snapshot, {0, 1});
   figure.update(snapshot, {}, {});
   EXPECT_EQ(drawn(figure).surface.size(), 14u * 4 * 3);
@@ -138,29 +136,29 @@ TEST(Figure, ShowsTheFacesThatAreLeft) {
   EXPECT_TRUE(drawn(figure).ghost_outline.empty());
 }
 
-TEST(Figure, TheMouseMeetsWhatIsShown) {
-  const HexMesh mesh = support::block({1, 1, 3}, 1);
+TEST_F(FigureOfABar, TheMouseMeetsWhatIsShown) {
   output::EmbeddedSurface embedded;  // a square in the middle of the bar, askew
   embedded.points.resize(4, 3);
   embedded.points << 0, 0, 1.5, 1, 0, 1.5, 1, 1, 1.9, 0, 1, 1.9;
   embedded.triangles = {{0, 1, 2}, {0, 2, 3}};
-  Figure figure(mesh, staging({embedded}));
-  const Snapshot snapshot = moment(mesh);
+  output::Staging staging;
+  staging.embedded_surfaces = {embedded};
+  Figure embedding(mesh, staging);
   const Ray down{Vec3(0.4, 0.5, 9), Vec3(0, 0, -1)};
 
-  figure.update(snapshot, {.shows_embedded_surfaces = false}, {});
-  EXPECT_NEAR(figure.hit(down)->place.z(), 4.5, 1e-12);
-  figure.update(snapshot, {.shows_embedded_surfaces = true}, {});
-  EXPECT_NEAR(figure.hit(down)->place.z(), 1.5 * 1.7, 1e-12) << "it is carried by the hexahedra";
-  EXPECT_EQ(drawn(figure).surface.size(), 6u);
-  for (const output::Geometry::Vertex& vertex : drawn(figure).surface)
+  embedding.update(snapshot, {.shows_embedded_surfaces = false}, {});
+  EXPECT_NEAR(embedding.hit(down)->place.z(), 4.5, 1e-12);
+  embedding.update(snapshot, {.shows_embedded_surfaces = true}, {});
+  EXPECT_NEAR(embedding.hit(down)->place.z(), 1.5 * 1.7, 1e-12) << "it is carried by the hexahedra";
+  EXPECT_EQ(drawn(embedding).surface.size(), 6u);
+  for (const output::Geometry::Vertex& vertex : drawn(embedding).surface)
     EXPECT_NEAR(vertex.value, vertex.place.z() / 1.5f, 1e-6);
-  EXPECT_FALSE(figure.hit({Vec3(2, 0.5, 9), Vec3(0, 0, -1)}));
+  EXPECT_FALSE(embedding.hit({Vec3(2, 0.5, 9), Vec3(0, 0, -1)}));
 }
 
 TEST(Figure, WhatNeverYieldsHasNoRangeOfYield) {
   const HexMesh mesh = support::block({1, 1, 1}, 1);
-  Figure figure(mesh, staging({}));
+  Figure figure(mesh, {});
   Snapshot snapshot = moment(mesh);
   snapshot.values.assign(8, std::numeric_limits<double>::infinity());
   figure.update(snapshot, {}, {});
@@ -168,10 +166,7 @@ TEST(Figure, WhatNeverYieldsHasNoRangeOfYield) {
   for (const output::Geometry::Vertex& vertex : drawn(figure).surface) EXPECT_FALSE(std::isfinite(vertex.value));
 }
 
-TEST(Figure, ACutShowsTheInside) {
-  const HexMesh mesh = support::block({1, 1, 3}, 1);
-  Figure figure(mesh, staging({}));
-  Snapshot snapshot = moment(mesh);
+TEST_F(FigureOfABar, ACutShowsTheInside) {
   fix(snapshot, {0, 9, 12});
   const Look look{.ghost = Ghost::kNone, .cut = Plane{Vec3::UnitZ(), 2.25}};  // in the middle of the bar, drawn out
   figure.update(snapshot, look, {});
@@ -204,10 +199,7 @@ TEST(Figure, ACutShowsTheInside) {
   EXPECT_TRUE(drawn(figure).cut_faces.empty() && drawn(figure).cut_outline.empty());
 }
 
-TEST(Figure, InstrumentsHaveTheirShapes) {
-  const HexMesh mesh = support::block({1, 1, 3}, 1);
-  Figure figure(mesh, staging({}));
-  Snapshot snapshot = moment(mesh);
+TEST_F(FigureOfABar, InstrumentsHaveTheirShapes) {
   output::Instrument instrument{.id = 2, .place = Vec3(4, 0, 0), .nodes = {}, .forces = PointArray(0, 3)};
   snapshot.conditions.instruments = {instrument};
   figure.update(snapshot, {}, {});
@@ -227,10 +219,7 @@ TEST(Figure, InstrumentsHaveTheirShapes) {
   EXPECT_TRUE(drawn(figure).tools.empty());
 }
 
-TEST(Figure, DepthsReachToInstrumentsBeforeTheBody) {
-  const HexMesh mesh = support::block({1, 1, 3}, 1);
-  Figure figure(mesh, {});
-  Snapshot snapshot = moment(mesh);
+TEST_F(FigureOfABar, DepthsReachToInstrumentsBeforeTheBody) {
   output::Instrument instrument{.id = 2, .place = Vec3(4, 0, 0), .nodes = {}, .forces = PointArray(0, 3)};
   instrument.shape_points.resize(3, 3);
   instrument.shape_points << 2, 0, 0, 4, 1, 0, 3, 0, 1;
@@ -248,10 +237,7 @@ TEST(Figure, DepthsReachToInstrumentsBeforeTheBody) {
   }
 }
 
-TEST(Figure, SpringsAreTautOrSlack) {
-  const HexMesh mesh = support::block({1, 1, 3}, 1);
-  Figure figure(mesh, staging({}));
-  Snapshot snapshot = moment(mesh);
+TEST_F(FigureOfABar, SpringsAreTautOrSlack) {
   snapshot.conditions.springs = {{Vec3(1, 2, 3), Vec3(4, 5, 6)}, {Vec3(7, 8, 9), Vec3(0, 0, 1), true}};
   const std::vector<Eigen::Vector3f> taut{{1, 2, 3}, {4, 5, 6}}, slack{{7, 8, 9}, {0, 0, 1}};
   for (const bool shows_instruments : {true, false}) {
@@ -261,10 +247,7 @@ TEST(Figure, SpringsAreTautOrSlack) {
   }
 }
 
-TEST(Figure, ArrowsAreThoseOfThePictures) {
-  const HexMesh mesh = support::block({1, 1, 3}, 1);
-  Figure figure(mesh, staging({}));
-  Snapshot snapshot = moment(mesh);
+TEST_F(FigureOfABar, ArrowsAreThoseOfThePictures) {
   const int above = 14, below = 0;  // corners of the bar
   snapshot.conditions.loads = PointArray::Zero(mesh.num_nodes(), 3);
   snapshot.conditions.loads.row(above) << 0, 0, 2;  // pulls
