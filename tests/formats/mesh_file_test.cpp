@@ -111,23 +111,22 @@ TEST(MeshFile, NamesPlaceAndReason) {
                                   {"a.obj:3: '3' is none of the 2 vertices"}));
 }
 
+/// Reads a file that claims something else.
+auto claims(const std::string& file, const std::string& from, const std::string& to) {
+  return [=] { parse(file, replaced(content(kFolder + file), from, to)); };
+}
+
 TEST(MeshFile, BinaryThatCallsItselfTextIsRefused) {
-  const auto claims_text = [](const std::string& file, const std::string& from, const std::string& to) {
-    return [=] { parse(file, replaced(content(kFolder + file), from, to)); };
-  };
-  EXPECT_TRUE(refuses<InputError>(claims_text("two_22_binary.msh", "2.2 1 8", "2.2 0 8"), {"two_22_binary.msh:3"}));
-  EXPECT_TRUE(refuses<InputError>(claims_text("two_41_binary.msh", "4.1 1 8", "4.1 0 8"), {"two_41_binary.msh:3"}));
+  EXPECT_TRUE(refuses<InputError>(claims("two_22_binary.msh", "2.2 1 8", "2.2 0 8"), {"two_22_binary.msh:3"}));
+  EXPECT_TRUE(refuses<InputError>(claims("two_41_binary.msh", "4.1 1 8", "4.1 0 8"), {"two_41_binary.msh:3"}));
   EXPECT_TRUE(
-      refuses<InputError>(claims_text("two_42_binary.vtk", "BINARY", "ASCII"), {"two_42_binary.vtk:6", "coordinate"}));
+      refuses<InputError>(claims("two_42_binary.vtk", "BINARY", "ASCII"), {"two_42_binary.vtk:6", "coordinate"}));
   EXPECT_TRUE(
-      refuses<InputError>(claims_text("two_base64.vtu", "\"binary\"", "\"ascii\""), {"two_base64.vtu:7: DataArray"}));
+      refuses<InputError>(claims("two_base64.vtu", "\"binary\"", "\"ascii\""), {"two_base64.vtu:7: DataArray"}));
 }
 
 // A count is compared with the size of the file before anything is allocated by it.
 TEST(MeshFile, HugeCountsAreRefused) {
-  const auto claims = [](const std::string& file, const std::string& from, const std::string& to) {
-    return [=] { parse(file, replaced(content(kFolder + file), from, to)); };
-  };
   for (const std::string count : {"2000000000", "9000000000000000000"}) {
     EXPECT_TRUE(refuses<InputError>(claims("two_22_ascii.msh", "\n13\n", "\n" + count + "\n"), {count, "room for"}));
     EXPECT_TRUE(
@@ -154,16 +153,19 @@ TEST(MeshFile, WhatIsNoFileIsRefused) {
   fs::remove_all(folder);
 }
 
+ExportedMesh exported(const ImportedMesh& mesh) {
+  return {.points = {mesh.positions.data(), static_cast<std::size_t>(mesh.positions.size())},
+          .edges = mesh.edges,
+          .triangles = mesh.triangles,
+          .quads = mesh.quads,
+          .hexahedra = mesh.hexahedra};
+}
+
 // Reading back what is written: the same numbers to the last bit, and cells in the same order.
 TEST(MeshFile, IsReadAsItWasWritten) {
   ImportedMesh mesh = read_gmsh(kFolder + "two_22_ascii.msh");
   mesh.positions.row(0) << 0.1 + 0.2, -1e-17, 12345.678901234567;
-  const ExportedMesh exported{.points = {mesh.positions.data(), static_cast<std::size_t>(mesh.positions.size())},
-                              .edges = mesh.edges,
-                              .triangles = mesh.triangles,
-                              .quads = mesh.quads,
-                              .hexahedra = mesh.hexahedra};
-  const ImportedMesh again = parse_vtk(vtu_text(exported), "a.vtu");
+  const ImportedMesh again = parse_vtk(vtu_text(exported(mesh)), "a.vtu");
   EXPECT_EQ(again.positions, mesh.positions);
   EXPECT_EQ(again.edges, mesh.edges);
   EXPECT_EQ(again.triangles, mesh.triangles);
@@ -200,10 +202,7 @@ ImportedMesh tower_with_copies() {
 // In the same order alone: whoever turns a quad may mean its other side.
 TEST(MeshFile, HoldsACellOnceThatStandsThereAgain) {
   const ImportedMesh tower = tower_with_copies();
-  const ExportedMesh written{.points = {tower.positions.data(), static_cast<std::size_t>(tower.positions.size())},
-                             .edges = tower.edges,
-                             .quads = tower.quads,
-                             .hexahedra = tower.hexahedra};
+  const ExportedMesh written = exported(tower);
   const ImportedMesh mesh = parse_vtk(vtu_text(written), "a.vtu");
   EXPECT_EQ(mesh.hexahedra, (std::vector<Hexahedron>{tower.hexahedra[0], tower.hexahedra[1]}));
   EXPECT_EQ(mesh.quads, (std::vector<Quad>{{0, 1, 2, 3}, {4, 5, 6, 7}, {1, 2, 3, 0}}));

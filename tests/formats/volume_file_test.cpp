@@ -138,10 +138,15 @@ TEST(VolumeFile, LengthsMayHaveOtherUnits) {
   EXPECT_EQ(length(parse_nifti(nifti, "a")), 0.004);
 }
 
+/// A NRRD file of two voxels above each other, without a frame.
+ImportedVolume two_voxels(const std::string& type, const std::string& endian, const std::string& data) {
+  return parse_nrrd("NRRD0001\ntype: " + type + "\ndimension: 3\nsizes: 1 1 2\nspacings: 1 2 3\nendian: " + endian +
+                        "\nencoding: raw\n\n" + data,
+                    "a.nrrd");
+}
+
 TEST(VolumeFile, SpacingsAloneNameNoFrame) {
-  const std::string text =
-      "NRRD0001\ntype: int8\ndimension: 3\nsizes: 1 1 2\nspacings: 1 2 3\nencoding: raw\n\n" + std::string("\xfe\1", 2);
-  const ImportedVolume found = parse_nrrd(text, "a.nrrd");
+  const ImportedVolume found = two_voxels("int8", "little", std::string("\xfe\1", 2));
   EXPECT_FALSE(found.has_frame);
   EXPECT_EQ(found.volume.axes().diagonal(), Vec3(1, 2, 3));
   EXPECT_EQ(found.volume.labels(), (std::vector<int>{-2, 1}));
@@ -149,14 +154,8 @@ TEST(VolumeFile, SpacingsAloneNameNoFrame) {
 
 // The same two labels in each type and byte order.
 TEST(VolumeFile, ReadsEveryTypeOfLabel) {
-  const auto file = [](const std::string& type, const std::string& endian, const std::string& data) {
-    return "NRRD0004\ntype: " + type +
-           "\ndimension: 3\nspace: LPS\nsizes: 1 1 2\nspace directions: (1,0,0) (0,1,0) "
-           "(0,0,1)\nendian: " +
-           endian + "\nencoding: raw\n\n" + data;
-  };
   const auto labels = [&](const std::string& type, const std::string& endian, const std::string& data) {
-    return parse_nrrd(file(type, endian, data), "a.nrrd").volume.labels();
+    return two_voxels(type, endian, data).volume.labels();
   };
   EXPECT_EQ(labels("short", "little", std::string("\1\2\xfe\xff", 4)), (std::vector<int>{513, -2}));
   EXPECT_EQ(labels("short", "big", std::string("\1\2\xfe\xff", 4)), (std::vector<int>{258, -257}));
@@ -178,49 +177,36 @@ std::string bytes_of(Numbers... numbers) {
 
 // As numpy and nibabel store them by default.
 TEST(VolumeFile, ReadsWholeLabelsThatAreStoredAsLongOrRealNumbers) {
-  const auto nifti = [](std::int16_t datatype, std::int16_t bits, const std::string& data) {
+  const auto nifti = [](int datatype, int bits, const std::string& data) {
     std::string bytes = small_nifti().substr(0, 352);
     const std::int16_t dim[] = {3, 1, 1, 2};
     std::memcpy(bytes.data() + 40, dim, sizeof dim);
-    put(bytes, 70, datatype);
-    put(bytes, 72, bits);
+    put(bytes, 70, static_cast<std::int16_t>(datatype));
+    put(bytes, 72, static_cast<std::int16_t>(bits));
     put(bytes, 112, std::numeric_limits<float>::quiet_NaN());  // scl_slope and scl_inter of nibabel: none
     put(bytes, 116, std::numeric_limits<float>::quiet_NaN());
     return parse_nifti(bytes + data, "a.nii").volume.labels();
   };
-  const std::vector<int> labels{513, -2}, positive{513, 7};
-  const std::string of_long = bytes_of(std::int64_t{513}, std::int64_t{-2}), of_float = bytes_of(513.f, -2.f),
-                    of_double = bytes_of(513., -2.), of_unsigned = bytes_of(std::uint64_t{513}, std::uint64_t{7});
-  EXPECT_EQ(nifti(1024, 64, of_long), labels);
-  EXPECT_EQ(nifti(1280, 64, of_unsigned), positive);
-  EXPECT_EQ(nifti(16, 32, of_float), labels);
-  EXPECT_EQ(nifti(64, 64, of_double), labels);
+  struct Stored {
+    int datatype, bits;            // of NIfTI
+    const char *nrrd, *metaimage;  // types
+    std::string data;
+    std::vector<int> labels;
+  };
+  for (const auto& [datatype, bits, of_nrrd, of_metaimage, data, labels] : std::vector<Stored>{
+           {1024, 64, "int64", "MET_LONG_LONG", bytes_of(std::int64_t{513}, std::int64_t{-2}), {513, -2}},
+           {1280, 64, "unsigned long long", "MET_ULONG_LONG", bytes_of(std::uint64_t{513}, std::uint64_t{7}), {513, 7}},
+           {16, 32, "float", "MET_FLOAT", bytes_of(513.f, -2.f), {513, -2}},
+           {64, 64, "double", "MET_DOUBLE", bytes_of(513., -2.), {513, -2}}}) {
+    SCOPED_TRACE(of_nrrd);
+    const std::string metaimage =
+        "NDims = 3\nElementSpacing = 1 1 1\nDimSize = 1 1 2\nElementType = " + std::string(of_metaimage) +
+        "\nElementDataFile = LOCAL\n" + data;
+    EXPECT_EQ(nifti(datatype, bits, data), labels);
+    EXPECT_EQ(two_voxels(of_nrrd, "little", data).volume.labels(), labels);
+    EXPECT_EQ(parse_metaimage(metaimage, "a.mha").volume.labels(), labels);
+  }
   EXPECT_EQ(read_volume(kVolumes + "whole_labels_int64.nii").volume.size(), (std::array{3, 4, 5}));
-
-  const auto nrrd = [](const std::string& type, const std::string& data) {
-    return parse_nrrd("NRRD0004\ntype: " + type +
-                          "\ndimension: 3\nsizes: 1 1 2\nspacings: 1 1 1\nendian: little\n"
-                          "encoding: raw\n\n" +
-                          data,
-                      "a.nrrd")
-        .volume.labels();
-  };
-  EXPECT_EQ(nrrd("int64", of_long), labels);
-  EXPECT_EQ(nrrd("unsigned long long", of_unsigned), positive);
-  EXPECT_EQ(nrrd("float", of_float), labels);
-  EXPECT_EQ(nrrd("double", of_double), labels);
-
-  const auto metaimage = [](const std::string& type, const std::string& data) {
-    return parse_metaimage("NDims = 3\nElementSpacing = 1 1 1\nDimSize = 1 1 2\nElementType = " + type +
-                               "\nElementDataFile = LOCAL\n" + data,
-                           "a.mha")
-        .volume.labels();
-  };
-  EXPECT_EQ(metaimage("MET_LONG_LONG", of_long), labels);
-  EXPECT_EQ(metaimage("MET_ULONG_LONG", of_unsigned), positive);
-  EXPECT_EQ(metaimage("MET_FLOAT", of_float), labels);
-  EXPECT_EQ(metaimage("MET_DOUBLE", of_double), labels);
-
   // what is no label is named
   for (const auto& [label, shown] :
        {std::pair(2.5, "2.5"), std::pair(std::nan(""), "nan"), std::pair(3e9, "3000000000")})
@@ -265,9 +251,8 @@ TEST(VolumeFile, NrrdNamesFieldValueAndWhatIsAllowed) {
   EXPECT_TRUE(refused("sizes: 2 2 2", "sizes: 2147483647 2147483647 2147483647", {"cannot come from 8 bytes"}));
   EXPECT_TRUE(refused("(0,2,0)", "(0,nan,0)", {"a.nrrd:7: space directions", "three finite numbers"}));
   EXPECT_TRUE(refused("(0,2,0)", "(0,2)", {"a.nrrd:7: space directions"}));
-  EXPECT_TRUE(refused("(0,2,0)", "none", {"a.nrrd:7: space directions"}));
   EXPECT_TRUE(refused("(0,2,0)", "(0,0,0)", {"a.nrrd: space directions: voxels are 0 mm long in direction 1"}));
-  EXPECT_TRUE(refused("(0,2,0)", "(0.001,2,0)", {"axes 0 and 1", "not perpendicular"}));
+  EXPECT_TRUE(refused("(0,2,0)", "none", {"a.nrrd:7: space directions"}));
   EXPECT_TRUE(refused("(10,20,30)", "(10,20,inf)", {"a.nrrd:10: space origin", "1 vector of three"}));
   EXPECT_TRUE(refused("left-posterior-superior", "right-up", {"a.nrrd:5: space 'right-up'", "ras"}));
   EXPECT_TRUE(refused("kinds: domain", "kinds: list", {"a.nrrd:8: kinds", "domain"}));
@@ -297,13 +282,11 @@ TEST(VolumeFile, MetaImageNamesFieldValueAndWhatIsAllowed) {
   EXPECT_TRUE(refused("ElementSpacing = 1 2 4", "Other = 1", {"a.mha: the header has no 'ElementSpacing'"}));
   EXPECT_TRUE(
       refused("1 0 0 0 1 0 0 0 1", "1 0 0 0 2 0 0 0 1", {"a.mha:5: TransformMatrix", "the length 2", "must be 1"}));
-  EXPECT_TRUE(refused("1 0 0 0 1 0 0 0 1", "1 0 0 1 0 0 0 0 1", {"a.mha: TransformMatrix: ", "not perpendicular"}));
   EXPECT_TRUE(
       refused("ElementSpacing = 1 2 4", "ElementSpacing = 1 -2 4", {"a.mha:7: ElementSpacing", "greater than 0"}));
   EXPECT_TRUE(refused("Offset = 10 20 30", "Offset = 10 20", {"a.mha:6: Offset '10 20'", "3 finite numbers"}));
   EXPECT_TRUE(refused("Offset = 10 20 30", "Offset = 10 20 30\nPosition = 1 1 1",
                       {"a.mha:7: Position", "Offset is given, too"}));
-  EXPECT_TRUE(refused("DimSize = 2 2 2", "DimSize = 2 2 9", {"36 bytes of voxels cannot come from 8"}));
   EXPECT_TRUE(refused("DimSize = 2 2 2", "DimSize = 2 0 2", {"a.mha:8: DimSize"}));
   EXPECT_TRUE(refused("LOCAL", "LIST", {"another file"}));
   EXPECT_TRUE(refused("LOCAL", "../a.raw", {"one file in the directory"}));
@@ -327,13 +310,11 @@ TEST(VolumeFile, NiftiNamesFieldValueAndWhatIsAllowed) {
   EXPECT_TRUE(refused(344, std::int32_t{0}, {"a.nii: magic", "'n+1'"}));
   EXPECT_TRUE(refused(40, std::int16_t{2}, {"dim[0]", "2 dimensions"}));
   EXPECT_TRUE(refused(42, std::int16_t{-2}, {"dim[1]: -2", "[1, 32767]"}));
-  EXPECT_TRUE(refused(42, std::int16_t{3}, {"12 bytes of voxels cannot come from"}));
   EXPECT_TRUE(refused(70, std::int16_t{32}, {"datatype: 32", "whole numbers of 8 to 64 bits"}));
   EXPECT_TRUE(refused(72, std::int16_t{16}, {"bitpix: 16, must be 8"}));
   EXPECT_TRUE(refused(112, 2.f, {"scl_slope", "scaled by 2"}));
   EXPECT_TRUE(refused(108, 100.f, {"vox_offset: 100", "[352, "}));
   EXPECT_TRUE(refused(108, nan, {"vox_offset: nan", "finite"}));
-  EXPECT_TRUE(refused(108, 356.f, {"8 bytes of voxels cannot come from 4 bytes"}));
   EXPECT_TRUE(refused(108, 364.f, {"the data end after 360 bytes, must be at least 364"}));
   EXPECT_TRUE(refused(280, nan, {"srow_x[0]: nan", "finite"}));
   EXPECT_TRUE(refused(284, 1.f, {"a.nii: srow_x, srow_y, srow_z: ", "axes 0 and 1", "not perpendicular"}));

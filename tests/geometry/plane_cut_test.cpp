@@ -30,14 +30,6 @@ double length(const std::vector<Edge>& lines, const PointArray& points) {
   return sum;
 }
 
-TEST(PlaneCut, OfACubeAcrossItsDiagonalIsARegularHexagon) {
-  const HexMesh mesh = support::block({1, 1, 1}, 2);
-  const PlaneCut hexagon = cut(mesh, {kDiagonal, std::sqrt(3.0)});
-  EXPECT_NEAR(hexagon.area(), 4 * kHexagon, 1e-14);
-  EXPECT_NEAR(length(hexagon.outline(), points_of(hexagon, mesh.positions())), 6 * std::sqrt(2.0), 1e-14);
-  EXPECT_TRUE(hexagon.inner_lines().empty());
-}
-
 TEST(PlaneCut, AreasOfManyHexahedraAddUpToThatOfTheBlock) {
   const HexMesh mesh = support::block({3, 4, 5}, 0.1);
   const PlaneCut aslant = cut(mesh, {Vec3(3, 0, 4) / 5, 0.33});

@@ -1,27 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/geometry/sections.hpp"
 
-#include <cmath>
+#include <numbers>
 
 #include "geometry/axial_pull.hpp"
 #include "kinematics/polar.hpp"
 #include "support/compare.hpp"
+#include "support/motion.hpp"
 #include "support/shapes.hpp"
 
 namespace hexaplast {
 namespace {
 
 using support::Random;
-
-/// Bar whose sections turn by `per_length` [rad/m] about its axis, z.
-PointArray twisted(const HexMesh& mesh, double per_length, const Vec3& centre) {
-  PointArray x = mesh.positions();
-  for (int n = 0; n < x.rows(); ++n) {
-    const Mat3 turn = rotation_exp(Vec3(0, 0, per_length * x(n, 2)));
-    x.row(n) = (turn * (x.row(n).transpose() - centre) + centre).transpose();
-  }
-  return x;
-}
 
 TEST(EndSections, LieAcrossTheLongestAxis) {
   const HexMesh mesh = regular_grid({2, 5, 1}, Vec3(0, -1, 0), Vec3(0.2, 1, 0.3));
@@ -52,10 +43,9 @@ TEST(SectionAngle, IsTheAngleOfBestFit) {
 
 TEST(Twist, CountsFullTurns) {
   const HexMesh mesh = support::block({2, 2, 12}, 0.1);
-  const EndSections ends = end_sections(mesh);
   for (const double turns : {-2.25, 0.1, 0.75, 2.5}) {
-    const double per_length = turns * 2 * std::numbers::pi / ends.length;
-    EXPECT_NEAR(twist(mesh, ends, twisted(mesh, per_length, Vec3(0.1, 0.1, 0))), per_length * ends.length, 1e-10);
+    const double angle = turns * 2 * std::numbers::pi;
+    EXPECT_NEAR(twist(mesh, end_sections(mesh), support::stretched_and_twisted(mesh, 1, angle)), angle, 1e-10);
   }
 }
 
