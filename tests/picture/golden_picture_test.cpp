@@ -160,16 +160,7 @@ output::BoundaryConditions tied() {
   return conditions;
 }
 
-TEST(GoldenPicture, OfSprings) {
-  const Drawing drawing = picture(small(), some_values(), {}, tied());
-  expect_golden("springs", drawing);
-
-  // and they are there to be seen
-  output::BoundaryConditions without = tied();
-  for (output::SpringLine& spring : without.springs) spring.to = spring.from;
-  const auto image = [](const Drawing& one) { return output::load_renderer()->render(one); };
-  EXPECT_GT(num_different(image(drawing), image(picture(small(), some_values(), {}, without))), 4 * kMaxDifferent);
-}
+TEST(GoldenPicture, OfSprings) { expect_golden("springs", picture(small(), some_values(), {}, tied())); }
 
 // The middle plane of the bar as a surface, in the cage of its edges.
 TEST(GoldenPicture, OfASurfaceInACage) {
@@ -203,14 +194,6 @@ TEST(GoldenPicture, DiffersFromOneOfAnotherCamera) {
   const Vec3 towards = output::beside(2).towards;
   staging.viewpoint = output::Viewpoint{Eigen::AngleAxisd(0.05, Vec3::UnitY()) * towards, {}};
   EXPECT_GT(num_different(output::load_renderer()->render(picture(staging)), golden("body")), 10 * kMaxDifferent);
-}
-
-TEST(GoldenPicture, DiffersFromOneOfOtherNormals) {
-  Drawing drawing = picture(small());
-  output::View view = *drawing.view;
-  for (output::Geometry::Vertex& vertex : view.geometry.surface) vertex.normal = Eigen::Vector3f::UnitY();
-  drawing.view = std::make_shared<output::View>(view);
-  EXPECT_GT(num_different(output::load_renderer()->render(drawing), golden("body")), 10 * kMaxDifferent);
 }
 
 /// Null where the machine has no EGL.
