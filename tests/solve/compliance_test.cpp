@@ -22,12 +22,7 @@ namespace hexaplast {
 namespace {
 
 using support::Slab;
-
-Slab held_slab(double young_modulus, Precision precision) {
-  Slab slab(support::slab_mesh());
-  slab.add_body(0, slab.mesh.num_elements(), young_modulus, {}, precision);
-  return slab;
-}
+using support::slab_of_one_body;
 
 /// Contacts in faces of the top, moved by a fraction of an edge: a normal and two tangents each, over four nodes.
 std::vector<ConstraintRow> contacts(const Slab& slab, int count, double fraction, unsigned seed = 3) {
@@ -51,9 +46,7 @@ std::vector<ConstraintRow> contacts(const Slab& slab, int count, double fraction
 
 PointArray transposed(const Slab& slab, const std::vector<ConstraintRow>& rows, const Eigen::VectorXd& lambda) {
   PointArray f = PointArray::Zero(slab.num_nodes(), 3);
-  for (std::size_t j = 0; j < rows.size(); ++j)
-    for (const auto& [node, direction] : rows[j])
-      f.row(node) += lambda[static_cast<Eigen::Index>(j)] * direction.transpose();
+  add_constraint_force(rows, {lambda.data(), rows.size()}, f);
   return f;
 }
 
@@ -89,7 +82,7 @@ struct SystemCase {
 class ComplianceOf : public testing::TestWithParam<SystemCase> {};
 
 TEST_P(ComplianceOf, ContactsIsThatOfAFactorisation) {
-  Slab slab = held_slab(GetParam().young_modulus, GetParam().precision);
+  Slab slab = slab_of_one_body(GetParam().young_modulus, GetParam().precision);
   if (GetParam().spring > 0) slab.ties.add(200, 200, GetParam().spring * Mat3::Identity());
   const std::vector<ConstraintRow> rows = contacts(slab, 20, 0.2);
   Compliance compliance(GetParam().preconditioner);
@@ -128,13 +121,12 @@ TEST(Compliance, ForcesOfMultipliersAreThoseOfTheTransposedJacobian) {
 }
 
 TEST(Compliance, BeginsTheMotionOfMultipliersNearIt) {
-  const Slab slab = held_slab(2e5, Precision::kDouble);
+  const Slab slab = slab_of_one_body(2e5, Precision::kDouble);
   const std::vector<ConstraintRow> rows = contacts(slab, 20, 0.2);
   Compliance compliance;
   const Eigen::MatrixXd W = compliance.find(slab, rows);
   support::Random random(5);
-  Eigen::VectorXd lambda(W.rows());
-  for (double& each : lambda) each = random.uniform(0, 1);
+  const Eigen::VectorXd lambda = random.matrix(static_cast<int>(W.rows()), 1).cwiseAbs();
   PointArray b = transposed(slab, rows, lambda), x(slab.num_nodes(), 3), expected = x;
   ASSERT_TRUE(compliance.start(b, x));
   CholeskySolver().solve(slab, b, expected);
@@ -156,7 +148,7 @@ TEST(Compliance, HasTheSameBitsForAnyNumberOfThreads) {
   Eigen::MatrixXd found[2];
   for (int k = 0; k < 2; ++k) {
     set_num_threads(k == 0 ? 1 : 3);
-    const Slab slab = held_slab(2e5, Precision::kMixed);
+    const Slab slab = slab_of_one_body(2e5, Precision::kMixed);
     Compliance compliance;
     compliance.find(slab, contacts(slab, 7, 0.2));
     found[k] = compliance.find(slab, contacts(slab, 7, 0.25));
@@ -167,7 +159,7 @@ TEST(Compliance, HasTheSameBitsForAnyNumberOfThreads) {
 
 // As points of a mesh against several triangles each: more rows at a node than it has directions, nearly alike.
 TEST(Compliance, OfRowsThatDependOnOneAnotherIsPositive) {
-  const Slab slab = held_slab(2e5, Precision::kMixed);
+  const Slab slab = slab_of_one_body(2e5, Precision::kMixed);
   support::Random random(9);
   Compliance compliance;
   std::vector<ConstraintRow> rows;
@@ -185,7 +177,7 @@ TEST(Compliance, OfRowsThatDependOnOneAnotherIsPositive) {
 }
 
 TEST(Compliance, RowsMayBeManyNoneDependentOrHeld) {
-  const Slab slab = held_slab(2e5, Precision::kDouble);
+  const Slab slab = slab_of_one_body(2e5, Precision::kDouble);
   Compliance compliance;
   EXPECT_EQ(compliance.find(slab, {}).size(), 0);
   std::vector<ConstraintRow> rows = contacts(slab, 4, 0.2);
@@ -206,10 +198,7 @@ TEST(ColumnProducts, AreThoseOfEigen) {
   support::Random random(5);
   for (const auto& [rows, first, second] :
        std::vector<std::array<int, 3>>{{1, 1, 1}, {7, 4, 2}, {517, 6, 3}, {1030, 9, 1}}) {
-    Eigen::MatrixXd X(rows, first), R(rows, second);
-    for (Eigen::MatrixXd* each : {&X, &R})
-      for (int j = 0; j < each->cols(); ++j)
-        for (int i = 0; i < rows; ++i) (*each)(i, j) = random.uniform(-1, 1);
+    const Eigen::MatrixXd X = random.matrix(rows, first), R = random.matrix(rows, second);
     Eigen::MatrixXd products = Eigen::MatrixXd::Constant(first + 1, second, 3);
     column_products(X, R, products.topRows(first));
     EXPECT_LE((products.topRows(first) - X.transpose() * R).cwiseAbs().maxCoeff(), 1e-12);

@@ -21,47 +21,6 @@ std::unique_ptr<LinearSolver> exact_conjugate_gradients() {
       ConjugateGradientSettings{.iterations = 1000, .tolerance = 1e-14, .threshold = 0});
 }
 
-// One cube with nu = 0, its lower face fixed and the upper moving along its normal, is a spring: k = E A / L over four
-// nodes. With forces at the end and in the middle of the step, and with the first order scheme, which has no inertia.
-TEST(ImplicitEuler, SwingsAnOscillatorAsTheDiscreteSchemeSays) {
-  const double edge = 0.1, E = 5000, k = E * edge, m = 4 * 1000 * edge * edge * edge / 8, rM = 0.3, rK = 0.02,
-               h = kStep;
-  const Material material{.young_modulus = E, .poisson_ratio = 0};
-  for (const bool direct : {true, false})
-    for (const bool first_order : {true, false})
-      for (const bool trapezoidal : {true, false}) {
-        const HexMesh mesh = support::block({1, 1, 1}, edge);
-        support::SimulationSetup setup;
-        setup.dt = h;
-        setup.euler = {.rayleigh_mass = rM,
-                       .rayleigh_stiffness = rK,
-                       .velocity_damping = 0.5,
-                       .first_order = first_order,
-                       .trapezoidal = trapezoidal};
-        setup.fixed = support::nodes_at(mesh, 2, 0);
-        support::Simulation cube(Body(mesh, {material}), std::move(setup),
-                                 direct ? std::make_unique<CholeskySolver>() : exact_conjugate_gradients());
-        const double ah = trapezoidal ? h / 2 : h, decay = std::exp(-0.5 * h);
-        double u = 0.02, v = 0;
-        const std::vector<int> top = support::nodes_at(mesh, 2, edge);
-        for (const int n : top) cube.x(n, 2) += u;
-
-        for (int step = 0; step < 200; ++step) {
-          cube.step();
-          if (first_order)
-            v = -k * u / (m + ah * k);
-          else
-            v += h * (-k * u - rM * m * v - (ah + rK) * k * v) / ((1 + ah * rM) * m + ah * (ah + rK) * k);
-          u += h * v;
-          v *= decay;
-          for (const int n : top) {
-            ASSERT_NEAR(cube.v(n, 2), v, 1e-11);
-            ASSERT_NEAR(cube.x(n, 2) - edge, u, 1e-12);
-          }
-        }
-      }
-}
-
 /// A unit mass on a spring.
 class Oscillator final : public MechanicalSystem {
  public:

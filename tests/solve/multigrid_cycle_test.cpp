@@ -9,6 +9,7 @@
 #include "hexaplast/geometry/shapes.hpp"
 #include "mesh/lumped_mass.hpp"
 #include "solve/multigrid.hpp"
+#include "support/dense.hpp"
 #include "support/random.hpp"
 #include "support/shapes.hpp"
 
@@ -24,7 +25,8 @@ class Cycle {
  public:
   Cycle(const HexMesh& mesh, const std::vector<Material>& materials, const std::vector<int>& removed = {},
         std::vector<NodeBlock> blocks = {}, bool is_free = false)
-      : body_(mesh, materials, settings()), blocks_(std::move(blocks)) {
+      : body_(mesh, materials, {.precision = std::is_same_v<T, double> ? Precision::kDouble : Precision::kMixed}),
+        blocks_(std::move(blocks)) {
     PointArray x = mesh.positions();
     const double low = x.col(2).minCoeff(), height = x.col(2).maxCoeff() - low;
     for (int n = 0; n < x.rows(); ++n) {
@@ -47,13 +49,11 @@ class Cycle {
 
   int num_levels() const { return static_cast<int>(part().coarse.size()) + 1; }
   int size() const { return 3 * static_cast<int>(system_.free.rows()); }
-  bool is_free(int i) const { return system_.free(i / 3, i % 3) != 0; }
+  bool is_free(Eigen::Index i) const { return system_.free(i / 3, i % 3) != 0; }
 
   Eigen::VectorXd random(std::uint64_t seed) const {
     support::Random numbers(seed);
-    Eigen::VectorXd out(size());
-    for (int i = 0; i < size(); ++i) out[i] = is_free(i) ? numbers.uniform(-1, 1) : 0;
-    return out;
+    return Eigen::VectorXd::NullaryExpr(size(), [&](auto i) { return is_free(i) ? numbers.uniform(-1, 1) : 0; });
   }
 
   Eigen::VectorXd preconditioned(const Eigen::VectorXd& r) {
@@ -64,31 +64,21 @@ class Cycle {
   }
 
   Eigen::VectorXd product(const Eigen::VectorXd& p) const {
-    AlignedVector<T> from = slots(p), to(from.size(), T(0));
-    for (int chunk = 0; chunk < partition().num_chunks; ++chunk) update_ghosts(partition(), chunk, from.data());
-    for (int chunk = 0; chunk < partition().num_chunks; ++chunk)
-      op().add_product(chunk, static_cast<T>(part().factor), from.data(), to.data());
-    for (int chunk = 0; chunk < partition().num_chunks; ++chunk) reduce_ghosts(partition(), chunk, to.data());
-    Eigen::VectorXd out = field(to);
-    for (const auto& [node, block] : blocks_) out.segment<3>(3 * node) += block * p.segment<3>(3 * node);
-    for (int i = 0; i < size(); ++i) out[i] = is_free(i) ? out[i] + system_.diagonal(i / 3, i % 3) * p[i] : 0;
-    return out;
+    const PointArray nodal = support::unstacked(p);
+    PointArray Ap = system_.diagonal.cwiseProduct(nodal);
+    body_.add_stiffness_product(-kTimeStep * kTimeStep, nodal, Ap);
+    for (const auto& [node, block] : blocks_) Ap.row(node) += nodal.row(node) * block.transpose();
+    return support::stacked(Ap.cwiseProduct(system_.free.cast<double>()));
   }
 
  private:
-  static Settings settings() {
-    Settings out;
-    out.precision = std::is_same_v<T, double> ? Precision::kDouble : Precision::kMixed;
-    return out;
-  }
   const KernelBody& part() const { return system_.bodies.front(); }
-  const ChunkedOperator<T>& op() const {
+  const Partition& partition() const {
     if constexpr (std::is_same_v<T, double>)
-      return *part().double_operator;
+      return part().double_operator->partition();
     else
-      return *part().single_operator;
+      return part().single_operator->partition();
   }
-  const Partition& partition() const { return op().partition(); }
   std::size_t number(int i) const {
     return 4 * static_cast<std::size_t>(partition().slot_of_node[i / 3]) + static_cast<std::size_t>(i % 3);
   }
@@ -157,12 +147,7 @@ void expect_definite(const char* name, const Make& make) {
   expect_definite_in(name, make.template operator()<float>());
 }
 
-Material stiff(double poisson_ratio) {
-  Material material;
-  material.young_modulus = 1e6;
-  material.poisson_ratio = poisson_ratio;
-  return material;
-}
+Material stiff(double poisson_ratio) { return {.young_modulus = 1e6, .poisson_ratio = poisson_ratio}; }
 
 /// nu 0, every seventh nu .49; every fifth a thousand times as stiff as the others.
 std::vector<Material> mixture(int count) {

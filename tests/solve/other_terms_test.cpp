@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "hexaplast/base/parallel.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/embed.hpp"
 #include "hexaplast/geometry/grid.hpp"
@@ -21,9 +20,7 @@ namespace {
 using support::kSlabStep;
 using support::Slab;
 using support::slab_mesh;
-
-/// On which the bounds of iterations were measured.
-const Settings kMeasured;
+using support::slab_of_one_body;
 
 /// Of a node of the slab's matrix, roughly.
 double stiffness_of_node(double young_modulus) { return kSlabStep * kSlabStep * young_modulus * 0.01; }
@@ -121,12 +118,6 @@ struct Beside {
 };
 void PrintTo(const Beside& beside, std::ostream* out) { *out << beside.name; }
 
-Slab one_body(double young_modulus, Precision precision = Precision::kDouble) {
-  Slab made(slab_mesh());
-  made.add_body(0, made.mesh.num_elements(), young_modulus, kMeasured, precision);
-  return made;
-}
-
 class OtherTerms : public testing::TestWithParam<Beside> {};
 
 TEST_P(OtherTerms, LeaveThePreconditionerAndTheResidualAsTheyAre) {
@@ -134,9 +125,9 @@ TEST_P(OtherTerms, LeaveThePreconditionerAndTheResidualAsTheyAre) {
     for (const Precision precision : {Precision::kDouble, Precision::kMixed})
       for (const Preconditioner preconditioner : {Preconditioner::kMultigrid, Preconditioner::kDiagonal}) {
         const bool cycles = preconditioner == Preconditioner::kMultigrid;
-        const int alone = solve(one_body(young_modulus, precision), 1e-6, preconditioner).report.iterations;
+        const int alone = solve(slab_of_one_body(young_modulus, precision), 1e-6, preconditioner).report.iterations;
         for (const double ratio : GetParam().ratios) {
-          Slab tied = one_body(young_modulus, precision);
+          Slab tied = slab_of_one_body(young_modulus, precision);
           GetParam().tie(tied, ratio * stiffness_of_node(young_modulus));
           const auto [report, x, residual] = solve(tied, 1e-6, preconditioner);
           const std::string what = fmt::format("{}, E {}, share {}: {} iterations, alone {}",
@@ -172,7 +163,7 @@ TEST(OtherTerms, LeaveTheReportedResidualTrueAtAnyToleranceHoweverStiffTheyAre) 
       for (const double tolerance : {1e-2, 1e-3, 1e-6, 1e-9})
         for (const double ratio : {1.0, 1e4, 1e6}) {
           if (precision == Precision::kMixed && tolerance < 1e-6) continue;
-          Slab tied = one_body(1e6, precision);
+          Slab tied = slab_of_one_body(1e6, precision);
           tie_oblique_plane(tied, ratio * stiffness_of_node(1e6));
           const auto [report, x, residual] = solve(tied, tolerance, preconditioner);
           const std::string what =
@@ -193,7 +184,7 @@ TEST(OtherTerms, LeaveTheResidualAsTrueAsThatOfOneBodyInMixedPrecision) {
   for (const Preconditioner preconditioner : {Preconditioner::kMultigrid, Preconditioner::kDiagonal})
     for (const double tolerance : {3e-2, 1e-2, 3e-3}) {
       for (const double ratio : {0.0, 0.01, 1.0, 100.0}) {
-        Slab tied = one_body(1e6, Precision::kMixed);
+        Slab tied = slab_of_one_body(1e6, Precision::kMixed);
         support::Random random(11);
         tied.bodies.front().linearize(tied.mesh.positions() + random.field(tied.num_nodes(), 2e-3));
         if (ratio > 0) tie_oblique_plane(tied, ratio * stiffness_of_node(1e6));
@@ -211,7 +202,7 @@ TEST(OtherTerms, LeaveTheResidualAsTrueAsThatOfOneBodyInMixedPrecision) {
 TEST(OtherTerms, AStartLeavesHeldNodesWhereTheyAre) {
   for (const Precision precision : {Precision::kDouble, Precision::kMixed})
     for (const double tolerance : {1e-2, 1e-6}) {
-      const Slab slab = one_body(1e6, precision);
+      const Slab slab = slab_of_one_body(1e6, precision);
       PointArray b = PointArray::Constant(slab.num_nodes(), 3, 1), x(b.rows(), 3);
       slab.project(b);
       PreconditionedConjugateGradients solver(tolerance, 2000, Preconditioner::kMultigrid);
@@ -222,25 +213,13 @@ TEST(OtherTerms, AStartLeavesHeldNodesWhereTheyAre) {
     }
 }
 
-/// The slab cut in two halves, each with nodes of its own; the other half's are nodes of no body.
-HexMesh two_halves() {
-  const HexMesh whole = slab_mesh();
-  const int num_nodes = whole.num_nodes();
-  PointArray X(2 * num_nodes, 3);
-  X << whole.positions(), whole.positions();
-  std::vector<Hexahedron> hexahedra = whole.hexahedra();
-  for (std::size_t e = 512; e < hexahedra.size(); ++e)
-    for (int& node : hexahedra[e]) node += num_nodes;
-  return HexMesh(X, hexahedra);
-}
-
 TEST(SeveralBodies, HaveACycleEach) {
   for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
-    Slab slab(two_halves());
-    slab.add_body(0, 512, 1e5, kMeasured, precision);
-    slab.add_body(512, 1024, 1e6, kMeasured, precision);
+    Slab slab(support::joined(slab_mesh(), slab_mesh()));  // each half has nodes of its own
+    slab.add_body(0, 512, 1e5, precision);
+    slab.add_body(1024 + 512, 2048, 1e6, precision);
     tie_springs(slab, 0.1 * stiffness_of_node(1e5));
-    const int alone = solve(one_body(1e6, precision)).report.iterations;
+    const int alone = solve(slab_of_one_body(1e6, precision)).report.iterations;
     for (const Preconditioner preconditioner : {Preconditioner::kMultigrid, Preconditioner::kAuto}) {
       const auto [report, x, residual] = solve(slab, 1e-6, preconditioner);
       EXPECT_EQ(report.preconditioner, PreconditionedBy::kMultigrid);
@@ -256,8 +235,8 @@ TEST(SeveralBodies, HaveACycleEach) {
 TEST(SeveralBodies, MayShareNodes) {
   for (const auto& [first, end] : {std::pair{512, 1024}, std::pair{256, 768}, std::pair{1020, 1024}}) {
     Slab slab(slab_mesh());
-    slab.add_body(0, first == 256 ? 1024 : first, 1e6, kMeasured);
-    slab.add_body(first, end, 1e5, kMeasured);
+    slab.add_body(0, first == 256 ? 1024 : first, 1e6);
+    slab.add_body(first, end, 1e5);
     const auto [report, x, residual] = solve(slab);
     EXPECT_EQ(report.preconditioner, PreconditionedBy::kMultigrid);
     EXPECT_LE(residual, 1.001e-6);
@@ -272,7 +251,7 @@ TEST(OtherTerms, MayBeConstraintsThatCoupleCoordinates) {
   for (const double young_modulus : {1e4, 1e5, 1e6})
     for (const Precision precision : {Precision::kDouble, Precision::kMixed})
       for (const bool has_grips : {false, true}) {
-        Slab slab = one_body(young_modulus, precision);
+        Slab slab = slab_of_one_body(young_modulus, precision);
         const int free = solve(slab).report.iterations;
         slab.slides = true;
         if (has_grips) tie_grips(slab, stiffness_of_node(young_modulus));
@@ -287,26 +266,12 @@ TEST(OtherTerms, MayBeConstraintsThatCoupleCoordinates) {
       }
 }
 
-TEST(OtherTerms, AndBodiesHaveTheSameBitsOnAnyNumberOfThreads) {
-  const auto answer = [](int threads, bool has_two) {
-    set_num_threads(threads);
-    Slab slab(slab_mesh());
-    slab.add_body(0, has_two ? 512 : 1024, 1e5, kMeasured, Precision::kMixed);
-    if (has_two) slab.add_body(512, 1024, 1e5, kMeasured, Precision::kMixed);
-    tie_grips(slab, stiffness_of_node(1e5));
-    const PointArray x = solve(slab).x;
-    set_num_threads(1);
-    return x;
-  };
-  for (const bool has_two : {false, true}) EXPECT_EQ(answer(3, has_two), answer(1, has_two));
-}
-
 // What a solver keeps of the matrix of the body serves the next solve; ties that have come or gone, other masses, held
 // nodes and positions are seen.
 TEST(OtherTerms, ThatComeAndGoAndAllElseThatChangesLeavesNothingBehindInTheSolver) {
   for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
     PreconditionedConjugateGradients kept(1e-6, 2000, Preconditioner::kMultigrid);
-    Slab slab = one_body(1e5, precision);
+    Slab slab = slab_of_one_body(1e5, precision);
     const auto expect_the_same = [&](const char* what) {
       SCOPED_TRACE(what);
       EXPECT_EQ(solve(slab, kept).x, solve(slab).x);
@@ -330,7 +295,7 @@ TEST(OtherTerms, ThatComeAndGoAndAllElseThatChangesLeavesNothingBehindInTheSolve
 
 // The direct solver's answer, by the solvers of SOFA's kinds too, which ask for the product.
 TEST(OtherTerms, AreSolvedForByEverySolver) {
-  Slab slab = one_body(1e5);
+  Slab slab = slab_of_one_body(1e5);
   tie_oblique_plane(slab, stiffness_of_node(1e5));
   CholeskySolver direct;
   const PointArray expected = solve(slab, direct).x;

@@ -30,6 +30,11 @@ class Random {
     return A;
   }
 
+  /// Entries in [-1, 1], row by row.
+  Eigen::MatrixXd matrix(int rows, int columns) {
+    return Eigen::MatrixXd::NullaryExpr(columns, rows, [this] { return uniform(-1, 1); }).eval().transpose();
+  }
+
   /// Unit vector, from the ball so that no direction is preferred.
   Vec3 direction() {
     Vec3 v;

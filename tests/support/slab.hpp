@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hexaplast/body.hpp"
-#include "hexaplast/geometry/grid.hpp"
+#include "support/shapes.hpp"
 
 namespace hexaplast::support {
 
@@ -30,19 +30,14 @@ class Ties final : public NodalOperator {
 /// diagonal + dt^2 (stiffness of the bodies) + ties, on the nodes of a slab that is held at x = 0.
 class Slab final : public LinearSystem {
  public:
-  explicit Slab(HexMesh of) : mesh(std::move(of)), diagonal(PointArray::Constant(mesh.num_nodes(), 3, kNodalMass)) {
-    for (int n = 0; n < mesh.num_nodes(); ++n)
-      if (mesh.positions()(n, 0) < 1e-9) held.push_back(n);
-  }
+  explicit Slab(HexMesh of) : mesh(std::move(of)), diagonal(PointArray::Constant(mesh.num_nodes(), 3, kNodalMass)) {}
 
   /// Hexahedra [first, last) of the mesh.
-  void add_body(int first, int last, double young_modulus, Settings settings,
-                Precision precision = Precision::kDouble) {
-    settings.precision = precision;
+  void add_body(int first, int last, double young_modulus, Precision precision = Precision::kDouble) {
     const std::vector<Hexahedron> some(mesh.hexahedra().begin() + first, mesh.hexahedra().begin() + last);
-    Body& body =
-        bodies.emplace_back(HexMesh(mesh.positions(), some),
-                            std::vector{Material{.young_modulus = young_modulus, .poisson_ratio = 0.45}}, settings);
+    Body& body = bodies.emplace_back(HexMesh(mesh.positions(), some),
+                                     std::vector{Material{.young_modulus = young_modulus, .poisson_ratio = 0.45}},
+                                     Settings{.precision = precision});
     body.linearize(mesh.positions());
   }
 
@@ -88,10 +83,16 @@ class Slab final : public LinearSystem {
   PointArray diagonal;
   std::deque<Body> bodies;
   Ties ties;
-  std::vector<int> held;
+  std::vector<int> held = nodes_at(mesh, 0, 0);
   bool slides = false;
 };
 
 inline HexMesh slab_mesh() { return regular_grid({16, 16, 4}, Vec3::Zero(), kSlabSize); }
+
+inline Slab slab_of_one_body(double young_modulus, Precision precision = Precision::kDouble) {
+  Slab slab(slab_mesh());
+  slab.add_body(0, slab.mesh.num_elements(), young_modulus, precision);
+  return slab;
+}
 
 }  // namespace hexaplast::support
