@@ -52,10 +52,18 @@ class BodySystem final : public LinearSystem {
 
 class KernelSolvers : public testing::TestWithParam<std::pair<Precision, Preconditioner>> {
  protected:
+  KernelSolvers() {
+    body.linearize(X);
+    held.project(b);
+  }
+
   static constexpr int kNodes = 9 * 9 * 9;  // large enough for coarse meshes
   Body body{support::block({8, 8, 8}, 0.1), {Material{}}, {.precision = GetParam().first}};
   PreconditionedConjugateGradients solver{1e-7, 2000, GetParam().second};
   const PointArray X = body.mesh().positions();
+  const LoadedBody held{body, std::vector<double>(kNodes, 0.1), {0, 1, 2, 3, 40}, {}};
+  const BodySystem A{held, {.mass = 1, .stiffness = -1e-2}};
+  PointArray b = support::Random(8).field(kNodes, 1);
 };
 
 // The operator of a mixed body has coefficients in half precision: what it leaves is not what the system leaves.
@@ -130,12 +138,8 @@ TEST_P(KernelSolvers, ACycleThatIsNotPositiveDefiniteGivesWayToTheDiagonal) {
     const BodySystem& A_;
     mutable std::optional<Growing> cycle_;
   };
-  LoadedBody system(body, std::vector<double>(kNodes, 0.1), {0, 1, 2, 3, 40}, {});
-  body.linearize(X);
-  const BodySystem A(system, {.mass = 1, .stiffness = -1e-2});
   WithGrowingCycle indefinite(A);
-  PointArray b = support::Random(8).field(kNodes, 1), x(kNodes, 3), expected(kNodes, 3), product(kNodes, 3);
-  system.project(b);
+  PointArray x(kNodes, 3), expected(kNodes, 3), product(kNodes, 3);
   ASSERT_TRUE(PreconditionedConjugateGradients(1e-9, 2000).solve(A, b, expected).converged);
 
   const PreconditionedBy at_first =
@@ -162,11 +166,7 @@ TEST_P(KernelSolvers, ACycleThatIsNotPositiveDefiniteGivesWayToTheDiagonal) {
 }
 
 TEST_P(KernelSolvers, RecoverFromWhatIsNoNumber) {
-  LoadedBody system(body, std::vector<double>(kNodes, 0.1), {0, 1, 2, 3, 40}, {});
-  const BodySystem A(system, {.mass = 1, .stiffness = -1e-2});
-  const PointArray b = support::Random(8).field(kNodes, 1);
   PointArray before(kNodes, 3), after(kNodes, 3), spoiled = X;
-  body.linearize(X);
   ASSERT_TRUE(solver.solve(A, b, before).converged);
 
   spoiled(300, 1) = NAN;
@@ -181,11 +181,7 @@ TEST_P(KernelSolvers, RecoverFromWhatIsNoNumber) {
 
 // Squares of what is far from 1 are beyond single precision: the same bits, times the power of two.
 TEST_P(KernelSolvers, DoNotFeelTheSizeOfTheRightHandSide) {
-  LoadedBody system(body, std::vector<double>(kNodes, 0.1), {0, 1, 2, 3, 40}, {});
-  const BodySystem A(system, {.mass = 1, .stiffness = -1e-2});
-  const PointArray b = support::Random(8).field(kNodes, 1);
   PointArray x(kNodes, 3), of_scaled(kNodes, 3);
-  body.linearize(X);
   const SolveReport report = solver.solve(A, b, x);
   ASSERT_TRUE(report.converged);
   for (const int power : {-400, -150, -83, -1, 1, 66, 150, 400}) {
@@ -205,22 +201,20 @@ TEST_P(KernelSolvers, DoNotFeelTheSizeOfTheRightHandSide) {
 TEST_P(KernelSolvers, TakeABodyThatIsNotHeldForSemiDefinite) {
   LoadedBody system(body, std::vector<double>(kNodes, 0), {}, {});
   const BodySystem K(system, {.mass = 0, .stiffness = -1});
-  body.linearize(X);
   PointArray pull = PointArray::Zero(kNodes, 3), x(kNodes, 3);
   pull.topRows(81).col(2).array() = -1;
   pull.bottomRows(81).col(2).array() = 1;
   EXPECT_TRUE(solver.solve(K, pull, x).converged) << "in equilibrium with itself";
 
   const PointArray weight = PointArray::Constant(kNodes, 3, 0.1);
-  for (const PointArray& b : {weight, PointArray(pull + weight), PointArray(pull + 1e-4 * weight)}) {
+  for (const PointArray& load : {weight, PointArray(pull + weight), PointArray(pull + 1e-4 * weight)}) {
     SolveReport report;
-    EXPECT_NO_THROW(report = solver.solve(K, b, x));
+    EXPECT_NO_THROW(report = solver.solve(K, load, x));
     EXPECT_FALSE(report.converged);
     EXPECT_LT(report.iterations, 300) << "goes on along what rounding makes of nothing";
   }
 
   // D^-1 b is a rigid motion: the very first direction is one
-  PointArray b(kNodes, 3);
   const Eigen::VectorXd volumes = nodal_volumes(X, body.mesh().hexahedra());
   for (int n = 0; n < kNodes; ++n) b.row(n) = Eigen::RowVector3d(0, 0, -1e-3 * volumes[n] / volumes[0]);
   const SolveReport report = solver.solve(K, b, x);
@@ -234,27 +228,25 @@ TEST_P(KernelSolvers, TakeTheBendingOfALongBarForStiffness) {
   const PointArray rest = bar.mesh().positions();
   LoadedBody system(bar, std::vector<double>(rest.rows(), 0), support::nodes_at(bar.mesh(), 0, 0), {});
   bar.linearize(rest);
-  PointArray b = PointArray::Zero(rest.rows(), 3), x(rest.rows(), 3);
-  b.col(2).setConstant(-1e-6);
-  system.project(b);
+  PointArray load = PointArray::Zero(rest.rows(), 3), x(rest.rows(), 3);
+  load.col(2).setConstant(-1e-6);
+  system.project(load);
   PreconditionedConjugateGradients patient(1e-6, 20000, GetParam().second);
-  EXPECT_TRUE(patient.solve(BodySystem(system, {.mass = 0, .stiffness = -1}), b, x).converged);
+  EXPECT_TRUE(patient.solve(BodySystem(system, {.mass = 0, .stiffness = -1}), load, x).converged);
 }
 
 // Stiffness of the wrong sign beside a mass: the diagonal is positive, the matrix is not.
 TEST_P(KernelSolvers, RefuseNegativeCurvature) {
   LoadedBody system(body, std::vector<double>(kNodes, 1), {}, {});
-  body.linearize(X);
   BlockMatrix K(kNodes);
   body.add_stiffness_blocks(-1, K);
   double greatest = 0;
   for (int n = 0; n < kNodes; ++n)
     for (const BlockMatrix::Entry& entry : K.row(n))
       if (entry.column == n) greatest = std::max(greatest, entry.block.diagonal().maxCoeff());
-  const BodySystem A(system, {.mass = 1, .stiffness = 0.7 / greatest});
+  const BodySystem indefinite(system, {.mass = 1, .stiffness = 0.7 / greatest});
   PointArray x(kNodes, 3);
-  EXPECT_TRUE(refuses<NumericalError>([&] { solver.solve(A, support::Random(8).field(kNodes, 1), x); },
-                                      {"not positive definite"}));
+  EXPECT_TRUE(refuses<NumericalError>([&] { solver.solve(indefinite, b, x); }, {"not positive definite"}));
 }
 
 /// Nodes that keep to planes, which are those of no axis.
