@@ -4,9 +4,9 @@
 
 #include <png.h>
 #include <sys/stat.h>
+#include <zlib.h>
 
 #include <cstdlib>
-#include <cstring>
 
 #include "hexaplast/base/error.hpp"
 #include "support/compare.hpp"
@@ -51,14 +51,10 @@ std::string four_bytes(std::uint32_t value) {
   return bytes;
 }
 
-/// The checksum of chunks, bit by bit.
-std::uint32_t checksum(std::string_view bytes) {
-  std::uint32_t crc = 0xFFFFFFFF;
-  for (const char byte : bytes) {
-    crc ^= static_cast<unsigned char>(byte);
-    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xEDB88320 : 0);
-  }
-  return ~crc;
+/// The checksum of chunks.
+std::uint32_t checksum(const std::string& bytes) {
+  return static_cast<std::uint32_t>(
+      ::crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size())));
 }
 
 struct Chunk {
