@@ -2,10 +2,9 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <tinyxml2.h>
 
+#include <cstdlib>
 #include <map>
 
 #include "support/output.hpp"
@@ -14,19 +13,12 @@ namespace hexaplast::support {
 
 /// The arrays of a .vtu file as meshio, an independent reader, sees them.
 inline std::map<std::string, std::string> read_with_meshio(const Scratch& scratch, const std::filesystem::path& file,
-                                                           std::vector<std::string> names) {
+                                                           const std::vector<std::string>& names) {
   const std::string dump = (scratch / "dump").string();
-  std::vector<std::string> words{"/usr/bin/python3", HEXAPLAST_TEST_DATA "/output/dump_vtu.py", file.string(), dump};
-  words.insert(words.end(), names.begin(), names.end());
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-
-  pid_t child = 0;
-  int status = -1;
-  if (::posix_spawn(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) return {};
-  ::waitpid(child, &status, 0);
-  EXPECT_EQ(status, 0) << "meshio cannot read " << file;
+  std::string command =
+      "/usr/bin/python3 '" HEXAPLAST_TEST_DATA "/output/dump_vtu.py' '" + file.string() + "' '" + dump + "'";
+  for (const std::string& name : names) command += " '" + name + "'";
+  EXPECT_EQ(std::system(command.c_str()), 0) << "meshio cannot read " << file;
 
   std::map<std::string, std::string> arrays;
   std::ifstream in(dump, std::ios::binary);

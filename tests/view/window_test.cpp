@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "picture/page.hpp"
+#include "support/bar_scene.hpp"
 #include "support/command.hpp"
 #include "support/png.hpp"
 
@@ -11,6 +11,8 @@ namespace hexaplast {
 namespace {
 
 using support::Outcome;
+
+std::string hash(const std::string& text) { return text.substr(text.find("state hash")); }
 
 const std::string kOnScreen = "timeout 280 bash '" HEXAPLAST_SOURCE_DIR "/tests/support/on_screen.sh'";
 
@@ -21,14 +23,7 @@ class LiveWindow : public support::Command {
     Command::SetUp();
     for (const char* program : {"Xvfb", "xdotool"})
       if (shell(std::string("command -v ") + program).code != 0) GTEST_SKIP() << program << " is not installed";
-    write(
-        "bar.scn",
-        "<Node dt='0.01' gravity='0 0 0'><DefaultAnimationLoop/>"
-        "<EulerImplicitSolver rayleighMass='0.1' rayleighStiffness='0.05'/>"
-        "<CGLinearSolver iterations='200' tolerance='1e-8' threshold='1e-30'/>"
-        "<RegularGridTopology name='grid' n='3 3 7' max='0.1 0.1 0.3'/><MechanicalObject name='nodes'/>"
-        "<UniformMass totalMass='3'/><HexahedronElastoplasticFEMForceField name='body' youngModulus='5000' "
-        "poissonRatio='0.4' yieldStress='150' plasticFlowRate='4'/><FixedProjectiveConstraint indices='0-8'/></Node>");
+    write("bar.scn", support::kBar);
   }
 
   /// Presses the mouse at a pixel of the window, moves it ten times, lets go, and closes the window.
@@ -95,7 +90,6 @@ TEST_F(LiveWindow, WhatTheMouseDragsStaysStretched) {
   // and again without a window
   const Outcome again = hexaplast("run recorded.scn");
   ASSERT_EQ(again.code, 0) << again.err;
-  const auto hash = [](const std::string& text) { return text.substr(text.find("state hash")); };
   EXPECT_EQ(hash(again.out), hash(said));
 
   // pictures of the whole window, and not the same before and after
@@ -119,7 +113,6 @@ TEST_F(LiveWindow, TheHandPressesWithABallAndTakesItBack) {
   EXPECT_EQ(recorded.find("<GraspForceField"), std::string::npos);
   const Outcome again = hexaplast("run recorded.scn");
   ASSERT_EQ(again.code, 0) << again.err;
-  const auto hash = [](const std::string& text) { return text.substr(text.find("state hash")); };
   EXPECT_EQ(hash(again.out), hash(support::content(directory_ / "outcome")));
 
   const auto size = [&](const char* name) { return support::content(directory_ / name).substr(16, 8); };
@@ -157,7 +150,6 @@ TEST_F(LiveWindow, RunsSoManyStepsAndClosesByItself) {
       shell(kOnScreen + " '" HEXAPLAST_COMMAND "' view bar.scn --steps 7 --picture last.png --final final.json");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const Outcome headless = hexaplast("run bar.scn --steps 7");
-  const auto hash = [](const std::string& text) { return text.substr(text.find("state hash")); };
   EXPECT_EQ(hash(outcome.out), hash(headless.out)) << "the window changes nothing";
   EXPECT_GT(support::content(directory_ / "last.png").size(), 20'000u);
 }
