@@ -14,7 +14,7 @@ import pathlib
 
 import numpy as np
 
-from deck import Mesh, body, node_set, read, solid
+from deck import Mesh, body, loads, node_set, read, solid
 
 CELL = 0.01  # [m] of the unrefined mesh
 SLICES = 5
@@ -51,8 +51,7 @@ def deck(case, refine, element, load, force, increment):
         forces = 2 * force * CELL / (across * mesh.positions[:, :2]).sum() * across[:, ::-1] * (-1, 1)
     else:
         forces = np.outer(force * mesh.shares(CELL / 2 if load == "stretch" else 1.5 * CELL), (0, 0, 1))
-    lines += [f"{n + 1}, {axis + 1}, {forces[n, axis]:.9g}" for n, axis in np.argwhere(forces)]
-    return lines + ["*NODE PRINT, NSET=ALL, TIME POINTS=PRINTED", "U", "*END STEP"]
+    return lines + [*loads(forces), "*NODE PRINT, NSET=ALL, TIME POINTS=PRINTED", "U", "*END STEP"]
 
 
 def state(time, mesh, displacements):
@@ -85,8 +84,8 @@ def main():
     parser.add_argument("--read", metavar="FILE.dat", help="print the states of a run")
     options = parser.parse_args()
     if options.read:
-        times, moved, _ = read(options.read)
-        for time, displacements in zip(times, moved):
+        times, tables = read(options.read)
+        for time, displacements in zip(times, tables["displacements"]):
             print(json.dumps(state(time, HalfBar(options.refine or 1), displacements)))
         return
     case = json.loads(DATA.read_text())[options.case]

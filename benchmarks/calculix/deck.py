@@ -38,18 +38,20 @@ class Mesh:
         return volumes(self.positions + displacements, self.hexahedra).sum() / volumes(self.positions, self.hexahedra).sum()
 
 
-def body(element, mesh):
-    """Lines of a deck that tell nodes and elements, and the place of every node in units of half a cell, x fastest."""
+def body(element, mesh, sets=("BODY",)):
+    """Lines of a deck that tell nodes and elements, and the place of every node in units of half a cell, x fastest. More
+    than one set: as many elements in every cell."""
     offsets = np.concatenate([2 * CORNERS, EDGES] if element.startswith("C3D20") else [2 * CORNERS])
     first = Grid(mesh.cells, (0, 0, 0), mesh.cells)
     cells = 2 * first.place[first.hexahedra[:, 0]]
     reversed_places, nodes = np.unique((cells[:, None] + offsets).reshape(-1, 3)[:, ::-1], axis=0, return_inverse=True)
     places = reversed_places[:, ::-1]
-    elements = np.column_stack([np.arange(len(cells)), nodes.reshape(len(cells), -1)]) + 1
-    lines = ["*NODE, NSET=ALL", *(f"{n}, {x:.9g}, {y:.9g}, {z:.9g}" for n, (x, y, z) in enumerate(mesh.at(places), 1)),
-             f"*ELEMENT, TYPE={element}, ELSET=BODY"]
-    for words in elements.astype(str).tolist():  # a line of a deck holds 16 at most
-        lines += [", ".join(words[i:i + 11]) + ("," if i + 11 < len(words) else "") for i in range(0, len(words), 11)]
+    lines = ["*NODE, NSET=ALL", *(f"{n}, {x:.9g}, {y:.9g}, {z:.9g}" for n, (x, y, z) in enumerate(mesh.at(places), 1))]
+    for n, name in enumerate(sets):
+        lines.append(f"*ELEMENT, TYPE={element}, ELSET={name}")
+        elements = np.column_stack([np.arange(len(cells)) + n * len(cells), nodes.reshape(len(cells), -1)]) + 1
+        for words in elements.astype(str).tolist():  # a line of a deck holds 16 at most
+            lines += [", ".join(words[i:i + 11]) + ("," if i + 11 < len(words) else "") for i in range(0, len(words), 11)]
     return lines, places
 
 
@@ -58,8 +60,19 @@ def node_set(name, chosen):
     return [f"*NSET, NSET={name}", *(f"{n}," for n in np.flatnonzero(chosen) + 1)]
 
 
-def solid(material):
-    return ["*MATERIAL, NAME=SOLID", *material, "*SOLID SECTION, ELSET=BODY, MATERIAL=SOLID"]
+def held(displacements):
+    """Lines of *BOUNDARY for displacements [m], (nodes, 3); NaN: free."""
+    return [f"{n + 1}, {axis + 1}, {axis + 1}, {displacements[n, axis]:.9g}"
+            for n, axis in np.argwhere(np.isfinite(displacements))]
+
+
+def loads(forces, factor=1):
+    """Lines of *CLOAD for forces [N], (nodes, 3), times a factor."""
+    return [f"{n + 1}, {axis + 1}, {factor * forces[n, axis]:.12g}" for n, axis in np.argwhere(forces)]
+
+
+def solid(material, elements="BODY"):
+    return [f"*MATERIAL, NAME={elements}", *material, f"*SOLID SECTION, ELSET={elements}, MATERIAL={elements}"]
 
 
 def hyperelastic(young, poisson_ratio, mooney_fraction=0):
@@ -72,28 +85,32 @@ def hyperelastic(young, poisson_ratio, mooney_fraction=0):
 
 
 def solve(lines, ccx="ccx"):
-    """What ccx prints for a deck: displacements [m] of nodes, (prints, nodes, 3), and total forces [N], (prints, 3)."""
+    """What ccx prints for a deck, by the first word of its heading: "displacements" [m] and "forces" [N] of nodes, (prints,
+    nodes, 3), their "total" (prints, 1, 3), "stresses" [Pa] xx yy zz xy xz yz (prints, integration points, 6)."""
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder)
         (path / "body.inp").write_text("\n".join(lines) + "\n")
         subprocess.run([ccx, "-i", "body"], cwd=path, check=True, stdout=subprocess.DEVNULL)
-        return read(path / "body.dat")[1:]
+        return read(path / "body.dat")[1]
 
 
 def read(file):
-    """Times, displacements and total forces of the file that ccx prints."""
-    times, moved, forces = [], [], []
+    """Times, and what was printed at them, of the file that ccx prints."""
+    times, tables = [], {}
     for words in map(str.split, pathlib.Path(file).read_text().splitlines()):
-        if "displacements" in words:
+        if "time" in words:
             times.append(float(words[-1]))
-            moved.append([])
-        elif len(words) == 4 and words[0].isdigit():
-            moved[-1].append([float(word) for word in words[1:]])
-        elif len(words) == 3:
-            forces.append([float(word) for word in words])
-    return times, np.array(moved), np.array(forces)
+            rows = []
+            tables.setdefault(words[0], []).append(rows)
+        elif words:
+            rows.append([float(word) for word in words if not word.isdigit()])  # not numbers of nodes and points
+    return times, {name: np.array(prints) for name, prints in tables.items()}
 
 
-def rows(table):
-    """JSON, a line for each entry."""
-    return "[\n" + ",\n".join(" " + json.dumps(row) for row in table) + "\n]"
+def print_tables(tables):
+    """JSON, a line for each value, and for each row of a table."""
+    def text(value):
+        if isinstance(value, list) and isinstance(value[0], dict):
+            return "[\n" + ",\n".join(" " + json.dumps(row) for row in value) + "\n]"
+        return json.dumps(value)
+    print("{\n" + ",\n".join(f'"{name}": {text(value)}' for name, value in tables.items()) + "\n}")

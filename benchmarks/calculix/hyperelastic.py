@@ -41,12 +41,10 @@ def unit_cube(element, count, law, poisson_ratio, prescribe):
     lines, _ = deck.body(element, mesh)
     prescribed = prescribe(mesh.positions)
     lines += [*deck.node_set("MOVED", np.nan_to_num(prescribed).any(axis=1)), *deck.solid(material(law, poisson_ratio)),
-              *step(0.05), "*BOUNDARY",
-              *(f"{n + 1}, {axis + 1}, {axis + 1}, {prescribed[n, axis]:.9g}"
-                for n, axis in np.argwhere(np.isfinite(prescribed))),
+              *step(0.05), "*BOUNDARY", *deck.held(prescribed),
               "*NODE PRINT, NSET=ALL", "U", "*NODE PRINT, NSET=MOVED, TOTALS=ONLY", "RF", "*END STEP"]
-    displacements, forces = deck.solve(lines)
-    return forces[-1], mesh.volume_ratio(displacements[-1])
+    found = deck.solve(lines)
+    return found["total"][-1, 0], mesh.volume_ratio(found["displacements"][-1])
 
 
 def ends_moved_apart(stretch):
@@ -101,4 +99,4 @@ if __name__ == "__main__":
             [(2, 0.0875), (1, 0.35)], ["stVenantKirchhoff", "neoHooke"], ["C3D8", "C3D8I"], [0.3, 0.45, 0.49]):
         table["cantilever"].append({"law": law, "poisson_ratio": nu, "element": element,
                                     **cantilever(element, law, nu, across, force)})
-    print("{\n" + ",\n".join(f'"{name}": {deck.rows(cases)}' for name, cases in table.items()) + "\n}")
+    deck.print_tables(table)

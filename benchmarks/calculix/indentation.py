@@ -12,11 +12,10 @@ contact is face to face, hard but for a penalty of `penalty` Pa/m. `law`: linear
 one of two laws of large strain with the same constants. `force`: on the whole ball, four times that of the quarter.
 """
 import itertools
-import json
 
 import numpy as np
 
-from deck import Mesh, body, hyperelastic, rows, solve
+from deck import Mesh, body, held, hyperelastic, print_tables, solid, solve
 
 YOUNG, POISSON_RATIO, RADIUS, PENALTY = 1e4, 0.3, 20e-3, 1e9
 FAR_ACROSS, FAR_UP = [6, 7.5, 9.5, 12.5, 17, 23.5, 33, 45, 60], [0, 10, 15.5, 19.5, 22.5, 24.5, 26]
@@ -58,19 +57,16 @@ def force(element, across, up, law, depths):
         lines.append(f"{per_layer * (mesh.cells[2] - 1) + mesh.cells[0] * j + i + 1}, S2")
     lines += ["*SURFACE, NAME=UNDER, TYPE=ELEMENT", "BALL, S1"]
     elastic = ["*ELASTIC", f"{YOUNG}, {POISSON_RATIO}"]
-    lines += ["*MATERIAL, NAME=SOFT", *(hyperelastic(YOUNG, POISSON_RATIO) if law == "neoHooke" else elastic),
-              "*SOLID SECTION, ELSET=BODY, MATERIAL=SOFT",
-              "*MATERIAL, NAME=STIFF", *elastic, "*SOLID SECTION, ELSET=BALL, MATERIAL=STIFF",
+    lines += [*solid(hyperelastic(YOUNG, POISSON_RATIO) if law == "neoHooke" else elastic), *solid(elastic, "BALL"),
               "*SURFACE INTERACTION, NAME=HARD", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR", f"{PENALTY:.9g}",
               "*CONTACT PAIR, INTERACTION=HARD, TYPE=SURFACE TO SURFACE", "TOP, UNDER", "*BOUNDARY"]
-    held = (places * (1, 1, 0) == (0, 0, 1)) | (places[:, 2:] == 0)  # by the planes of symmetry, by the bottom
-    lines += [f"{n + 1}, {axis + 1}, {axis + 1}, 0" for n, axis in np.argwhere(held)]
-    lines.append("TOOL, 1, 2, 0")
+    is_held = (places * (1, 1, 0) == (0, 0, 1)) | (places[:, 2:] == 0)  # by the planes of symmetry, by the bottom
+    lines += [*held(np.where(is_held, 0, np.nan)), "TOOL, 1, 2, 0"]
     for depth in depths:
         lines += ["*STEP, INC=200" if law == "linear" else "*STEP, NLGEOM, INC=200", "*STATIC", "0.25, 1, 1e-5, 0.5", "*BOUNDARY",
                   f"TOOL, 3, 3, {-1e-3 * depth:.9g}", "*NODE PRINT, NSET=TOOL, TOTALS=ONLY, FREQUENCY=1000", "RF",
                   "*END STEP"]
-    return (-4 * solve(lines)[1][-len(depths):, 2]).round(7).tolist()
+    return (-4 * solve(lines)["total"][-len(depths):, 0, 2]).round(7).tolist()
 
 
 if __name__ == "__main__":
@@ -78,5 +74,4 @@ if __name__ == "__main__":
               "force": force("C3D8I", *MESHES[name], law, DEPTHS)} for name, law in CASES]
     meshes = {name: {"across": across, "up": up} for name, (across, up) in MESHES.items()}
     head = {"young_modulus": YOUNG, "poisson_ratio": POISSON_RATIO, "radius": RADIUS, "penalty": PENALTY, "meshes": meshes}
-    print("{\n" + ",\n".join(f'"{name}": {json.dumps(value)}' for name, value in head.items()) +
-          f',\n"cases": {rows(cases)}\n}}')
+    print_tables({**head, "cases": cases})

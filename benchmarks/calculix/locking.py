@@ -16,7 +16,7 @@ import json
 
 import numpy as np
 
-from deck import EDGES, Mesh, body, node_set, solid, solve
+from deck import EDGES, Mesh, body, loads, node_set, solid, solve
 from grid import CORNERS
 
 YOUNG, LENGTH, WIDTH, FORCE = 5000.0, 1.0, 0.1, 1e-3
@@ -59,19 +59,22 @@ def tip_deflection(element, mesh, force, material, step):
     lines, places = body(element, mesh)
     load = tip_load(mesh, places, element.startswith("C3D20"))
     lines += [*node_set("WALL", places[:, 0] == 0), *node_set("TIP", places[:, 0] == 2 * mesh.cells[0]),
-              "*BOUNDARY", "WALL, 1, 3", *solid(material), *step, "*CLOAD",
-              *(f"{n + 1}, 3, {load[n] * force:.12g}" for n in np.flatnonzero(load)),
+              "*BOUNDARY", "WALL, 1, 3", *solid(material), *step, "*CLOAD", *loads(np.outer(load, (0, 0, force))),
               "*NODE PRINT, NSET=ALL", "U", "*END STEP"]
-    return load @ solve(lines)[0][-1, :, 2]  # of the last increment
+    return load @ solve(lines)["displacements"][-1, :, 2]  # of the last increment
+
+
+def timoshenko(poisson_ratio):
+    """Deflection [m] of the tip."""
+    area = WIDTH**2
+    shear = YOUNG / (2 * (1 + poisson_ratio))
+    return FORCE * LENGTH**3 / (3 * YOUNG * area**2 / 12) + FORCE * LENGTH / (5 / 6 * shear * area)
 
 
 def relative_deflection(element, poisson_ratio, mesh):
     """Deflection of the tip over Timoshenko's."""
-    area = WIDTH**2
-    shear = YOUNG / (2 * (1 + poisson_ratio))
-    timoshenko = FORCE * LENGTH**3 / (3 * YOUNG * area**2 / 12) + FORCE * LENGTH / (5 / 6 * shear * area)
     material = ["*ELASTIC", f"{YOUNG}, {poisson_ratio}"]
-    return tip_deflection(element, mesh, FORCE, material, ["*STEP", "*STATIC"]) / timoshenko
+    return tip_deflection(element, mesh, FORCE, material, ["*STEP", "*STATIC"]) / timoshenko(poisson_ratio)
 
 
 def slanted(tangent):

@@ -2,8 +2,8 @@
 // calculix_table [OPTION]: what docs/validation.md compares with CalculiX, solved with this library, as rows of its
 // tables. Without an option the bars of the published element, with peak and permanent values; for the twisted bar the
 // angle of every layer. --locking: the beams of locking.json and locking_meshes.json; --hyperelastic: what
-// hyperelastic.json strains far; --isolated: joined and isolated rest shapes of the default element. Takes some
-// minutes.
+// hyperelastic.json strains far; --isolated: joined and isolated rest shapes of the default element; --relaxation:
+// viscoelastic branches. Takes some minutes.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -16,7 +16,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -24,6 +23,7 @@
 #include "support/calculix_bar.hpp"
 #include "support/cantilever.hpp"
 #include "support/large_strain.hpp"
+#include "support/relaxation.hpp"
 
 namespace {
 
@@ -270,33 +270,41 @@ void report_isolated() {
   const Json reference = support::calculix("beyond_yield");
   report_cantilevers(reference["cantilever"]);
 
-  fmt::print("limit moment over the exact one: cells | nu 0 | .3 | .45\n");
-  for (const auto& [name, is_plate, all_cells] :
-       {std::tuple("beam", false, std::vector{1, 4}), std::tuple("plate", true, std::vector{1, 2, 4})})
-    for (const int cells : all_cells) {
-      std::vector<double> row;
-      for (const double poisson_ratio : {0.0, 0.3, 0.45})
-        row.push_back(support::limit_moment(cells, is_plate, poisson_ratio));
-      print_row(fmt::format("{}, {}", name, cells), texts("{:.3f}", row));
-    }
+  fmt::print("limit moment over the exact one: isolated | C3D8I\n");
+  for (const Json& row : reference["limit_moment"]) {
+    const bool is_plate = row["is_plate"];
+    const int cells = row["cells"];
+    const double poisson_ratio = row["poisson_ratio"], theirs = row["moment"];
+    print_row(fmt::format("{}, {}, nu {}", is_plate ? "plate" : "beam", cells, poisson_ratio),
+              texts("{:.3f}", std::array{support::limit_moment(cells, is_plate, poisson_ratio),
+                                         theirs / support::exact_limit_moment(is_plate)}));
+  }
 
   fmt::print("loop: cells | residual curvature (1.5556) | moment at .9 on the way back (-.6486) | rms\n");
-  for (const int cells : {4, 8}) {
-    const support::BendingLoop loop = support::bend_to_and_fro(cells);
-    print_row(fmt::to_string(cells),
-              texts("{:.4f}", std::array{loop.residual_curvature, loop.reversed_moment, loop.rms}));
+  for (const Json& row : reference["loop"]) {
+    const int cells = row["cells"];
+    for (const auto& [name, moments] : {std::pair("isolated", support::bend_to_and_fro(cells)),
+                                        std::pair("C3D8I", row["moment"].get<std::vector<double>>())}) {
+      const support::BendingLoop loop = support::loop_of(moments);
+      print_row(fmt::format("{}, {}", cells, name),
+                texts("{:.4f}", std::array{loop.residual_curvature, loop.reversed_moment, loop.rms}));
+    }
   }
 
   fmt::print("tube: cells | outer displacement | residual hoop stress at the bore (exact) | rms\n");
-  for (const int cells : {4, 8}) {
-    const support::ExpandedTube tube = support::expand_tube(cells);
-    print_row(fmt::to_string(cells),
-              {fmt::format("{:+.2f} %", 100 * (tube.outer_displacement - 1)),
-               fmt::format("{:.4f} ({:.4f})", tube.hoop[0], tube.exact_hoop[0]), fmt::format("{:.4f}", tube.rms)});
+  for (const Json& row : reference["tube"]) {
+    const int cells = row["cells"];
+    const support::ExpandedTube exact = support::tube_in_theory(cells);
+    for (const auto& [name, tube] : {std::pair("isolated", support::expand_tube(cells)),
+                                     std::pair("C3D8I", support::ExpandedTube{row["outer_displacement"], row["hoop"]})})
+      print_row(fmt::format("{}, {}", cells, name),
+                {fmt::format("{:+.2f} %", 100 * (tube.outer_displacement / exact.outer_displacement - 1)),
+                 fmt::format("{:.4f} ({:.4f})", tube.hoop[0], exact.hoop[0]),
+                 fmt::format("{:.4f}", support::rms(tube.hoop, exact.hoop))});
   }
 
   fmt::print("block: stretch 1.1 | 1.2 | 1.3\n");
-  print_row("C3D8I", texts("{:.3f}", reference["block"]["force"].get<std::vector<double>>()));
+  print_row("C3D8I", texts("{:.3f}", reference["block"][0]["force"].get<std::vector<double>>()));
   for (const auto& [moves, flows] : {std::pair(2, 2), std::pair(2, 6), std::pair(10, 10)})
     print_row(fmt::format("{} plastic steps in each of {} moves per %", flows, moves),
               texts("{:.3f}", support::stretch_block(moves, flows)));
@@ -325,16 +333,38 @@ void report_isolated() {
                       "twistface_plast_tau100_f0.06_C3D8");
 }
 
+/// Stress, strain or deflection over that of slow deformation, and the range of its differences from theory.
+void report_relaxation() {
+  const Json reference = support::calculix("relaxation");
+  const std::vector<double> times = reference["time"];
+  for (const std::string name : {"held bar", "held shear", "loaded bar", "loaded beam", "loaded thin beam"}) {
+    const std::vector<double> exact = support::relax_in_theory(name, times);
+    const auto row = [&](const std::string& who, const std::vector<double>& values) {
+      std::vector<double> differences;
+      for (std::size_t n = 0; n < values.size(); ++n) differences.push_back(100 * (values[n] / exact[n] - 1));
+      const auto [least, greatest] = std::ranges::minmax(differences);
+      std::vector<std::string> cells = texts("{:.4f}", values);
+      cells.push_back(fmt::format("{:+.3f} ... {:+.3f} %", least, greatest));
+      print_row(fmt::format("{}, {}", name, who), cells);
+    };
+    row("exact", exact);
+    row("ours", support::relax(name, times));
+    for (const Json& theirs : reference["cases"])
+      if (theirs["case"] == name) row(theirs["element"], theirs["value"]);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::map<std::string_view, void (*)()> tables{{"", report_bars},
                                                       {"--locking", report_locking},
                                                       {"--hyperelastic", report_large_strain},
-                                                      {"--isolated", report_isolated}};
+                                                      {"--isolated", report_isolated},
+                                                      {"--relaxation", report_relaxation}};
   const auto table = tables.find(argc == 1 ? "" : argv[1]);
   if (argc > 2 || table == tables.end()) {
-    fmt::print(stderr, "usage: calculix_table [--locking | --hyperelastic | --isolated]\n");
+    fmt::print(stderr, "usage: calculix_table [--locking | --hyperelastic | --isolated | --relaxation]\n");
     return 2;
   }
   table->second();

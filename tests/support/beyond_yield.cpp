@@ -154,28 +154,48 @@ double limit_moment(int cells_across, bool is_plate, double poisson_ratio) {
   BentStrip strip(cells_across, is_plate ? 1 : 0.05, is_plate, poisson_ratio);
   double moment = 0;
   for (int step = 1; step <= 100; ++step) moment = strip.moment(0.2 * step, 10);
-  return moment / (is_plate ? std::sqrt(3.0) : 1.5);
+  return moment / exact_limit_moment(is_plate);
 }
 
-BendingLoop bend_to_and_fro(int cells_across) {
-  constexpr int kPerYield = 10, kTurn = 3 * kPerYield, kSteps = 9 * kPerYield;
+double exact_limit_moment(bool is_plate) { return is_plate ? std::sqrt(3.0) : 1.5; }
+
+namespace {
+
+constexpr int kPerYield = 10, kTurn = 3 * kPerYield, kSteps = 9 * kPerYield;
+
+double curvature_at(int step) { return (step > kTurn ? 2 * kTurn - step : step) / static_cast<double>(kPerYield); }
+
+}  // namespace
+
+std::vector<double> bend_to_and_fro(int cells_across) {
   BentStrip strip(cells_across, 0.05, false, 0);
+  std::vector<double> moments;
+  for (int step = 1; step <= kSteps; ++step) moments.push_back(strip.moment(curvature_at(step), 4));
+  return moments;
+}
+
+BendingLoop loop_of(const std::vector<double>& moments) {
   const auto beam = [](double curvature) { return curvature <= 1 ? curvature : 1.5 - 0.5 / (curvature * curvature); };
   BendingLoop loop;
-  double squares = 0, before = 0;
+  std::vector<double> expected;
+  double before = 0;
   for (int step = 1; step <= kSteps; ++step) {
     const bool is_way_back = step > kTurn;
-    const double curvature = (is_way_back ? 2 * kTurn - step : step) / static_cast<double>(kPerYield);
-    const double expected = is_way_back ? beam(3) - 2 * beam((3 - curvature) / 2) : beam(curvature);
-    const double moment = strip.moment(curvature, 4);
-    squares += (moment - expected) * (moment - expected);
+    const double curvature = curvature_at(step), moment = moments[step - 1];
+    expected.push_back(is_way_back ? beam(3) - 2 * beam((3 - curvature) / 2) : beam(curvature));
     if (is_way_back && before > 0 && moment <= 0)
       loop.residual_curvature = curvature - moment / (before - moment) / kPerYield;
     if (is_way_back && std::abs(curvature - 0.9) < 1e-9) loop.reversed_moment = moment;
     before = moment;
   }
-  loop.rms = std::sqrt(squares / kSteps);
+  loop.rms = rms(moments, expected);
   return loop;
+}
+
+double rms(const std::vector<double>& found, const std::vector<double>& expected) {
+  double squares = 0;
+  for (std::size_t n = 0; n < found.size(); ++n) squares += std::pow(found[n] - expected[n], 2);
+  return std::sqrt(squares / static_cast<double>(found.size()));
 }
 
 // Tube
@@ -247,14 +267,10 @@ ExpandedTube expand_tube(int cells_across) {
     at.flow(step < kRamp ? 4 : kHold);
   }
   ExpandedTube found;
-  const int outer_node = nodes_at(grid, 0, kOuter).front();  // at the angle 0
-  const double exact =
-      2 * (1 - kTubePoissonRatio * kTubePoissonRatio) * kShearYield * kFront * kFront / (kTubeModulus * kOuter);
-  found.outer_displacement = (at.x(outer_node, 0) - kOuter) / exact;
+  found.outer_displacement = at.x(nodes_at(grid, 0, kOuter).front(), 0) - kOuter;  // at the angle 0
 
   pressure = 0;
   at.flow(4);
-  double squares = 0;
   for (int ring = 0; ring < cells_across; ++ring) {
     double sum = 0;
     for (int k = 0; k < around; ++k) {
@@ -263,6 +279,15 @@ ExpandedTube expand_tube(int cells_across) {
       sum += along.dot(mean_stress(body, ring + cells_across * k, at.x) * along);
     }
     found.hoop.push_back(sum / around);
+  }
+  return found;
+}
+
+ExpandedTube tube_in_theory(int cells_across) {
+  ExpandedTube exact;
+  exact.outer_displacement =
+      2 * (1 - kTubePoissonRatio * kTubePoissonRatio) * kShearYield * kFront * kFront / (kTubeModulus * kOuter);
+  for (int ring = 0; ring < cells_across; ++ring) {
     const double low = kBore + (kOuter - kBore) * ring / cells_across, h = (kOuter - kBore) / cells_across;
     double moment = 0, area = 0;  // by the midpoint rule
     for (int k = 0; k < 100; ++k) {
@@ -270,11 +295,9 @@ ExpandedTube expand_tube(int cells_across) {
       moment += residual_hoop(r) * r;
       area += r;
     }
-    found.exact_hoop.push_back(moment / area);
-    squares += std::pow(found.hoop.back() - found.exact_hoop.back(), 2);
+    exact.hoop.push_back(moment / area);
   }
-  found.rms = std::sqrt(squares / cells_across);
-  return found;
+  return exact;
 }
 
 // Block

@@ -33,23 +33,32 @@ BentCantilever bend_in_theory(const Cantilever& beam);
 /// wide as high, and nothing moves along the axis of bending.
 double limit_moment(int cells_across, bool is_plate, double poisson_ratio);
 
-/// A strip bent to three times the curvature of first yield, and as far back. Moments and curvatures are over those of
-/// first yield.
+/// [-] The limit moment over that of first yield in uniaxial stress.
+double exact_limit_moment(bool is_plate);
+
+/// [-] Moments of a strip bent to three times the curvature of first yield, and as far back, after each tenth of that
+/// curvature, over that of first yield.
+std::vector<double> bend_to_and_fro(int cells_across);
+
+/// What such moments tell. Curvatures are over that of first yield.
 struct BendingLoop {
   double residual_curvature = 0;  ///< where the moment has gone; exact 14/9
   double reversed_moment = 0;     ///< at the curvature .9 on the way back; exact -.6486
   double rms = 0;                 ///< of the difference from the beam's moment
 };
-BendingLoop bend_to_and_fro(int cells_across);
+BendingLoop loop_of(const std::vector<double>& moments);
 
 /// A quarter of a tube of radii 1 and 2, in plane strain, nu_P = .49, under the pressure that makes it plastic up to
 /// the radius 1.5, and without it.
 struct ExpandedTube {
-  double outer_displacement = 0;         ///< [-] under pressure, over the exact one
-  std::vector<double> hoop, exact_hoop;  ///< [-] residual stress over the yield stress, mean of each ring of cells
-  double rms = 0;                        ///< of their difference
+  double outer_displacement = 0;  ///< [m] under pressure
+  std::vector<double> hoop;       ///< [-] residual stress over the yield stress, mean of each ring of cells
 };
 ExpandedTube expand_tube(int cells_across);
+ExpandedTube tube_in_theory(int cells_across);
+
+/// Root of the mean square of the difference.
+double rms(const std::vector<double>& found, const std::vector<double>& expected);
 
 /// [-] Force over yield stress and original area of 3 x 3 x 4 cubes, E = 5000 Pa, nu_P = .45, yield stress 50 Pa (true
 /// stress), whose ends are held and moved apart, with plastic steps of rate 1 after each move, at the
