@@ -77,6 +77,65 @@ TEST(InstrumentChecks, ABodyRestsOnAPlate) {
   EXPECT_NEAR(force_on(scene, "plate").z(), -0.018 * 9.81, 1e-6);
 }
 
+// A block on a slope: below the angle of friction it stays, above it slides as a rigid one does.
+std::string block_on_slope(double degrees, double friction) {
+  const double a = degrees * std::numbers::pi / 180;
+  // gravity turns, the plate lies
+  return fmt::format(
+      "<Node dt='.005' gravity='{} 0 {}'><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/>"
+      "<RegularGridTopology n='5 5 3' min='0 0 0' max='.04 .04 .02'/><MechanicalObject name='nodes'/>"
+      "<UniformMass totalMass='.032'/><HexahedronElastoplasticFEMForceField youngModulus='20000' poissonRatio='.3'/>"
+      "<InstrumentContactForceField name='plate' shape='box' size='100 100 1' friction='{}' keyTimes='0' "
+      "positions='0 0 -.5'/></Node>",
+      9.81 * std::sin(a), -9.81 * std::cos(a), friction);
+}
+
+TEST(InstrumentChecks, ABlockOnASlopeSticksOrSlides) {
+  const auto centre = [](scene::Scene& scene) { return nodes(scene).col(0).mean(); };
+  {
+    scene::Scene scene = read_and_init(block_on_slope(20, 0.4));  // tan 20 deg = .364
+    run(scene, 400);                                              // it comes to rest
+    const double rest = centre(scene);
+    run(scene, 2000);
+    EXPECT_LT(std::abs(centre(scene) - rest), 1e-6 * 0.04) << "in 10 s";
+  }
+  for (const double friction : {0.0, 0.1, 0.3}) {
+    scene::Scene scene = read_and_init(block_on_slope(20, friction));
+    run(scene, 200);
+    const auto speed = [&] { return at<scene::MechanicalState>(scene, "nodes").velocities().col(0).mean(); };
+    const double before = speed();
+    run(scene, 100);
+    const double angle = 20 * std::numbers::pi / 180,
+                 expected = 9.81 * (std::sin(angle) - friction * std::cos(angle)) * 0.5;
+    EXPECT_NEAR(speed() - before, expected, 0.02 * expected) << friction;
+  }
+}
+
+// Two jaws close on a block, and pull: friction holds it, or it slips at 2 mu N.
+TEST(InstrumentChecks, JawsHoldByFriction) {
+  const auto pull = [](double friction) {
+    const std::string jaw = "<InstrumentContactForceField shape='box' size='.02 .02 .01' friction='" +
+                            std::to_string(friction) + "' keyTimes='0 .2 1.2' name='";
+    scene::Scene scene = read_and_init(
+        "<Node dt='.005' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver "
+        "rayleighMass='5'/><SparseLDLSolver/>"
+        "<RegularGridTopology n='9 3 3' min='0 -.01 -.01' max='.08 .01 .01'/><MechanicalObject name='nodes'/>"
+        "<UniformMass totalMass='.03'/><FixedProjectiveConstraint indices='0 9 18 27 36 45 54 63 72'/>"
+        "<HexahedronElastoplasticFEMForceField youngModulus='20000' poissonRatio='.3'/>" +
+        jaw + "upper' positions='.07 0 .0155  .07 0 .0148  .078 0 .0148'/>" + jaw +
+        "lower' positions='.07 0 -.0155  .07 0 -.0148  .078 0 -.0148'/></Node>");
+    run(scene, 240);
+    return std::pair(force_on(scene, "upper"), force_on(scene, "lower"));
+  };
+  const auto [upper, lower] = pull(0.3);
+  EXPECT_GT(upper.z(), 0.05);
+  EXPECT_NEAR(upper.z(), -lower.z(), 1e-6);
+  EXPECT_NEAR(-(upper.x() + lower.x()), 2 * 0.3 * upper.z(), 0.03 * 2 * 0.3 * upper.z()) << "it slips";
+  const auto [held, other] = pull(20);
+  EXPECT_LT(-(held.x() + other.x()), 2 * 20 * held.z()) << "it holds";
+  EXPECT_GT(-(held.x() + other.x()), 0.5);
+}
+
 /// Force on a ball that presses 4 mm and strokes 5 mm, every .05 s.
 std::vector<Vec3> stroke(int finer, double dt) {
   scene::Scene scene =
