@@ -77,8 +77,9 @@ void serialize_materials(Archive& archive, std::vector<Material>& materials) {
 std::size_t greatest_saved_size(const Model& model, const History& history) {
   const auto present = serialized_size([&](Archive& archive) { const_cast<History&>(history).serialize(archive); });
   const auto num_elements = static_cast<std::size_t>(model.mesh.num_elements());
-  return present + 1024 +
-         num_elements * (sizeof(Material) + sizeof(CornerValues) + sizeof(CornerTensors) + sizeof(int));
+  return present + 1024 + model.mesh.num_nodes() * sizeof(Vec3) +
+         num_elements * (sizeof(Material) + sizeof(CornerValues) + sizeof(CornerTensors) + sizeof(int) +
+                         sizeof(ElementPoints) + model.maps_per_element() * sizeof(Mat3));
 }
 
 }  // namespace

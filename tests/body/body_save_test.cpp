@@ -82,6 +82,19 @@ TEST(SavedBody, GoesOnBitForBitAndBeginsAgain) {
   }
 }
 
+// Which keeps more than one that never flows.
+TEST(SavedBody, ThatFlowsIsReadByOneThatIsElastic) {
+  for (const RestShape rest_shape : {RestShape::kJoined, RestShape::kIsolated}) {
+    Settings settings = kJoined;
+    settings.rest_shape = rest_shape;
+    Body body = make_body(settings, {6, 6, 8});
+    flow(body, 1, 3);
+    Body other(body.mesh(), {Material{}}, settings);
+    load(other, saved(body));
+    EXPECT_EQ(hash_of(other), hash_of(body));
+  }
+}
+
 TEST(SavedBody, DamageIsFoundAndNothingChanges) {
   Body body = make_body(kJoined, {1, 1, 2});
   flow(body, 0, 2);
