@@ -66,8 +66,8 @@ HWY_INLINE void apply_assumed(const Coef* coef, const StiffnessKind& kind, const
   const V along_volume = all * (kHasLaw ? lambda - free : lambda) * along_gradient<kStride>(of_volume, at);
   V along_mean(T(0));
   if constexpr (!kHasLaw) {
-    along_mean = all * -free * along_gradient<kStride>(of_mean, at);
-    add_branch_modulus(kind.branch_modulus, mu, free);
+    const V of_branches = V(T(2.0 / 3)) * add_branch_modulus(kind, lambda, mu, free);
+    along_mean = all * -(free + of_branches) * along_gradient<kStride>(of_mean, at);
   }
 
   const V corner_weight(static_cast<T>(kind.sampling.corner_weight));

@@ -8,6 +8,7 @@
 #endif
 
 #include "element/element-inl.hpp"
+#include "element/relaxation-inl.hpp"
 #include "kinematics/modes-inl.hpp"
 #include "state/element_operator.hpp"
 
@@ -63,13 +64,16 @@ HWY_INLINE V bounded(V a) {
   return min(max(a, V(-kLargest)), V(kLargest));
 }
 
-/// Moduli that act on samples with branches, mu + mu_b and lambda_f - 2/3 mu_b: dP gains 2 mu_b dev sym Z.     eq. P14
+/// Moduli of samples with branches: mu + mu_b, and lambda_f + (6 c^2 - 2/3) mu_b. Returns mu_b.                eq. P14
 template <class V>
-HWY_INLINE void add_branch_modulus(double over_mu, V& mu, V& free) {
+HWY_INLINE V add_branch_modulus(const StiffnessKind& kind, V lambda, V& mu, V& free) {
   using T = ScalarOf<V>;
-  const V more = V(static_cast<T>(over_mu)) * mu;
+  if (kind.branch_modulus == 0) return V(T(0));
+  const V more = V(static_cast<T>(kind.branch_modulus)) * mu;
+  free += V(static_cast<T>(2 * kind.branch_modulus / kind.branch_moduli)) * mu *
+          branch_free_modulus(mu, lambda, V(static_cast<T>(kind.branch_moduli)));
   mu += more;
-  free -= V(T(2.0 / 3)) * more;
+  return more;
 }
 
 /// dP R^T of a sample with one of the other laws, which store G = R cof(S) R^T and beta.                      eq. E20

@@ -52,6 +52,7 @@ void CycleOperator::visit_others(const Visit& visit) const {
 void CycleOperator::update(const Model& model, const Linearization& at) {
   set_linearization(at);
   simple_.kind.branch_modulus = at.kind().branch_modulus;
+  simple_.kind.branch_moduli = at.kind().branch_moduli;
   const Partition& partition = *model.partition;
   parallel_for(partition.num_blocks, [&](int block) {
     is_simple_[block] = !is_thin_[block] && is_well_shaped(at, block);

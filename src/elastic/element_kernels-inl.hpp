@@ -147,9 +147,11 @@ HWY_INLINE void apply_samples(const Coef* coef, const StiffnessKind& kind, const
   if constexpr (!kPerSample) {
     free = free_modulus(mu, lambda);
     const V all(static_cast<T>(kCorners));  // samples weigh an eighth each
-    apply_gradients<kStride>(of_volume, all * (kHasLaw ? lambda - free : lambda), kHasLaw ? nullptr : of_mean,
-                             all * -free, u, together);
-    if constexpr (!kHasLaw) add_branch_modulus(kind.branch_modulus, mu, free);
+    const V of_ratio = all * (kHasLaw ? lambda - free : lambda);
+    V of_branches(T(0));
+    if constexpr (!kHasLaw) of_branches = V(T(2.0 / 3)) * add_branch_modulus(kind, lambda, mu, free);
+    apply_gradients<kStride>(of_volume, of_ratio, kHasLaw ? nullptr : of_mean, all * -(free + of_branches), u,
+                             together);
   }
 
   ColumnsTranspose<kGeneral, kAssumed, V> acting;

@@ -81,7 +81,7 @@ void add_diagonal(const ElementOperator<T, Coef>& op, const unsigned char* block
         const T* at = op.per_sample ? weight + 2 * i * kBlock : weight;
         V mu = f * load(at);
         V free = op.per_sample ? f * load(at + kBlock) : free_modulus(mu, lambda);
-        if (!op.per_sample) add_branch_modulus(kind.branch_modulus, mu, free);
+        if (!op.per_sample) add_branch_modulus(kind, lambda, mu, free);
         const Mat<V> C = load_mat<kBlock, V>(coef + per_sample * i);
         Mat<V> R, G;
         V beta(T(0));
@@ -116,9 +116,10 @@ void add_diagonal(const ElementOperator<T, Coef>& op, const unsigned char* block
         }
       }
       if (!op.per_sample) {
-        const V free = free_modulus(f * load(weight), lambda), none(T(0));
-        const V of_mean = (kind.has_law() ? none : -free) * V(T(1.0 / kCorners));
+        V mu = f * load(weight), free = free_modulus(mu, lambda);
         const V of_ratio = V(T(kCorners)) * (kind.has_law() ? lambda - free : lambda);
+        const V of_branches = V(T(2.0 / 3)) * add_branch_modulus(kind, lambda, mu, free);
+        const V of_mean = (kind.has_law() ? V(T(0)) : -(free + of_branches)) * V(T(1.0 / kCorners));
         CornerLanes<V> of_ratio_at;
         ModeLanes<V> of_ratio_modes;
         set_zero(of_ratio_modes);

@@ -82,9 +82,11 @@ template <bool kGeneral, class V>
 HWY_NOINLINE void add_branch_force(const ElementLanes<kGeneral, Assumed::kCorner, V>& element,
                                    const BranchLanes<V>& branches,
                                    ColumnsTranspose<kGeneral, Assumed::kCorner, V>& acting) {
+  Sym<V> D[kCorners];
+  branches.changes(element.polar, D);
   for (int i = 0; i < kCorners; ++i) {
     const PolarLanes<V>& at = element.polar[i];
-    const Mat<V> P = at.R * balanced_stress(branches.stress(i, at.S), at);
+    const Mat<V> P = at.R * balanced_stress(branches.stress(i, D[i]), at);
     acting.add_to_columns(i, product_transposed(inverse_at(element, i), P));
     if constexpr (kGeneral)
       acting.add_shared(i, element.plastic ? product_transposed(P, element.plastic->inverse[i]) : P);
@@ -203,7 +205,8 @@ HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, i
   if (pass.screens) screen_isolated(element, of, p, pass.settings, pass.least_yield[block], screen);
   if (element.plastic) store_mean_plastic(plastic.mean, pass.mean_plastic_of(block) + lane);
   BranchLanes<V> lanes;
-  if (const BranchLanes<V>* branches = load_branches(pass.partition, pass.branches, block, lane, of.mu, lanes))
+  if (const BranchLanes<V>* branches =
+          load_branches(pass.partition, pass.branches, block, lane, of.mu, of.lambda, lanes))
     add_branch_force(element, *branches, acting);
   writer.finish(of_volume);
 
@@ -326,8 +329,11 @@ double energy_of(const Model& model, const CornerTensors* plastic_inverse, const
     decompose(element);
     V density = mean_energy_density(of, element, pressures(of, element, u, gradient));
     BranchLanes<V> lanes;
-    if (const BranchLanes<V>* held = load_branches(*model.partition, branches, block, lane, of.mu, lanes))
-      for (int i = 0; i < kCorners; ++i) density += V(1.0 / kCorners) * held->energy(i, element.polar[i].S);
+    if (const BranchLanes<V>* held = load_branches(*model.partition, branches, block, lane, of.mu, of.lambda, lanes)) {
+      Sym<V> D[kCorners];
+      held->changes(element.polar, D);
+      for (int i = 0; i < kCorners; ++i) density += V(1.0 / kCorners) * held->energy(i, D[i]);
+    }
     sum += select_bits(here, element.rest.volume * density, V(0.0));
   }
   return hn::GetLane(hn::SumOfLanes(V::Tag(), sum.raw()));
@@ -395,7 +401,7 @@ void linearize_as_simple(const Model& model, const Linearization& at, const unsi
       store_as(per_sample * lambda, op.weight.data() + first + kBlock);
       const Mat<V> j = scaled(V(model.length), element.j);
       V of_shape = mu, of_dilatation = free_modulus(mu, lambda);
-      add_branch_modulus(op.kind.branch_modulus, of_shape, of_dilatation);
+      add_branch_modulus(op.kind, lambda, of_shape, of_dilatation);
       ModeStiffness<V> stiffness(j, op.kind.sampling.corner_weight, of_shape, of_dilatation);
       store_one_rotation<kBlock>(element.rest, j, stiffness, of_volume, V(model.length),
                                  const_cast<hwy::float16_t*>(stored(op, block)) + lane);

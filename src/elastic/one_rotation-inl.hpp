@@ -135,9 +135,8 @@ HWY_INLINE void apply_one_rotation(const Coef* coef, const StiffnessKind& kind, 
   // four times the mean edges and the hourglass modes, and eight samples that weigh an eighth each: 8 / 4 / 4
   V mu = V(T(0.5)) * factor * load(weight);
   const V lambda = V(T(0.5)) * factor * load(weight + kStride);
-  V free = free_modulus(mu, lambda), of_mean(T(0)), same = mu;
-  add_branch_modulus(kind.branch_modulus, mu, free);
-  add_branch_modulus(kind.branch_modulus, same, of_mean);
+  V free = free_modulus(mu, lambda);
+  const V of_mean = V(T(-2.0 / 3)) * add_branch_modulus(kind, lambda, mu, free);
   ModeLanes<V> at;
   modes(u, at);
   const V along_volume = V(T(2 * kCorners)) * lambda * along_gradient<kStride>(of_volume, at);

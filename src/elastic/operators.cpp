@@ -142,6 +142,7 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
   std::visit(
       [&]<class T, class Coef>(ElementOperator<T, Coef>& op) {
         op.kind.branch_modulus = branches.modulus();
+        op.kind.branch_moduli = branches.moduli();
         const ElementPass<T, Coef> pass{.partition = partition,
                                         .plastic_rest = at.plastic_rest.data(),
                                         .current = at.current.data(),

@@ -120,30 +120,36 @@ HWY_INLINE void store_tensors(const Sym<Lanes<double>> (&from)[kCorners], const 
 /// What the branches of a register of elements bring into a step. V: lanes of double.                  eq. P13, P17
 template <class V>
 struct BranchLanes {
-  /// q at the end of a step that leads to S.
-  HWY_INLINE Sym<V> stress(int sample, const Sym<V>& S) const {
-    return sum(held[sample], modulus + modulus, sum(deviator(S), V(-1.0), before[sample]));
+  /// D of a step that leads to these polar factors.
+  HWY_INLINE void changes(const PolarLanes<V>* polar, Sym<V> (&D)[kCorners]) const {
+    branch_stretches(
+        weight, [&](int i) { return polar[i].S; }, D);
+    for (int i = 0; i < kCorners; ++i) D[i] = sum(D[i], V(-1.0), before[i]);
+  }
+  /// Part of sigma at the end of the step.
+  HWY_INLINE Sym<V> stress(int sample, const Sym<V>& D) const {
+    return branch_stress(weight, sum(held[sample], modulus + modulus, D));
   }
   /// Energy density of the same.
-  HWY_INLINE V energy(int sample, const Sym<V>& S) const {
-    const Sym<V> D = sum(deviator(S), V(-1.0), before[sample]);
+  HWY_INLINE V energy(int sample, const Sym<V>& D) const {
     return stored[sample] + product(held[sample], D) + modulus * product(D, D);
   }
 
-  Sym<V> before[kCorners];  ///< dev S_old
+  Sym<V> before[kCorners];  ///< B at the step before
   Sym<V> held[kCorners];    ///< [Pa] sum of e q_k
   V stored[kCorners];       ///< [J/m^3] sum of |q_k|^2 / (4 g mu)
-  V modulus;                ///< [Pa] mu_b
+  V modulus, weight;        ///< [Pa] mu_b; c
 };
 
 /// Of these elements. Null: nothing relaxes.
 template <class V>
-HWY_NOINLINE const BranchLanes<V>* load_branches(const int* elements, const Branches& branches, V mu,
+HWY_NOINLINE const BranchLanes<V>* load_branches(const int* elements, const Branches& branches, V mu, V lambda,
                                                  BranchLanes<V>& to) {
   if (!branches.any()) return nullptr;
   load_tensors(
       elements, [&](int e) { return branches.stretch[e][0].data(); }, to.before);
   to.modulus = V(branches.modulus()) * mu;
+  to.weight = dilatation_weight(mu, lambda, V(branches.moduli()));
   const V none(0.0);
   for (int i = 0; i < kCorners; ++i) {
     to.held[i] = {none, none, none, none, none, none};
@@ -165,9 +171,9 @@ HWY_NOINLINE const BranchLanes<V>* load_branches(const int* elements, const Bran
 }
 template <class V>
 HWY_INLINE const BranchLanes<V>* load_branches(const Partition& partition, const Branches& branches, int block,
-                                               int lane, V mu, BranchLanes<V>& to) {
+                                               int lane, V mu, V lambda, BranchLanes<V>& to) {
   if (!branches.any()) return nullptr;
-  return load_branches(LaneElements<V>(partition, block, lane).number, branches, mu, to);
+  return load_branches(LaneElements<V>(partition, block, lane).number, branches, mu, lambda, to);
 }
 
 /// bounded_balance of the lanes of which the bits are set.

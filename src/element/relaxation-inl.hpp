@@ -11,16 +11,10 @@
 #include <array>
 
 #include "base/matrix-inl.hpp"
+#include "hexaplast/base/corners.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
-
-/// S - tr(S) / 3.
-template <class N>
-HWY_INLINE Sym<N> deviator(const Sym<N>& S) {
-  const N mean = N(1.0 / 3) * (S.xx + S.yy + S.zz);
-  return {S.xx - mean, S.yy - mean, S.zz - mean, S.yz, S.zx, S.xy};
-}
 
 /// A + factor B.
 template <class N>
@@ -35,7 +29,51 @@ HWY_INLINE N product(const Sym<N>& A, const Sym<N>& B) {
   return A.xx * B.xx + A.yy * B.yy + A.zz * B.zz + N(2.0) * (A.yz * B.yz + A.zx * B.zx + A.xy * B.xy);
 }
 
-/// b after a step in which the deviator of the stretch changes by D.                                          eq. P13
+/// (lambda_f' - lambda_f) / (2 mu): what branches, of which the g have this sum, add to the modulus of a sample's own
+/// dilatation where nothing has relaxed. Not below -g / 3, where they resist it no more. Moduli of either sign.
+///                                                                                                      eq. E2, P14
+template <class N>
+HWY_INLINE N branch_free_modulus(N mu, N lambda, N g) {
+  using T = ScalarOf<N>;
+  const N tiny(T(1e-30)), one(T(1)), two(T(2)), all = one + g, fourths = two + N(T(4.0 / 3)) * g;
+  const N slow = abs(lambda) / max(abs(lambda + two * mu), tiny),
+          sudden = one - two * all * (abs(mu) / max(abs(lambda + fourths * mu), tiny));
+  return max(all * sudden - slow, N(T(-1.0 / 3)) * g);
+}
+
+/// c, the weight of a sample's own dilatation in what branches act on.                                       eq. P13
+template <class N>
+HWY_INLINE N dilatation_weight(N mu, N lambda, N g) {
+  const N third = N(1.0 / 3) * g;
+  return sqrt(max((branch_free_modulus(mu, lambda, g) + third) / (g + g + g), N(0.0)));
+}
+
+/// What branches act on: B_i = dev S_i + c (tr S_i - mean tr S) 1. stretch(i): S_i.                         eq. P13
+template <class N, class Stretch>
+HWY_INLINE void branch_stretches(N c, const Stretch& stretch, Sym<N> (&B)[kCorners]) {
+  N trace[kCorners], mean(0.0);
+  for (int i = 0; i < kCorners; ++i) {
+    const Sym<N> S = stretch(i);
+    trace[i] = S.xx + S.yy + S.zz;
+    mean += N(1.0 / kCorners) * trace[i];
+  }
+  for (int i = 0; i < kCorners; ++i) {
+    const N own = c * (trace[i] - mean) - N(1.0 / 3) * trace[i];
+    B[i] = stretch(i);
+    B[i].xx += own;
+    B[i].yy += own;
+    B[i].zz += own;
+  }
+}
+
+/// dev q + c tr(q) 1: the stress that does on S_i the work of q on B_i, because the tr q of the samples have no mean.
+template <class N>
+HWY_INLINE Sym<N> branch_stress(N c, const Sym<N>& q) {
+  const N own = (c - N(1.0 / 3)) * (q.xx + q.yy + q.zz);
+  return {q.xx + own, q.yy + own, q.zz + own, q.yz, q.zx, q.xy};
+}
+
+/// b after a step in which B changes by D.                                                                  eq. P13
 template <class N>
 HWY_INLINE Sym<N> branch_strain(N decay, const Sym<N>& b, N response, const Sym<N>& D) {
   return sum(Sym<N>{decay * b.xx, decay * b.yy, decay * b.zz, decay * b.yz, decay * b.zx, decay * b.xy}, response, D);

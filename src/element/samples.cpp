@@ -20,18 +20,22 @@ scalar::CornerLanes<double> corners_of(const ElementPoints& x) {
 
 }  // namespace
 
-void add_branch_stress(const Branches& branches, double mu, ElementSamples& samples) {
+void add_branch_stress(const Branches& branches, const Lame& lame, ElementSamples& samples) {
+  if (!branches.any()) return;
   samples.branch_moduli = branches.moduli();
-  for (int i = 0; i < kCorners && branches.any(); ++i) {
-    const auto D = scalar::sum(scalar::deviator(scalar::symmetric_entries(samples.polar[i].S)), -1.0,
-                               scalar::symmetric((*branches.stretch)[i]));
+  const double c = scalar::dilatation_weight(lame.mu, lame.lambda, samples.branch_moduli);
+  scalar::Sym<double> B[kCorners];
+  scalar::branch_stretches(
+      c, [&](int i) { return scalar::symmetric_entries(samples.polar[i].S); }, B);
+  for (int i = 0; i < kCorners; ++i) {
+    const auto D = scalar::sum(B[i], -1.0, scalar::symmetric((*branches.stretch)[i]));
     scalar::Sym<double> q = {};
     for (std::size_t k = 0; k < branches.steps.size(); ++k) {
       const BranchStep& step = branches.steps[k];
       const auto b = scalar::symmetric(branches.strain[k][i]);
-      q = scalar::sum(q, 2 * step.modulus * mu, scalar::branch_strain(step.decay, b, step.response, D));
+      q = scalar::sum(q, 2 * step.modulus * lame.mu, scalar::branch_strain(step.decay, b, step.response, D));
     }
-    samples.branch_stress[i] = to_eigen(matrix(q));
+    samples.branch_stress[i] = to_eigen(matrix(scalar::branch_stress(c, q)));
     samples.stress[i] += samples.branch_stress[i];
   }
 }
@@ -63,7 +67,7 @@ ElementSamples element_samples(const ElementPoints& plastic_rest, const ElementP
     found.stress[i] = to_eigen(
         matrix(stress(of.law, of.mooney_fraction, at.S, of.mu, pressure.in_stress_at(dilatation(of.law, at.S)))));
   }
-  add_branch_stress(branches, lame.mu, found);
+  add_branch_stress(branches, lame, found);
   return found;
 }
 

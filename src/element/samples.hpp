@@ -29,7 +29,7 @@ struct ElementSamples {
 };
 
 /// Adds to the samples of an element what its branches hold at the end of the step.                      eq. P7, P13
-void add_branch_stress(const Branches& branches, double mu, ElementSamples& samples);
+void add_branch_stress(const Branches& branches, const Lame& lame, ElementSamples& samples);
 
 /// Corners [m]. plastic_inverse: the G_i of isolated rest shapes, null of joined ones; branches: of the element.
 ElementSamples element_samples(const ElementPoints& plastic_rest, const ElementPoints& current, const Lame& lame,

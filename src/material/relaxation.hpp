@@ -10,7 +10,7 @@
 namespace hexaplast {
 
 /// How a viscoelastic branch takes a step of h. Its stress is q = 2 g mu b, with the strain b = decay b + response D
-/// after a step in which the deviator of the stretch changes by D at a constant rate.          theory.md section 5.10
+/// after a step in which B, what it acts on, changes by D at a constant rate.                  theory.md section 5.10
 struct BranchStep {
   double modulus;   ///< [-] g
   double decay;     ///< e^(-h/t)
@@ -27,7 +27,7 @@ std::vector<BranchStep> branch_steps(const Settings& settings, double h);
 struct Branches {
   std::span<const BranchStep> steps;         ///< none: nothing relaxes
   const CornerSymmetric* strain = nullptr;   ///< b_k per element and branch
-  const CornerSymmetric* stretch = nullptr;  ///< dev S at the step before, per element
+  const CornerSymmetric* stretch = nullptr;  ///< B at the step before, per element
 
   bool any() const { return !steps.empty(); }
   Branches of(int e) const { return any() ? Branches{steps, strain + e * steps.size(), stretch + e} : Branches{}; }

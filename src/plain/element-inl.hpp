@@ -311,11 +311,16 @@ class Element {
     }
 
     branches_ = state.branches != nullptr;
-    branch_modulus_ = branch_energy_ = none;
-    for (int i = 0; branches_ && i < kCorners; ++i) {
+    branch_energy_ = none;
+    if (branches_) {
       branch_modulus_ = state.branches->modulus;
-      branch_stress_[i] = balanced_stress(state.branches->stress(i, polar[i].S), polar[i]);
-      branch_energy_ += N(1.0 / kCorners) * state.branches->energy(i, polar[i].S);  //                         eq. P17
+      branch_weight_ = state.branches->weight;
+      Sym<N> D[kCorners];
+      state.branches->changes(polar, D);
+      for (int i = 0; i < kCorners; ++i) {
+        branch_stress_[i] = balanced_stress(state.branches->stress(i, D[i]), polar[i]);
+        branch_energy_ += N(1.0 / kCorners) * state.branches->energy(i, D[i]);  //                            eq. P17
+      }
     }
   }
 
@@ -359,8 +364,11 @@ class Element {
       const Mat<N>& R = polar[i].R;
       const Mat<N> Z = transposed_product(R, dF[i]);
       Mat<N> local = stress_increment(Z, mu_, N(0.0));  // R^T dP
-      const N pressure = free_ * t[i] + shared_ * mean;
-      if (branches_) local = local + stress_increment(Z, branch_modulus_, N(-2.0 / 3) * branch_modulus_);
+      N pressure = free_ * t[i] + shared_ * mean;
+      if (branches_) {
+        local = local + stress_increment(Z, branch_modulus_, N(-2.0 / 3) * branch_modulus_);
+        pressure += N(6.0) * branch_modulus_ * branch_weight_ * branch_weight_ * (t[i] - mean);
+      }
       if (law_ == ElasticLaw::kCorotated) {
         for (int k = 0; k < 3; ++k) local(k, k) += pressure;
         dF[i] = R * local;
@@ -434,9 +442,9 @@ class Element {
   N of_volume_;  // [Pa] modulus of the volume ratio
   CornerLanes<N> volume_gradient_;  // [1/m] b_a                                                                eq. E6
 
-  Mat<N> branch_stress_[kCorners];  // [Pa] what R takes to their part of P^e                                  eq. P14
-  N branch_modulus_;                // [Pa] mu_b
-  N branch_energy_;                 // [J/m^3] mean of the samples                                             eq. P17
+  Mat<N> branch_stress_[kCorners];    // [Pa] what R takes to their part of P^e                                  eq. P14
+  N branch_modulus_, branch_weight_;  // [Pa] mu_b; c
+  N branch_energy_;                   // [J/m^3] mean of the samples                                             eq. P17
 };
 
 }  // namespace hexaplast::HWY_NAMESPACE

@@ -36,6 +36,7 @@ void set(const ElementPoints& plastic_rest, const ElementPoints& current, const 
     of_branches.held[i] = {};
     of_branches.stored[i] = 0;
     of_branches.modulus = branches.modulus() * lame.mu;
+    of_branches.weight = scalar::dilatation_weight(lame.mu, lame.lambda, branches.moduli());
     for (std::size_t k = 0; k < branches.steps.size(); ++k) {
       const BranchStep& step = branches.steps[k];
       const auto b = scalar::symmetric(branches.strain[k][i]);
@@ -89,7 +90,7 @@ Element::Element(const ElementPoints& plastic_rest, const ElementPoints& current
     samples_.polar[i] = {scalar::to_eigen(element.polar[i].R), scalar::to_eigen(matrix(element.polar[i].S))};
     samples_.stress[i] = scalar::to_eigen(matrix(element.yielding_stress(i)));
   }
-  add_branch_stress(branches, lame.mu, samples_);
+  add_branch_stress(branches, lame, samples_);
   numbers_ = std::move(numbers);
 }
 Element::~Element() = default;

@@ -177,10 +177,11 @@ FlowReport flow_isolated(const Model& model, ConstPoints x, double dt, History& 
     report.yielded += step.yielded;
     set_isolated(e, step, next);
     next.dissipated_energy += step.dissipated;
-    if (branches.any()) next.dissipated_energy += relax(e, element.samples(), model.lame[e].mu, steps, next);
+    if (branches.any()) next.dissipated_energy += relax(e, element.samples(), model.lame[e], branches, next);
     if (branches.any() && step.yielded)
-      relieve_branches(
-          e, Element(initial, current, model.lame[e], model.settings, next.plastic_inverse_of(e)).samples(), next);
+      relieve_branches(e,
+                       Element(initial, current, model.lame[e], model.settings, next.plastic_inverse_of(e)).samples(),
+                       model.lame[e], branches, next);
     if (!(next.is_finite(e) && std::isfinite(step.dissipated)))
       throw NumericalError(fmt::format("the plastic history of hexahedron {} is not finite", e));
     if (!step.yielded || !is_broken(model, history, next, e)) continue;

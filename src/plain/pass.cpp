@@ -117,10 +117,11 @@ HWY_NOINLINE void place(const Model& model, const History& history, ConstPoints 
       G[i] = group.matrix([&](int e) -> const Mat3& { return history.plastic_inverse[e][i]; });
     state.plastic_inverse = G;
   }
-  const V mu = group.number([&](int e) { return model.lame[e].mu; });
+  const V mu = group.number([&](int e) { return model.lame[e].mu; }),
+          lambda = group.number([&](int e) { return model.lame[e].lambda; });
   BranchLanes<V> of_branches;
-  state.branches = load_branches(group.element, branches, mu, of_branches);
-  element.set(rest, current, mu, group.number([&](int e) { return model.lame[e].lambda; }), model.settings, state);
+  state.branches = load_branches(group.element, branches, mu, lambda, of_branches);
+  element.set(rest, current, mu, lambda, model.settings, state);
 }
 
 void find_energies(const Model& model, const History& history, ConstPoints x, const Branches& branches,

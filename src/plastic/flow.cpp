@@ -99,10 +99,10 @@ void flow_alone(const Model& model, const Linearization& at, double dt, const Hi
   work.flows[e] = {
       .yielded = step.yielded, .inverted = step.inverted, .skipped = step.skipped, .dissipated = step.dissipated};
   if (!branches.any()) return;
-  work.flows[e].dissipated += relax(e, samples, k.mu, branches.steps, work.trial);
+  work.flows[e].dissipated += relax(e, samples, k, branches, work.trial);
   if (step.yielded)
-    relieve_branches(e, element_samples(rest, current, k, model.settings, work.trial.plastic_inverse_of(e)),
-                     work.trial);
+    relieve_branches(e, element_samples(rest, current, k, model.settings, work.trial.plastic_inverse_of(e)), k,
+                     branches, work.trial);
 }
 
 /// Flow of every live element: history -> work.trial, work.flows. False when none has anything to do; the trial is then

@@ -24,6 +24,13 @@ Mat3 deviatoric_log(const Mat3& S) {
   return eigen.eigenvectors() * Vec3(log.array() - log.mean()).asDiagonal() * eigen.eigenvectors().transpose();
 }
 
+void branch_stretches(const ElementSamples& samples, const Lame& lame, const Branches& branches,
+                      scalar::Sym<double> (&B)[kCorners]) {
+  scalar::branch_stretches(
+      scalar::dilatation_weight(lame.mu, lame.lambda, branches.moduli()),
+      [&](int i) { return scalar::symmetric_entries(samples.polar[i].S); }, B);
+}
+
 }  // namespace
 
 IsolatedStress isolated_stress(const ElementPoints& initial, const CornerTensors& plastic_inverse,
@@ -112,35 +119,37 @@ void set_isolated(int element, const IsolatedStep& step, History& history) {
   for (int i = 0; i < kCorners; ++i) history.plastic_strain[element][i] += step.strain[i];
 }
 
-double relax(int e, const ElementSamples& samples, double mu, std::span<const BranchStep> steps, History& history) {
+double relax(int e, const ElementSamples& samples, const Lame& lame, const Branches& branches, History& history) {
   double density = 0;  // [J/m^3]
+  scalar::Sym<double> B[kCorners];
+  branch_stretches(samples, lame, branches, B);
   for (int i = 0; i < kCorners; ++i) {
     auto& stretch = history.branch_stretch[e][i];
-    const auto before = scalar::symmetric(stretch);
-    const auto now = scalar::deviator(scalar::symmetric_entries(samples.polar[i].S));
-    const auto D = scalar::sum(now, -1.0, before);
-    for (std::size_t k = 0; k < steps.size(); ++k) {
-      const BranchStep& step = steps[k];
+    const auto D = scalar::sum(B[i], -1.0, scalar::symmetric(stretch));
+    for (std::size_t k = 0; k < branches.steps.size(); ++k) {
+      const BranchStep& step = branches.steps[k];
       auto& strain = history.branch_strains_of(e)[k][i];
       const auto b = scalar::symmetric(strain);
-      density += step.modulus * mu *
+      density += step.modulus * lame.mu *
                  (step.loss_held * scalar::product(b, b) + step.loss_mixed * scalar::product(b, D) +
                   step.loss_moved * scalar::product(D, D));
       strain = scalar::numbers(scalar::branch_strain(step.decay, b, step.response, D));
     }
-    stretch = scalar::numbers(now);
+    stretch = scalar::numbers(B[i]);
   }
   return samples.volume / kCorners * density;
 }
 
-void relieve_branches(int e, const ElementSamples& flowed, History& history) {
+void relieve_branches(int e, const ElementSamples& flowed, const Lame& lame, const Branches& branches,
+                      History& history) {
+  scalar::Sym<double> B[kCorners];
+  branch_stretches(flowed, lame, branches, B);
   for (int i = 0; i < kCorners; ++i) {
     auto& stretch = history.branch_stretch[e][i];
-    const auto now = scalar::deviator(scalar::symmetric_entries(flowed.polar[i].S));
-    const auto change = scalar::sum(now, -1.0, scalar::symmetric(stretch));
+    const auto change = scalar::sum(B[i], -1.0, scalar::symmetric(stretch));
     for (CornerSymmetric& strain : history.branch_strains_of(e))
       strain[i] = scalar::numbers(scalar::sum(scalar::symmetric(strain[i]), 1.0, change));
-    stretch = scalar::numbers(now);
+    stretch = scalar::numbers(B[i]);
   }
 }
 

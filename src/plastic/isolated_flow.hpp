@@ -46,10 +46,10 @@ IsolatedStep isolated_step(const Model& model, int element, const ElementSamples
 void set_isolated(int element, const IsolatedStep& step, History& history);
 
 /// Takes the branches of an element over the step. Returns what they dissipate [J].                     eq. P13, P19
-double relax(int element, const ElementSamples& samples, double mu, std::span<const BranchStep> steps,
-             History& history);
+double relax(int element, const ElementSamples& samples, const Lame& lame, const Branches& branches, History& history);
 
 /// Stretch that has flowed leaves the branches too. flowed: samples after the flow.                           eq. P16
-void relieve_branches(int element, const ElementSamples& flowed, History& history);
+void relieve_branches(int element, const ElementSamples& flowed, const Lame& lame, const Branches& branches,
+                      History& history);
 
 }  // namespace hexaplast

@@ -21,6 +21,7 @@ struct StiffnessKind {
   Sampling sampling = {};
   ElasticLaw law = ElasticLaw::kCorotated;
   double branch_modulus = 0;  ///< mu_b over mu, of viscoelastic branches                                       eq. P14
+  double branch_moduli = 0;   ///< sum of their g
   bool one_rotation = false;  ///< of the simple form (OneRotationPlaces): parallelepipeds, of the corotated law
 
   /// Cells assume nothing, and resist changes of volume at their samples.

@@ -32,7 +32,7 @@ struct History {
   PointArray averaging_increment;  ///< [m] latest step of the averaging, from which the next one starts; num_nodes x
                                    ///< 3, without rows where there is no y
   std::vector<CornerSymmetric> branch_strain;   ///< b = q / (2 g mu) per element and viscoelastic branch
-  std::vector<CornerSymmetric> branch_stretch;  ///< dev S at the latest step, per element; empty without branches
+  std::vector<CornerSymmetric> branch_stretch;  ///< B at the latest step, per element; empty without branches
   long version = 0;  ///< grows whenever something changes, so that derived data know they are old
 
   /// The initial state of a model: plastic rest positions = initial positions.
