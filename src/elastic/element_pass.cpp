@@ -83,7 +83,7 @@ HWY_NOINLINE void add_branch_force(const ElementLanes<kGeneral, Assumed::kCorner
                                    const BranchLanes<V>& branches,
                                    ColumnsTranspose<kGeneral, Assumed::kCorner, V>& acting) {
   Sym<V> D[kCorners];
-  branches.changes(element.polar, D);
+  branches.changes([&](int i) { return element.polar[i].S; }, D);
   for (int i = 0; i < kCorners; ++i) {
     const PolarLanes<V>& at = element.polar[i];
     const Mat<V> P = at.R * balanced_stress(branches.stress(i, D[i]), at);
@@ -331,7 +331,7 @@ double energy_of(const Model& model, const CornerTensors* plastic_inverse, const
     BranchLanes<V> lanes;
     if (const BranchLanes<V>* held = load_branches(*model.partition, branches, block, lane, of.mu, of.lambda, lanes)) {
       Sym<V> D[kCorners];
-      held->changes(element.polar, D);
+      held->changes([&](int i) { return element.polar[i].S; }, D);
       for (int i = 0; i < kCorners; ++i) density += V(1.0 / kCorners) * held->energy(i, D[i]);
     }
     sum += select_bits(here, element.rest.volume * density, V(0.0));

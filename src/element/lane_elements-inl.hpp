@@ -117,56 +117,13 @@ HWY_INLINE void store_tensors(const Sym<Lanes<double>> (&from)[kCorners], const 
   store_elements<6 * kCorners>(n, wanted, addresses<double>(elements, address));
 }
 
-/// What the branches of a register of elements bring into a step. V: lanes of double.                  eq. P13, P17
-template <class V>
-struct BranchLanes {
-  /// D of a step that leads to these polar factors.
-  HWY_INLINE void changes(const PolarLanes<V>* polar, Sym<V> (&D)[kCorners]) const {
-    branch_stretches(
-        weight, [&](int i) { return polar[i].S; }, D);
-    for (int i = 0; i < kCorners; ++i) D[i] = sum(D[i], V(-1.0), before[i]);
-  }
-  /// Part of sigma at the end of the step.
-  HWY_INLINE Sym<V> stress(int sample, const Sym<V>& D) const {
-    return branch_stress(weight, sum(held[sample], modulus + modulus, D));
-  }
-  /// Energy density of the same.
-  HWY_INLINE V energy(int sample, const Sym<V>& D) const {
-    return stored[sample] + product(held[sample], D) + modulus * product(D, D);
-  }
-
-  Sym<V> before[kCorners];  ///< B at the step before
-  Sym<V> held[kCorners];    ///< [Pa] sum of e q_k
-  V stored[kCorners];       ///< [J/m^3] sum of |q_k|^2 / (4 g mu)
-  V modulus, weight;        ///< [Pa] mu_b; c
-};
-
 /// Of these elements. Null: nothing relaxes.
 template <class V>
 HWY_NOINLINE const BranchLanes<V>* load_branches(const int* elements, const Branches& branches, V mu, V lambda,
                                                  BranchLanes<V>& to) {
   if (!branches.any()) return nullptr;
-  load_tensors(
-      elements, [&](int e) { return branches.stretch[e][0].data(); }, to.before);
-  to.modulus = V(branches.modulus()) * mu;
-  to.weight = dilatation_weight(mu, lambda, V(branches.moduli()));
-  const V none(0.0);
-  for (int i = 0; i < kCorners; ++i) {
-    to.held[i] = {none, none, none, none, none, none};
-    to.stored[i] = none;
-  }
-  const std::size_t count = branches.steps.size();
-  for (std::size_t k = 0; k < count; ++k) {
-    Sym<V> b[kCorners];
-    load_tensors(
-        elements, [&](int e) { return branches.strain[e * count + k][0].data(); }, b);
-    const BranchStep& step = branches.steps[k];
-    const V of_stored = V(step.modulus) * mu, of_held = V(2 * step.modulus * step.decay) * mu;
-    for (int i = 0; i < kCorners; ++i) {
-      to.held[i] = sum(to.held[i], of_held, b[i]);
-      to.stored[i] += of_stored * product(b[i], b[i]);
-    }
-  }
+  set_branches(
+      branches, mu, lambda, [&](const auto& address, Sym<V>(&B)[kCorners]) { load_tensors(elements, address, B); }, to);
   return &to;
 }
 template <class V>

@@ -12,6 +12,7 @@
 
 #include "base/matrix-inl.hpp"
 #include "hexaplast/base/corners.hpp"
+#include "material/relaxation.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
@@ -79,6 +80,54 @@ HWY_INLINE Sym<N> branch_strain(N decay, const Sym<N>& b, N response, const Sym<
   return sum(Sym<N>{decay * b.xx, decay * b.yy, decay * b.zz, decay * b.yz, decay * b.zx, decay * b.xy}, response, D);
 }
 
+/// What the branches of an element, or of one in each lane, bring into a step.                           eq. P13, P17
+template <class V>
+struct BranchLanes {
+  /// D of a step that leads to these S. stretch(i): S_i.
+  template <class Stretch>
+  HWY_INLINE void changes(const Stretch& stretch, Sym<V> (&D)[kCorners]) const {
+    branch_stretches(weight, stretch, D);
+    for (int i = 0; i < kCorners; ++i) D[i] = sum(D[i], V(-1.0), before[i]);
+  }
+  /// Part of sigma at the end of the step.
+  HWY_INLINE Sym<V> stress(int sample, const Sym<V>& D) const {
+    return branch_stress(weight, sum(held[sample], modulus + modulus, D));
+  }
+  /// Energy density of the same.
+  HWY_INLINE V energy(int sample, const Sym<V>& D) const {
+    return stored[sample] + product(held[sample], D) + modulus * product(D, D);
+  }
+
+  Sym<V> before[kCorners];  ///< B at the step before
+  Sym<V> held[kCorners];    ///< [Pa] sum of e q_k
+  V stored[kCorners];       ///< [J/m^3] sum of |q_k|^2 / (4 g mu)
+  V modulus, weight;        ///< [Pa] mu_b; c
+};
+
+/// load(e -> numbers of the tensors of element e, tensors of the samples).
+template <class V, class Load>
+HWY_INLINE void set_branches(const Branches& branches, V mu, V lambda, const Load& load, BranchLanes<V>& to) {
+  load([&](int e) { return branches.stretch[e][0].data(); }, to.before);
+  to.modulus = V(branches.modulus()) * mu;
+  to.weight = dilatation_weight(mu, lambda, V(branches.moduli()));
+  const V none(0.0);
+  for (int i = 0; i < kCorners; ++i) {
+    to.held[i] = {none, none, none, none, none, none};
+    to.stored[i] = none;
+  }
+  const std::size_t count = branches.steps.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    Sym<V> b[kCorners];
+    load([&](int e) { return branches.strain[e * count + k][0].data(); }, b);
+    const BranchStep& step = branches.steps[k];
+    const V of_stored = V(step.modulus) * mu, of_held = V(2 * step.modulus * step.decay) * mu;
+    for (int i = 0; i < kCorners; ++i) {
+      to.held[i] = sum(to.held[i], of_held, b[i]);
+      to.stored[i] += of_stored * product(b[i], b[i]);
+    }
+  }
+}
+
 /// q + A, with which q's moments are in balance, where no stretches are opposite.                             eq. P15
 ///
 ///   A = [w]x,  (tr S - S) w = v,  [v]x = S q - q S
@@ -92,6 +141,19 @@ HWY_INLINE Mat<N> in_balance(const Sym<N>& q, const Sym<N>& S) {
   N w[3];
   for (int k = 0; k < 3; ++k) w[k] = inverse * dot(cof.m[k], v);
   return {{{q.xx, q.xy - w[2], q.zx + w[1]}, {q.xy + w[2], q.yy, q.yz - w[0]}, {q.zx - w[1], q.yz + w[0], q.zz}}};
+}
+
+/// Of a single element.
+HWY_INLINE BranchLanes<double> branches_of(const Branches& branches, const Lame& lame) {
+  BranchLanes<double> of;
+  const auto load = [](const auto& address, Sym<double>(&B)[kCorners]) {
+    for (int i = 0; i < kCorners; ++i) {
+      const double* n = address(0) + 6 * i;
+      B[i] = {n[0], n[1], n[2], n[3], n[4], n[5]};
+    }
+  };
+  set_branches(branches, lame.mu, lame.lambda, load, of);
+  return of;
 }
 
 HWY_INLINE Sym<double> symmetric(const std::array<double, 6>& n) { return {n[0], n[1], n[2], n[3], n[4], n[5]}; }

@@ -23,19 +23,11 @@ scalar::CornerLanes<double> corners_of(const ElementPoints& x) {
 void add_branch_stress(const Branches& branches, const Lame& lame, ElementSamples& samples) {
   if (!branches.any()) return;
   samples.branch_moduli = branches.moduli();
-  const double c = scalar::dilatation_weight(lame.mu, lame.lambda, samples.branch_moduli);
-  scalar::Sym<double> B[kCorners];
-  scalar::branch_stretches(
-      c, [&](int i) { return scalar::symmetric_entries(samples.polar[i].S); }, B);
+  const scalar::BranchLanes<double> held = scalar::branches_of(branches, lame);
+  scalar::Sym<double> D[kCorners];
+  held.changes([&](int i) { return scalar::symmetric_entries(samples.polar[i].S); }, D);
   for (int i = 0; i < kCorners; ++i) {
-    const auto D = scalar::sum(B[i], -1.0, scalar::symmetric((*branches.stretch)[i]));
-    scalar::Sym<double> q = {};
-    for (std::size_t k = 0; k < branches.steps.size(); ++k) {
-      const BranchStep& step = branches.steps[k];
-      const auto b = scalar::symmetric(branches.strain[k][i]);
-      q = scalar::sum(q, 2 * step.modulus * lame.mu, scalar::branch_strain(step.decay, b, step.response, D));
-    }
-    samples.branch_stress[i] = to_eigen(matrix(scalar::branch_stress(c, q)));
+    samples.branch_stress[i] = to_eigen(matrix(held.stress(i, D[i])));
     samples.stress[i] += samples.branch_stress[i];
   }
 }

@@ -316,7 +316,7 @@ class Element {
       branch_modulus_ = state.branches->modulus;
       branch_weight_ = state.branches->weight;
       Sym<N> D[kCorners];
-      state.branches->changes(polar, D);
+      state.branches->changes([&](int i) { return polar[i].S; }, D);
       for (int i = 0; i < kCorners; ++i) {
         branch_stress_[i] = balanced_stress(state.branches->stress(i, D[i]), polar[i]);
         branch_energy_ += N(1.0 / kCorners) * state.branches->energy(i, D[i]);  //                            eq. P17

@@ -31,18 +31,8 @@ void set(const ElementPoints& plastic_rest, const ElementPoints& current, const 
   for (int i = 0; plastic_inverse && i < kCorners; ++i) G[i] = scalar::entries((*plastic_inverse)[i]);
   if (plastic_inverse) state.plastic_inverse = G;
   scalar::BranchLanes<double> of_branches;
-  for (int i = 0; branches.any() && i < kCorners; ++i) {
-    of_branches.before[i] = scalar::symmetric((*branches.stretch)[i]);
-    of_branches.held[i] = {};
-    of_branches.stored[i] = 0;
-    of_branches.modulus = branches.modulus() * lame.mu;
-    of_branches.weight = scalar::dilatation_weight(lame.mu, lame.lambda, branches.moduli());
-    for (std::size_t k = 0; k < branches.steps.size(); ++k) {
-      const BranchStep& step = branches.steps[k];
-      const auto b = scalar::symmetric(branches.strain[k][i]);
-      of_branches.held[i] = scalar::sum(of_branches.held[i], 2 * step.modulus * step.decay * lame.mu, b);
-      of_branches.stored[i] += step.modulus * lame.mu * scalar::product(b, b);
-    }
+  if (branches.any()) {
+    of_branches = scalar::branches_of(branches, lame);
     state.branches = &of_branches;
   }
   element.set(corners_of(plastic_rest), corners_of(current), lame.mu, lame.lambda, settings, state);
