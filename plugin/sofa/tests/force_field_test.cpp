@@ -163,13 +163,17 @@ TEST_F(ForceFieldChecks, OutputsShowThePlasticStateWhenTheyAreRead)
     scene.move_to(rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
     scene.step();
     EXPECT_EQ(strain->getCounter(), counter) << "computed though nobody reads it";
+    const int ofReleased = scene.field().d_plasticRestPositions.getCounter();
     const ElementFields fields = scene.body().fields(scene.positions());
     ASSERT_EQ(strain->getValue().size(), fields.plastic_strain.size());
     for (std::size_t e = 0; e < fields.plastic_strain.size(); ++e)
     {
         EXPECT_GT(fields.plastic_strain[e], 0);
         EXPECT_EQ(strain->getValue()[e], fields.plastic_strain[e]);
+        EXPECT_GT(fields.stress_norm[e], 0);
+        EXPECT_EQ(scene.field().d_stressNorm.getValue()[e], fields.stress_norm[e]);
     }
+    EXPECT_EQ(scene.field().d_plasticRestPositions.getCounter(), ofReleased) << "an equilibrium nobody asks for";
     EXPECT_EQ(PointArray(view(scene.field().d_plasticRestPositions.getValue())), scene.body().plastic_rest_positions());
     scene.reset();
     EXPECT_EQ(strain->getValue(), sofa::type::vector<SReal>(12, 0));

@@ -118,7 +118,10 @@ private:
     /// Hexahedra that went in the latest step leave the topology, where that can be.
     void tearTopology();
 
+    void show(const std::vector<double>& values, Data<VecReal>& output);
     void computeOutputs();
+    void computeReleasedShape();
+    void setOutputsDirty();
 
     std::optional<parts::HexahedralBody> m_body;
     int m_timesMade = 0;
@@ -131,17 +134,21 @@ private:
     class Outputs final : public sofa::core::objectmodel::DDGNode
     {
     public:
-        explicit Outputs(HexahedronElastoplasticFEMForceField& owner) : m_owner(owner) {}
+        using Compute = void (HexahedronElastoplasticFEMForceField::*)();
+        Outputs(HexahedronElastoplasticFEMForceField& owner, Compute compute) : m_owner(owner), m_compute(compute) {}
         void update() override
         {
             cleanDirty();
-            if (m_owner.works()) m_owner.computeOutputs();
+            if (m_owner.works()) (m_owner.*m_compute)();
         }
 
     private:
         HexahedronElastoplasticFEMForceField& m_owner;
+        Compute m_compute;
     };
-    Outputs m_outputs{*this};
+    Outputs m_outputs{*this, &HexahedronElastoplasticFEMForceField::computeOutputs};
+    /// What needs the shape without forces, which takes an equilibrium where rest shapes are isolated.
+    Outputs m_releasedShape{*this, &HexahedronElastoplasticFEMForceField::computeReleasedShape};
 };
 
 #if !defined(HEXAPLAST_HEXAHEDRONELASTOPLASTICFEMFORCEFIELD_CPP)

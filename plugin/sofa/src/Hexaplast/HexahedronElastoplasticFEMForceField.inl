@@ -31,8 +31,8 @@ HexahedronElastoplasticFEMForceField<TDataTypes>::HexahedronElastoplasticFEMForc
     m_outputs.addOutput(&d_stressNorm);
     m_outputs.addOutput(&d_volumeRatio);
     m_outputs.addOutput(&d_volume);
-    m_outputs.addOutput(&d_plasticVolume);
-    m_outputs.addOutput(&d_plasticRestPositions);
+    m_releasedShape.addOutput(&d_plasticVolume);
+    m_releasedShape.addOutput(&d_plasticRestPositions);
     m_outputs.addOutput(&d_removed);
 }
 
@@ -47,7 +47,7 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::initPart()
         return;
     }
     Inherit::initPart();
-    m_outputs.setDirtyValue();
+    setOutputsDirty();
 }
 
 // Regions are asked when all of them, and the engines that they follow, have had their init.
@@ -152,7 +152,7 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::resetPart()
             if (!is_left[e]) gone.push_back(e);
         m_body->remove(gone);
     }
-    m_outputs.setDirtyValue();
+    setOutputsDirty();
 }
 
 // Relaxation within a step follows from its length; in an equilibrium it is over.
@@ -168,7 +168,7 @@ template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::endStep(SReal dt)
 {
     m_body->end_step(view(this->mstate->readPositions().ref()), dt);
-    m_outputs.setDirtyValue();
+    setOutputsDirty();
     if (m_body->report().removed > 0) tearTopology();
 }
 
@@ -192,31 +192,44 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::addStiffnessBlocks(double
     m_body->body().add_stiffness_blocks(factor, A);
 }
 
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::setOutputsDirty()
+{
+    m_outputs.setDirtyValue();
+    m_releasedShape.setDirtyValue();
+}
+
 // Values per hexahedron are in the order of the topology; the body keeps those that are gone.
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::show(const std::vector<double>& values, Data<VecReal>& output)
+{
+    VecReal& shown = *output.beginWriteOnly();
+    shown.clear();
+    for (const int e : m_original) shown.push_back(values[e]);
+    output.endEdit();
+}
+
 template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::computeOutputs()
 {
-    const auto show = [&](const std::vector<double>& values, Data<VecReal>& output)
-    {
-        VecReal& shown = *output.beginWriteOnly();
-        shown.clear();
-        for (const int e : m_original) shown.push_back(values[e]);
-        output.endEdit();
-    };
     show(plastic_strains(*body()), d_plasticStrain);
     show(present_yield_stresses(*body()), d_presentYieldStress);
     show(body()->fields(view(this->mstate->readPositions().ref())).stress_norm, d_stressNorm);
     show(plastic_volume_ratios(*body()), d_volumeRatio);
     show(element_volumes(*body(), view(this->mstate->readPositions().ref())), d_volume);
-    show(element_volumes(*body(), body()->plastic_rest_positions()), d_plasticVolume);
-
-    const PointArray& material = body()->plastic_rest_positions();
-    auto& positions = *d_plasticRestPositions.beginWriteOnly();
-    positions.resize(material.rows());
-    view(positions) = material;
-    d_plasticRestPositions.endEdit();
     d_removed.beginWriteOnly()->assign(body()->removed().begin(), body()->removed().end());
     d_removed.endEdit();
+}
+
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::computeReleasedShape()
+{
+    const PointArray& released = body()->plastic_rest_positions();
+    show(element_volumes(*body(), released), d_plasticVolume);
+    auto& positions = *d_plasticRestPositions.beginWriteOnly();
+    positions.resize(released.rows());
+    view(positions) = released;
+    d_plasticRestPositions.endEdit();
 }
 
 template <class TDataTypes>
@@ -282,7 +295,7 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::handleTopologyChange(sofa
                 }
                 requireTopology();
                 m_body->remove(gone);
-                m_outputs.setDirtyValue();
+                setOutputsDirty();
             });
 }
 
