@@ -183,12 +183,14 @@ TEST_F(ForceFieldChecks, AMaterialMayChangeDuringTheRun)
 {
     scene.move_to(rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
     scene.step();
-    const PointArray material = scene.body().plastic_rest_positions(), f = force_at(deformed);
+    const PointArray released = scene.body().plastic_rest_positions(), f = force_at(deformed);
+    const auto strain = scene.field().d_plasticStrain.getValue();
     scene.set("body", "youngModulus", "15000");
     EXPECT_EQ(force_at(deformed), f) << "nothing changes within a step";
     scene.field().reinit();
     EXPECT_LE((force_at(deformed) - 3 * f).norm(), 1e-10 * f.norm());
-    EXPECT_EQ(scene.body().plastic_rest_positions(), material);
+    EXPECT_EQ(scene.field().d_plasticStrain.getValue(), strain);
+    EXPECT_LE((scene.body().plastic_rest_positions() - released).cwiseAbs().maxCoeff(), 1e-5) << "to 1e-4 of an edge";
 
     scene.move_to(rest);
     scene.set("body", "youngModulus", "5000");
