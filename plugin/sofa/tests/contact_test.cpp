@@ -230,7 +230,8 @@ TEST(ConstraintsInSofa, LetABodyFlowAsProjectionsDo)
             strain = std::max(strain, flowed);
         }
     }
-    std::cout << "largest difference from projections: " << difference << " m; greatest plastic strain " << strain << "\n";
+    std::cout << "largest difference from projections: " << difference << " m; greatest plastic strain " << strain
+              << "\n";
     EXPECT_LE(difference, 1e-10);
     EXPECT_GT(strain, 0.01);
 }
