@@ -104,7 +104,7 @@ class Body {
   ///
   ///   bytes | content, little-endian
   ///       8 | "HXPBODY" and a zero
-  ///       4 | format version: 5
+  ///       4 | format version: 7
   ///       8 | XXH64 of mesh and settings, and of the names of all members and words
   ///       8 | size of what follows
   ///       n | materials, history: lists preceded by their lengths (base/archive.hpp)

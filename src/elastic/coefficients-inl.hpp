@@ -64,7 +64,7 @@ HWY_INLINE V bounded(V a) {
   return min(max(a, V(-kLargest)), V(kLargest));
 }
 
-/// Moduli of samples with branches: mu + mu_b, and lambda_f + (6 c^2 - 2/3) mu_b. Returns mu_b.                eq. P14
+/// Moduli of samples with branches: mu + mu_b, and lambda_f + 2 w mu_b. Returns mu_b.                          eq. P14
 template <class V>
 HWY_INLINE V add_branch_modulus(const StiffnessKind& kind, V lambda, V& mu, V& free) {
   using T = ScalarOf<V>;

@@ -74,7 +74,7 @@ HWY_INLINE void sample_normals(const ElementLanes<kGeneral, Assumed::kCorner, N>
 }
 
 /// [Pa] The stress that yields at the samples of isolated rest shapes. corotated: without the pressure of the volume
-/// ratio. of_branches: q, or null.                                                                      eq. P7, P7t
+/// ratio. of_branches: s, or null.                                                                      eq. P7, P7t
 template <bool kGeneral, class N>
 HWY_INLINE void yielding_stress(const ElementLanes<kGeneral, Assumed::kCorner, N>& element, const MaterialLanes<N>& of,
                                 const PressureLanes<N>& p, YieldStressMeasure measure,

@@ -12,6 +12,7 @@
 
 #include "base/matrix-inl.hpp"
 #include "hexaplast/base/corners.hpp"
+#include "material/law-inl.hpp"
 #include "material/relaxation.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -24,14 +25,15 @@ HWY_INLINE Sym<N> sum(const Sym<N>& A, N factor, const Sym<N>& B) {
           A.yz + factor * B.yz, A.zx + factor * B.zx, A.xy + factor * B.xy};
 }
 
-/// A : B.
+/// A : B + w tr A tr B, in which energies of branches are.                                                  eq. P17
 template <class N>
-HWY_INLINE N product(const Sym<N>& A, const Sym<N>& B) {
-  return A.xx * B.xx + A.yy * B.yy + A.zz * B.zz + N(2.0) * (A.yz * B.yz + A.zx * B.zx + A.xy * B.xy);
+HWY_INLINE N product(N w, const Sym<N>& A, const Sym<N>& B) {
+  return A.xx * B.xx + A.yy * B.yy + A.zz * B.zz + N(2.0) * (A.yz * B.yz + A.zx * B.zx + A.xy * B.xy) +
+         w * trace(A) * trace(B);
 }
 
-/// (lambda_f' - lambda_f) / (2 mu): what branches, of which the g have this sum, add to the modulus of a sample's own
-/// dilatation where nothing has relaxed. Not below -g / 3, where they resist it no more. Moduli of either sign.
+/// g w = (lambda_f' - lambda_f) / (2 mu), what branches, of which the g have this sum, add to the modulus of a sample's
+/// own dilatation where nothing has relaxed; w >= -1/3, where they resist it no more. Moduli of either sign.
 ///                                                                                                      eq. E2, P14
 template <class N>
 HWY_INLINE N branch_free_modulus(N mu, N lambda, N g) {
@@ -42,35 +44,29 @@ HWY_INLINE N branch_free_modulus(N mu, N lambda, N g) {
   return max(all * sudden - slow, N(T(-1.0 / 3)) * g);
 }
 
-/// c, the weight of a sample's own dilatation in what branches act on.                                       eq. P13
+/// w
 template <class N>
-HWY_INLINE N dilatation_weight(N mu, N lambda, N g) {
-  const N third = N(1.0 / 3) * g;
-  return sqrt(max((branch_free_modulus(mu, lambda, g) + third) / (g + g + g), N(0.0)));
+HWY_INLINE N branch_weight(N mu, N lambda, const Branches& branches) {
+  const N g(branches.moduli());
+  return branch_free_modulus(mu, lambda, g) / g;
 }
 
-/// What branches act on: B_i = dev S_i + c (tr S_i - mean tr S) 1. stretch(i): S_i.                         eq. P13
+/// What branches act on: B_i = S_i - (mean tr S) / 3. stretch(i): S_i.                                       eq. P13
 template <class N, class Stretch>
-HWY_INLINE void branch_stretches(N c, const Stretch& stretch, Sym<N> (&B)[kCorners]) {
-  N trace[kCorners], mean(0.0);
+HWY_INLINE void branch_stretches(const Stretch& stretch, Sym<N> (&B)[kCorners]) {
+  N mean(0.0);
   for (int i = 0; i < kCorners; ++i) {
-    const Sym<N> S = stretch(i);
-    trace[i] = S.xx + S.yy + S.zz;
-    mean += N(1.0 / kCorners) * trace[i];
-  }
-  for (int i = 0; i < kCorners; ++i) {
-    const N own = c * (trace[i] - mean) - N(1.0 / 3) * trace[i];
     B[i] = stretch(i);
-    B[i].xx += own;
-    B[i].yy += own;
-    B[i].zz += own;
+    mean += N(1.0 / (3 * kCorners)) * trace(B[i]);
   }
+  for (Sym<N>& one : B) one = {one.xx - mean, one.yy - mean, one.zz - mean, one.yz, one.zx, one.xy};
 }
 
-/// dev q + c tr(q) 1: the stress that does on S_i the work of q on B_i, because the tr q of the samples have no mean.
+/// q + w tr(q) 1: the stress that does on S_i the work of q on B_i, because the tr q of the samples have no mean.
+///                                                                                                          eq. P14
 template <class N>
-HWY_INLINE Sym<N> branch_stress(N c, const Sym<N>& q) {
-  const N own = (c - N(1.0 / 3)) * (q.xx + q.yy + q.zz);
+HWY_INLINE Sym<N> branch_stress(N w, const Sym<N>& q) {
+  const N own = w * trace(q);
   return {q.xx + own, q.yy + own, q.zz + own, q.yz, q.zx, q.xy};
 }
 
@@ -86,7 +82,7 @@ struct BranchLanes {
   /// D of a step that leads to these S. stretch(i): S_i.
   template <class Stretch>
   HWY_INLINE void changes(const Stretch& stretch, Sym<V> (&D)[kCorners]) const {
-    branch_stretches(weight, stretch, D);
+    branch_stretches(stretch, D);
     for (int i = 0; i < kCorners; ++i) D[i] = sum(D[i], V(-1.0), before[i]);
   }
   /// Part of sigma at the end of the step.
@@ -95,13 +91,13 @@ struct BranchLanes {
   }
   /// Energy density of the same.
   HWY_INLINE V energy(int sample, const Sym<V>& D) const {
-    return stored[sample] + product(held[sample], D) + modulus * product(D, D);
+    return stored[sample] + product(weight, held[sample], D) + modulus * product(weight, D, D);
   }
 
   Sym<V> before[kCorners];  ///< B at the step before
   Sym<V> held[kCorners];    ///< [Pa] sum of e q_k
-  V stored[kCorners];       ///< [J/m^3] sum of |q_k|^2 / (4 g mu)
-  V modulus, weight;        ///< [Pa] mu_b; c
+  V stored[kCorners];       ///< [J/m^3] sum of |q_k|^2 / (4 g mu), by `product`
+  V modulus, weight;        ///< [Pa] mu_b; w
 };
 
 /// load(e -> numbers of the tensors of element e, tensors of the samples).
@@ -109,7 +105,7 @@ template <class V, class Load>
 HWY_INLINE void set_branches(const Branches& branches, V mu, V lambda, const Load& load, BranchLanes<V>& to) {
   load([&](int e) { return branches.stretch[e][0].data(); }, to.before);
   to.modulus = V(branches.modulus()) * mu;
-  to.weight = dilatation_weight(mu, lambda, V(branches.moduli()));
+  to.weight = branch_weight(mu, lambda, branches);
   const V none(0.0);
   for (int i = 0; i < kCorners; ++i) {
     to.held[i] = {none, none, none, none, none, none};
@@ -123,7 +119,7 @@ HWY_INLINE void set_branches(const Branches& branches, V mu, V lambda, const Loa
     const V of_stored = V(step.modulus) * mu, of_held = V(2 * step.modulus * step.decay) * mu;
     for (int i = 0; i < kCorners; ++i) {
       to.held[i] = sum(to.held[i], of_held, b[i]);
-      to.stored[i] += of_stored * product(b[i], b[i]);
+      to.stored[i] += of_stored * product(to.weight, b[i], b[i]);
     }
   }
 }

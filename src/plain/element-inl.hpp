@@ -366,8 +366,8 @@ class Element {
       Mat<N> local = stress_increment(Z, mu_, N(0.0));  // R^T dP
       N pressure = free_ * t[i] + shared_ * mean;
       if (branches_) {
-        local = local + stress_increment(Z, branch_modulus_, N(-2.0 / 3) * branch_modulus_);
-        pressure += N(6.0) * branch_modulus_ * branch_weight_ * branch_weight_ * (t[i] - mean);
+        local = local + stress_increment(Z, branch_modulus_, N(0.0));
+        pressure += N(2.0) * branch_modulus_ * (branch_weight_ * (t[i] - mean) - N(1.0 / 3) * mean);
       }
       if (law_ == ElasticLaw::kCorotated) {
         for (int k = 0; k < 3; ++k) local(k, k) += pressure;
@@ -443,7 +443,7 @@ class Element {
   CornerLanes<N> volume_gradient_;  // [1/m] b_a                                                                eq. E6
 
   Mat<N> branch_stress_[kCorners];    // [Pa] what R takes to their part of P^e                                  eq. P14
-  N branch_modulus_, branch_weight_;  // [Pa] mu_b; c
+  N branch_modulus_, branch_weight_;  // [Pa] mu_b; w
   N branch_energy_;                   // [J/m^3] mean of the samples                                             eq. P17
 };
 

@@ -179,9 +179,8 @@ FlowReport flow_isolated(const Model& model, ConstPoints x, double dt, History& 
     next.dissipated_energy += step.dissipated;
     if (branches.any()) next.dissipated_energy += relax(e, element.samples(), model.lame[e], branches, next);
     if (branches.any() && step.yielded)
-      relieve_branches(e,
-                       Element(initial, current, model.lame[e], model.settings, next.plastic_inverse_of(e)).samples(),
-                       model.lame[e], branches, next);
+      relieve_branches(
+          e, Element(initial, current, model.lame[e], model.settings, next.plastic_inverse_of(e)).samples(), next);
     if (!(next.is_finite(e) && std::isfinite(step.dissipated)))
       throw NumericalError(fmt::format("the plastic history of hexahedron {} is not finite", e));
     if (!step.yielded || !is_broken(model, history, next, e)) continue;

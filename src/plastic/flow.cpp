@@ -101,8 +101,8 @@ void flow_alone(const Model& model, const Linearization& at, double dt, const Hi
   if (!branches.any()) return;
   work.flows[e].dissipated += relax(e, samples, k, branches, work.trial);
   if (step.yielded)
-    relieve_branches(e, element_samples(rest, current, k, model.settings, work.trial.plastic_inverse_of(e)), k,
-                     branches, work.trial);
+    relieve_branches(e, element_samples(rest, current, k, model.settings, work.trial.plastic_inverse_of(e)),
+                     work.trial);
 }
 
 /// Flow of every live element: history -> work.trial, work.flows. False when none has anything to do; the trial is then

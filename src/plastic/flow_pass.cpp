@@ -256,18 +256,17 @@ HWY_NOINLINE std::uint32_t flow_isolated_lanes(const Model& model, const Lineari
   return at.is_general[block] ? flow_as.template operator()<true>() : flow_as.template operator()<false>();
 }
 
-/// B of a register of elements with branches; weight: c.                                                     eq. P13
-HWY_INLINE void branch_stretches(D weight, const SampleLanes<D>& element, Sym<D> (&B)[kCorners]) {
-  branch_stretches(
-      weight, [&](int i) { return element.polar[i].S; }, B);
+/// B of a register of elements.                                                                              eq. P13
+HWY_INLINE void branch_stretches(const SampleLanes<D>& element, Sym<D> (&B)[kCorners]) {
+  branch_stretches([&](int i) { return element.polar[i].S; }, B);
 }
 
 /// Takes the branches of a register of elements over the step: history -> trial. stress: what they add to that of the
 /// samples then. Returns what they dissipate, times 8 [J/m^3].                                           eq. P13, P19
-HWY_NOINLINE D relax(const Branches& branches, D mu, D weight, const int* elements, const SampleLanes<D>& element,
-                     std::uint32_t wanted, History& trial, Sym<D> (&stress)[kCorners]) {
+HWY_NOINLINE D relax(const Branches& branches, const MaterialLanes<D>& of, const int* elements,
+                     const SampleLanes<D>& element, std::uint32_t wanted, History& trial, Sym<D> (&stress)[kCorners]) {
   Sym<D> change[kCorners], stretch[kCorners];
-  branch_stretches(weight, element, stretch);
+  branch_stretches(element, stretch);
   load_tensors(
       elements, [&](int e) { return branches.stretch[e][0].data(); }, change);
   const D none(0.0);
@@ -278,33 +277,34 @@ HWY_NOINLINE D relax(const Branches& branches, D mu, D weight, const int* elemen
   store_tensors(stretch, elements, wanted, [&](int e) { return trial.branch_stretch[e][0].data(); });
 
   D dissipated(none);
+  const D w = branch_weight(of.mu, of.lambda, branches);
   const std::size_t count = branches.steps.size();
   for (std::size_t k = 0; k < count; ++k) {
     const BranchStep& step = branches.steps[k];
-    const D modulus = D(step.modulus) * mu, held(step.loss_held), mixed(step.loss_mixed), moved(step.loss_moved);
+    const D modulus = D(step.modulus) * of.mu, held(step.loss_held), mixed(step.loss_mixed), moved(step.loss_moved);
     Sym<D> b[kCorners];
     load_tensors(
         elements, [&](int e) { return branches.strain[e * count + k][0].data(); }, b);
     for (int i = 0; i < kCorners; ++i) {
-      dissipated += modulus * (held * product(b[i], b[i]) + mixed * product(b[i], change[i]) +
-                               moved * product(change[i], change[i]));
+      dissipated += modulus * (held * product(w, b[i], b[i]) + mixed * product(w, b[i], change[i]) +
+                               moved * product(w, change[i], change[i]));
       b[i] = branch_strain(D(step.decay), b[i], D(step.response), change[i]);
       stress[i] = sum(stress[i], modulus + modulus, b[i]);
     }
     store_tensors(b, elements, wanted, [&](int e) { return trial.branch_strain[e * count + k][0].data(); });
   }
-  for (Sym<D>& q : stress) q = branch_stress(weight, q);
+  for (Sym<D>& q : stress) q = branch_stress(w, q);
   return dissipated;
 }
 
 /// Stretch that has flowed leaves the branches too: trial, of the elements whose bits are set. element: samples after
 /// the flow.                                                                                                 eq. P16
-HWY_NOINLINE void relieve_branches(const int* elements, D weight, const SampleLanes<D>& element,
-                                   std::size_t num_branches, std::uint32_t yielded, History& trial) {
+HWY_NOINLINE void relieve_branches(const int* elements, const SampleLanes<D>& element, std::size_t num_branches,
+                                   std::uint32_t yielded, History& trial) {
   const auto of_stretch = [&](int e) { return trial.branch_stretch[e][0].data(); };
   Sym<D> change[kCorners], stretch[kCorners];
   load_tensors(elements, of_stretch, change);
-  branch_stretches(weight, element, stretch);
+  branch_stretches(element, stretch);
   for (int i = 0; i < kCorners; ++i) change[i] = sum(stretch[i], D(-1.0), change[i]);
   store_tensors(stretch, elements, yielded, of_stretch);
   for (std::size_t k = 0; k < num_branches; ++k) {
@@ -340,8 +340,7 @@ HWY_NOINLINE std::uint32_t relax_lanes(const Model& model, const Linearization& 
     decompose(element);
   };
   place();
-  const D weight = dilatation_weight(of.mu, of.lambda, D(branches.moduli()));
-  const D lost = relax(branches, of.mu, weight, here.number, element, wanted, trial, isolated.of_branches);
+  const D lost = relax(branches, of, here.number, element, wanted, trial, isolated.of_branches);
 
   std::uint32_t left = 0;
   if (model.can_flow()) {
@@ -359,7 +358,7 @@ HWY_NOINLINE std::uint32_t relax_lanes(const Model& model, const Linearization& 
     if (yielded) {
       narrow_plastic_inverse(plastic_inverse, isolated.plastic);
       place();
-      relieve_branches(here.number, weight, element, branches.steps.size(), yielded, trial);
+      relieve_branches(here.number, element, branches.steps.size(), yielded, trial);
     }
   } else {
     D lowest(std::numeric_limits<double>::infinity());

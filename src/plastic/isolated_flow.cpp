@@ -24,11 +24,8 @@ Mat3 deviatoric_log(const Mat3& S) {
   return eigen.eigenvectors() * Vec3(log.array() - log.mean()).asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-void branch_stretches(const ElementSamples& samples, const Lame& lame, const Branches& branches,
-                      scalar::Sym<double> (&B)[kCorners]) {
-  scalar::branch_stretches(
-      scalar::dilatation_weight(lame.mu, lame.lambda, branches.moduli()),
-      [&](int i) { return scalar::symmetric_entries(samples.polar[i].S); }, B);
+void branch_stretches(const ElementSamples& samples, scalar::Sym<double> (&B)[kCorners]) {
+  scalar::branch_stretches([&](int i) { return scalar::symmetric_entries(samples.polar[i].S); }, B);
 }
 
 }  // namespace
@@ -122,7 +119,8 @@ void set_isolated(int element, const IsolatedStep& step, History& history) {
 double relax(int e, const ElementSamples& samples, const Lame& lame, const Branches& branches, History& history) {
   double density = 0;  // [J/m^3]
   scalar::Sym<double> B[kCorners];
-  branch_stretches(samples, lame, branches, B);
+  branch_stretches(samples, B);
+  const double w = scalar::branch_weight(lame.mu, lame.lambda, branches);
   for (int i = 0; i < kCorners; ++i) {
     auto& stretch = history.branch_stretch[e][i];
     const auto D = scalar::sum(B[i], -1.0, scalar::symmetric(stretch));
@@ -131,8 +129,8 @@ double relax(int e, const ElementSamples& samples, const Lame& lame, const Branc
       auto& strain = history.branch_strains_of(e)[k][i];
       const auto b = scalar::symmetric(strain);
       density += step.modulus * lame.mu *
-                 (step.loss_held * scalar::product(b, b) + step.loss_mixed * scalar::product(b, D) +
-                  step.loss_moved * scalar::product(D, D));
+                 (step.loss_held * scalar::product(w, b, b) + step.loss_mixed * scalar::product(w, b, D) +
+                  step.loss_moved * scalar::product(w, D, D));
       strain = scalar::numbers(scalar::branch_strain(step.decay, b, step.response, D));
     }
     stretch = scalar::numbers(B[i]);
@@ -140,10 +138,9 @@ double relax(int e, const ElementSamples& samples, const Lame& lame, const Branc
   return samples.volume / kCorners * density;
 }
 
-void relieve_branches(int e, const ElementSamples& flowed, const Lame& lame, const Branches& branches,
-                      History& history) {
+void relieve_branches(int e, const ElementSamples& flowed, History& history) {
   scalar::Sym<double> B[kCorners];
-  branch_stretches(flowed, lame, branches, B);
+  branch_stretches(flowed, B);
   for (int i = 0; i < kCorners; ++i) {
     auto& stretch = history.branch_stretch[e][i];
     const auto change = scalar::sum(B[i], -1.0, scalar::symmetric(stretch));

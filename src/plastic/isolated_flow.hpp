@@ -49,7 +49,6 @@ void set_isolated(int element, const IsolatedStep& step, History& history);
 double relax(int element, const ElementSamples& samples, const Lame& lame, const Branches& branches, History& history);
 
 /// Stretch that has flowed leaves the branches too. flowed: samples after the flow.                           eq. P16
-void relieve_branches(int element, const ElementSamples& flowed, const Lame& lame, const Branches& branches,
-                      History& history);
+void relieve_branches(int element, const ElementSamples& flowed, History& history);
 
 }  // namespace hexaplast

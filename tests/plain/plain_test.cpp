@@ -329,7 +329,7 @@ Body held_hexahedron(std::vector<double> relaxation, double distortion, Random& 
     for (CornerSymmetric& of_element : *tensors)
       for (auto& one : of_element) {
         for (double& number : one) number = random.uniform(-0.2, 0.2);
-        one[2] = -one[0] - one[1];  // without trace
+        of_element.front()[2] -= one[0] + one[1] + one[2];  // traces have no sum
       }
   ++history.version;
   body.set_time_step(kStep);
@@ -406,7 +406,10 @@ TEST(Plain, IsTheKernelsForThrownBodiesToo) {
     body.set_time_step(kStep);
     History& history = body.state().history;
     for (CornerSymmetric& of_element : history.branch_strain)
-      for (auto& one : of_element) one = {0.1, random.uniform(-0.2, 0), -0.1, 0, random.uniform(-0.2, 0.2), 0};
+      for (int i = 0; i < kCorners; ++i) {  // traces have no sum
+        const double y = random.uniform(-0.2, 0), trace = 0.1 * kCornerSign[i][0];
+        of_element[i] = {0.1, y, trace - 0.1 - y, 0, random.uniform(-0.2, 0.2), 0};
+      }
     for (CornerTensors& G : history.plastic_inverse)
       for (Mat3& one : G) one += random.matrix(0.3);
     support::take_flowed(body);
