@@ -311,7 +311,7 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::draw(const sofa::core::vi
     const Body& body = *this->body();
     const auto x = view(this->mstate->readPositions().ref());
     const std::span<const unsigned char> alive = body.alive();
-    const std::vector<double> strain = nodal_means(body.mesh(), body.fields(x).plastic_strain, alive);
+    const std::vector<double> strain = nodal_means(body.mesh(), plastic_strains(body), alive);
     const double max = strain.empty() ? 0 : *std::max_element(strain.begin(), strain.end());
     static sofa::helper::ColorMap colours(256, "Blue to Red");
     const auto colour = colours.getEvaluator(0.0, std::max(max, 1e-6));
