@@ -44,7 +44,7 @@ HWY_INLINE N branch_free_modulus(N mu, N lambda, N g) {
   return max(all * sudden - slow, N(T(-1.0 / 3)) * g);
 }
 
-/// w
+/// w, the weight of traces in stresses and energies of branches.                                           eq. P14
 template <class N>
 HWY_INLINE N branch_weight(N mu, N lambda, const Branches& branches) {
   const N g(branches.moduli());
