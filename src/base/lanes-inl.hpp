@@ -34,55 +34,55 @@ struct Lanes {
   static constexpr int kCount = static_cast<int>(HWY_MIN(HWY_LANES(T), kBlock));
 
   Lanes() = default;
-  HWY_INLINE Lanes(Register v) : v_(v) {}           // NOLINT: a register is what it is
-  HWY_INLINE Lanes(T s) : v_(hn::Set(Tag(), s)) {}  // NOLINT: numbers mix with lanes
-  HWY_INLINE operator Register() const { return v_; }
-  HWY_INLINE Register raw() const { return v_; }
+  HEXAPLAST_INLINE Lanes(Register v) : v_(v) {}           // NOLINT: a register is what it is
+  HEXAPLAST_INLINE Lanes(T s) : v_(hn::Set(Tag(), s)) {}  // NOLINT: numbers mix with lanes
+  HEXAPLAST_INLINE operator Register() const { return v_; }
+  HEXAPLAST_INLINE Register raw() const { return v_; }
 
-  HWY_INLINE Lanes& operator+=(Lanes b) { return *this = *this + b; }
-  HWY_INLINE Lanes& operator-=(Lanes b) { return *this = *this - b; }
-  HWY_INLINE Lanes& operator*=(Lanes b) { return *this = *this * b; }
+  HEXAPLAST_INLINE Lanes& operator+=(Lanes b) { return *this = *this + b; }
+  HEXAPLAST_INLINE Lanes& operator-=(Lanes b) { return *this = *this - b; }
+  HEXAPLAST_INLINE Lanes& operator*=(Lanes b) { return *this = *this * b; }
 
-  friend HWY_INLINE Lanes operator+(Lanes a, Lanes b) { return hn::Add(a.v_, b.v_); }
-  friend HWY_INLINE Lanes operator-(Lanes a, Lanes b) { return hn::Sub(a.v_, b.v_); }
-  friend HWY_INLINE Lanes operator*(Lanes a, Lanes b) { return hn::Mul(a.v_, b.v_); }
-  friend HWY_INLINE Lanes operator/(Lanes a, Lanes b) { return hn::Div(a.v_, b.v_); }
-  friend HWY_INLINE Lanes operator-(Lanes a) { return hn::Neg(a.v_); }
+  friend HEXAPLAST_INLINE Lanes operator+(Lanes a, Lanes b) { return hn::Add(a.v_, b.v_); }
+  friend HEXAPLAST_INLINE Lanes operator-(Lanes a, Lanes b) { return hn::Sub(a.v_, b.v_); }
+  friend HEXAPLAST_INLINE Lanes operator*(Lanes a, Lanes b) { return hn::Mul(a.v_, b.v_); }
+  friend HEXAPLAST_INLINE Lanes operator/(Lanes a, Lanes b) { return hn::Div(a.v_, b.v_); }
+  friend HEXAPLAST_INLINE Lanes operator-(Lanes a) { return hn::Neg(a.v_); }
 
-  friend HWY_INLINE auto operator<(Lanes a, Lanes b) { return hn::Lt(a.v_, b.v_); }
-  friend HWY_INLINE auto operator>(Lanes a, Lanes b) { return hn::Gt(a.v_, b.v_); }
+  friend HEXAPLAST_INLINE auto operator<(Lanes a, Lanes b) { return hn::Lt(a.v_, b.v_); }
+  friend HEXAPLAST_INLINE auto operator>(Lanes a, Lanes b) { return hn::Gt(a.v_, b.v_); }
 
  private:
   Register v_;
 };
 
 template <class T>
-HWY_INLINE Lanes<T> sqrt(Lanes<T> a) {
+HEXAPLAST_INLINE Lanes<T> sqrt(Lanes<T> a) {
   return hn::Sqrt(typename Lanes<T>::Register(a));
 }
 template <class T>
-HWY_INLINE Lanes<T> abs(Lanes<T> a) {
+HEXAPLAST_INLINE Lanes<T> abs(Lanes<T> a) {
   return hn::Abs(typename Lanes<T>::Register(a));
 }
 template <class T>
-HWY_INLINE Lanes<T> log(Lanes<T> a) {
+HEXAPLAST_INLINE Lanes<T> log(Lanes<T> a) {
   return hn::Log(typename Lanes<T>::Tag(), typename Lanes<T>::Register(a));
 }
 template <class T>
-HWY_INLINE Lanes<T> min(Lanes<T> a, Lanes<T> b) {
+HEXAPLAST_INLINE Lanes<T> min(Lanes<T> a, Lanes<T> b) {
   return hn::Min(typename Lanes<T>::Register(a), typename Lanes<T>::Register(b));
 }
 template <class T>
-HWY_INLINE Lanes<T> max(Lanes<T> a, Lanes<T> b) {
+HEXAPLAST_INLINE Lanes<T> max(Lanes<T> a, Lanes<T> b) {
   return hn::Max(typename Lanes<T>::Register(a), typename Lanes<T>::Register(b));
 }
 /// a where the mask holds, b elsewhere.
 template <class T, class Mask>
-HWY_INLINE Lanes<T> select(Mask mask, Lanes<T> a, Lanes<T> b) {
+HEXAPLAST_INLINE Lanes<T> select(Mask mask, Lanes<T> a, Lanes<T> b) {
   return hn::IfThenElse(mask, typename Lanes<T>::Register(a), typename Lanes<T>::Register(b));
 }
 template <class T>
-HWY_INLINE bool any_positive(Lanes<T> a) {
+HEXAPLAST_INLINE bool any_positive(Lanes<T> a) {
   return !hn::AllFalse(typename Lanes<T>::Tag(), a > Lanes<T>(T(0)));
 }
 
@@ -93,7 +93,7 @@ struct ScalarOfNumber<Lanes<T>> {
 
 /// One bit per lane.
 template <class T, class Mask>
-HWY_INLINE std::uint32_t bits(Mask mask) {
+HEXAPLAST_INLINE std::uint32_t bits(Mask mask) {
   std::uint8_t bytes[8] = {};
   hn::StoreMaskBits(typename Lanes<T>::Tag(), mask, bytes);
   std::uint32_t word = 0;
@@ -103,36 +103,36 @@ HWY_INLINE std::uint32_t bits(Mask mask) {
 
 /// Numbers of one block, as they are stored, in the precision of the lanes.
 template <class T>
-HWY_INLINE Lanes<T> load(const T* from) {
+HEXAPLAST_INLINE Lanes<T> load(const T* from) {
   return hn::Load(typename Lanes<T>::Tag(), from);
 }
 template <class T>
-HWY_INLINE void store(Lanes<T> a, T* to) {
+HEXAPLAST_INLINE void store(Lanes<T> a, T* to) {
   hn::Store(typename Lanes<T>::Register(a), typename Lanes<T>::Tag(), to);
 }
 template <class T>
-HWY_INLINE Lanes<T> load_as(const T* from) {
+HEXAPLAST_INLINE Lanes<T> load_as(const T* from) {
   return load(from);
 }
-HWY_INLINE Lanes<float> load_as(const hwy::float16_t* from) {
+HEXAPLAST_INLINE Lanes<float> load_as(const hwy::float16_t* from) {
   const hn::Rebind<hwy::float16_t, Lanes<float>::Tag> half;
   return hn::PromoteTo(Lanes<float>::Tag(), hn::Load(half, from));
 }
 
-HWY_INLINE Lanes<double> load_wide(const float* from) {
+HEXAPLAST_INLINE Lanes<double> load_wide(const float* from) {
   const hn::Rebind<float, Lanes<double>::Tag> single;
   return hn::PromoteTo(Lanes<double>::Tag(), hn::Load(single, from));
 }
 
 template <class T>
-HWY_INLINE void store_as(Lanes<T> a, T* to) {
+HEXAPLAST_INLINE void store_as(Lanes<T> a, T* to) {
   store(a, to);
 }
-HWY_INLINE void store_as(Lanes<double> a, float* to) {
+HEXAPLAST_INLINE void store_as(Lanes<double> a, float* to) {
   const hn::Rebind<float, Lanes<double>::Tag> d;
   hn::Store(hn::DemoteTo(d, Lanes<double>::Register(a)), d, to);
 }
-HWY_INLINE void store_as(Lanes<double> a, hwy::float16_t* to) {
+HEXAPLAST_INLINE void store_as(Lanes<double> a, hwy::float16_t* to) {
   const hn::Rebind<float, Lanes<double>::Tag> single;
   const hn::Rebind<hwy::float16_t, Lanes<double>::Tag> half;
   hn::Store(hn::DemoteTo(half, hn::DemoteTo(single, Lanes<double>::Register(a))), half, to);
@@ -141,8 +141,8 @@ HWY_INLINE void store_as(Lanes<double> a, hwy::float16_t* to) {
 template <class T>
 inline constexpr int kParts = Lanes<T>::kCount / Lanes<double>::kCount;
 
-HWY_INLINE Lanes<double> narrow_as(const Lanes<double>* parts, double) { return *parts; }
-HWY_INLINE Lanes<float> narrow_as(const Lanes<double>* parts, float) {
+HEXAPLAST_INLINE Lanes<double> narrow_as(const Lanes<double>* parts, double) { return *parts; }
+HEXAPLAST_INLINE Lanes<float> narrow_as(const Lanes<double>* parts, float) {
   const hn::Rebind<float, Lanes<double>::Tag> part;
 #if HWY_TARGET == HWY_SCALAR
   return hn::DemoteTo(part, parts->raw());
@@ -152,13 +152,13 @@ HWY_INLINE Lanes<float> narrow_as(const Lanes<double>* parts, float) {
 }
 /// The elements of kParts<T> registers of doubles, rounded to T.
 template <class T>
-HWY_INLINE Lanes<T> narrow(const Lanes<double>* parts) {
+HEXAPLAST_INLINE Lanes<T> narrow(const Lanes<double>* parts) {
   return narrow_as(parts, T());
 }
 
 /// The elements of one of the parts.
-HWY_INLINE Lanes<double> widen(Lanes<double> a, int) { return a; }
-HWY_INLINE Lanes<double> widen(Lanes<float> a, [[maybe_unused]] int part) {
+HEXAPLAST_INLINE Lanes<double> widen(Lanes<double> a, int) { return a; }
+HEXAPLAST_INLINE Lanes<double> widen(Lanes<float> a, [[maybe_unused]] int part) {
   const Lanes<double>::Tag d;
 #if HWY_TARGET == HWY_SCALAR
   return hn::PromoteTo(d, a.raw());
@@ -170,7 +170,7 @@ HWY_INLINE Lanes<double> widen(Lanes<float> a, [[maybe_unused]] int part) {
 
 /// The lanes of which the bits are set from a, the others from b.
 template <class T>
-HWY_INLINE Lanes<T> select_bits(std::uint32_t bits_of_a, Lanes<T> a, Lanes<T> b) {
+HEXAPLAST_INLINE Lanes<T> select_bits(std::uint32_t bits_of_a, Lanes<T> a, Lanes<T> b) {
   const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits_of_a), static_cast<std::uint8_t>(bits_of_a >> 8)};
   return hn::IfThenElse(hn::LoadMaskBits(typename Lanes<T>::Tag(), bytes), typename Lanes<T>::Register(a),
                         typename Lanes<T>::Register(b));
@@ -178,7 +178,7 @@ HWY_INLINE Lanes<T> select_bits(std::uint32_t bits_of_a, Lanes<T> a, Lanes<T> b)
 
 /// Calls f with std::integral_constant 0 ... N-1, written out: the compiler is to see constants, not a loop.
 template <int N, class F>
-HWY_INLINE void unrolled(const F& f) {
+HEXAPLAST_INLINE void unrolled(const F& f) {
   [&]<std::size_t... I>(std::index_sequence<I...>) __attribute__((always_inline)) {
     (f(std::integral_constant<int, static_cast<int>(I)>()), ...);
   }

@@ -18,8 +18,8 @@ namespace hexaplast::HWY_NAMESPACE {
 template <class N>
 struct Mat {
   N m[3][3];
-  HWY_INLINE N& operator()(int i, int j) { return m[i][j]; }
-  HWY_INLINE const N& operator()(int i, int j) const { return m[i][j]; }
+  HEXAPLAST_INLINE N& operator()(int i, int j) { return m[i][j]; }
+  HEXAPLAST_INLINE const N& operator()(int i, int j) const { return m[i][j]; }
 };
 /// 3 x 3 symmetric.
 template <class N>
@@ -29,18 +29,18 @@ struct Sym {
 
 /// to = from, number by number: the compiler would call for a copy of memory.
 template <class N>
-HWY_INLINE void assign(const Mat<N>& from, Mat<N>& to) {
+HEXAPLAST_INLINE void assign(const Mat<N>& from, Mat<N>& to) {
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) to(i, j) = from(i, j);
 }
 
 template <class N>
-HWY_INLINE Mat<N> matrix(const Sym<N>& S) {
+HEXAPLAST_INLINE Mat<N> matrix(const Sym<N>& S) {
   return {{{S.xx, S.xy, S.zx}, {S.xy, S.yy, S.yz}, {S.zx, S.yz, S.zz}}};
 }
 
 template <class N>
-HWY_INLINE Mat<N> operator+(const Mat<N>& A, const Mat<N>& B) {
+HEXAPLAST_INLINE Mat<N> operator+(const Mat<N>& A, const Mat<N>& B) {
   Mat<N> C;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) C(i, j) = A(i, j) + B(i, j);
@@ -48,7 +48,7 @@ HWY_INLINE Mat<N> operator+(const Mat<N>& A, const Mat<N>& B) {
 }
 /// C = A B.
 template <class N>
-HWY_INLINE Mat<N> operator*(const Mat<N>& A, const Mat<N>& B) {
+HEXAPLAST_INLINE Mat<N> operator*(const Mat<N>& A, const Mat<N>& B) {
   Mat<N> C;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) C(i, j) = A(i, 0) * B(0, j) + A(i, 1) * B(1, j) + A(i, 2) * B(2, j);
@@ -56,7 +56,7 @@ HWY_INLINE Mat<N> operator*(const Mat<N>& A, const Mat<N>& B) {
 }
 /// C = A^T B.
 template <class N>
-HWY_INLINE Mat<N> transposed_product(const Mat<N>& A, const Mat<N>& B) {
+HEXAPLAST_INLINE Mat<N> transposed_product(const Mat<N>& A, const Mat<N>& B) {
   Mat<N> C;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) C(i, j) = A(0, i) * B(0, j) + A(1, i) * B(1, j) + A(2, i) * B(2, j);
@@ -64,7 +64,7 @@ HWY_INLINE Mat<N> transposed_product(const Mat<N>& A, const Mat<N>& B) {
 }
 /// C = A B^T.
 template <class N>
-HWY_INLINE Mat<N> product_transposed(const Mat<N>& A, const Mat<N>& B) {
+HEXAPLAST_INLINE Mat<N> product_transposed(const Mat<N>& A, const Mat<N>& B) {
   Mat<N> C;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) C(i, j) = A(i, 0) * B(j, 0) + A(i, 1) * B(j, 1) + A(i, 2) * B(j, 2);
@@ -72,7 +72,7 @@ HWY_INLINE Mat<N> product_transposed(const Mat<N>& A, const Mat<N>& B) {
 }
 /// det(F) F^-T.
 template <class N>
-HWY_INLINE Mat<N> cofactor(const Mat<N>& F) {
+HEXAPLAST_INLINE Mat<N> cofactor(const Mat<N>& F) {
   Mat<N> C;
   for (int i = 0; i < 3; ++i) {
     const int k = (i + 1) % 3, l = (i + 2) % 3;
@@ -85,30 +85,30 @@ HWY_INLINE Mat<N> cofactor(const Mat<N>& F) {
 }
 /// Of vectors.
 template <class N>
-HWY_INLINE N dot(const N* a, const N* b) {
+HEXAPLAST_INLINE N dot(const N* a, const N* b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 template <class N>
-HWY_INLINE N dot(const Mat<N>& A, const Mat<N>& B) {
+HEXAPLAST_INLINE N dot(const Mat<N>& A, const Mat<N>& B) {
   N sum = A(0, 0) * B(0, 0);
   for (int k = 1; k < 9; ++k) sum += A(k / 3, k % 3) * B(k / 3, k % 3);
   return sum;
 }
 
 template <class N>
-HWY_INLINE N determinant(const Mat<N>& F) {
+HEXAPLAST_INLINE N determinant(const Mat<N>& F) {
   const N first[3] = {F(1, 1) * F(2, 2) - F(1, 2) * F(2, 1), F(1, 2) * F(2, 0) - F(1, 0) * F(2, 2),
                       F(1, 0) * F(2, 1) - F(1, 1) * F(2, 0)};
   return dot(F.m[0], first);
 }
 template <class N>
-HWY_INLINE Mat<N> scaled(N factor, const Mat<N>& A) {
+HEXAPLAST_INLINE Mat<N> scaled(N factor, const Mat<N>& A) {
   Mat<N> B;
   for (int k = 0; k < 9; ++k) B.m[k / 3][k % 3] = factor * A.m[k / 3][k % 3];
   return B;
 }
 template <class N>
-HWY_INLINE Sym<N> symmetric_part(const Mat<N>& A) {
+HEXAPLAST_INLINE Sym<N> symmetric_part(const Mat<N>& A) {
   const N half(ScalarOf<N>(0.5));
   return {
       A(0, 0), A(1, 1), A(2, 2), half * (A(1, 2) + A(2, 1)), half * (A(2, 0) + A(0, 2)), half * (A(0, 1) + A(1, 0))};
@@ -116,7 +116,7 @@ HWY_INLINE Sym<N> symmetric_part(const Mat<N>& A) {
 
 /// The reciprocal basis of three edges (rows): row d is cross(e_{d+1}, e_{d+2}) / det, so that e_c . row d = [c == d].
 template <class N>
-HWY_INLINE Mat<N> reciprocal(const Mat<N>& rows, N& det) {
+HEXAPLAST_INLINE Mat<N> reciprocal(const Mat<N>& rows, N& det) {
   Mat<N> C = cofactor(rows);
   det = rows(0, 0) * C(0, 0) + rows(0, 1) * C(0, 1) + rows(0, 2) * C(0, 2);
   const N inverse = N(1) / det;

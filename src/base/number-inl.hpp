@@ -11,11 +11,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/inline.hpp"
+
 #ifndef HEXAPLAST_ONE_NUMBER
 #include "hwy/highway.h"
 #elif !defined(HWY_NAMESPACE)
 #define HWY_NAMESPACE one_number
-#define HWY_INLINE inline
 #define HWY_BEFORE_NAMESPACE() static_assert(true)
 #define HWY_AFTER_NAMESPACE() static_assert(true)
 #endif
@@ -31,13 +32,13 @@ struct ScalarOfNumber {
 template <class N>
 using ScalarOf = typename ScalarOfNumber<N>::type;
 
-HWY_INLINE double sqrt(double a) { return std::sqrt(a); }
-HWY_INLINE double abs(double a) { return std::abs(a); }
-HWY_INLINE double log(double a) { return std::log(a); }
-HWY_INLINE double min(double a, double b) { return std::min(a, b); }
-HWY_INLINE double max(double a, double b) { return std::max(a, b); }
-HWY_INLINE double select(bool condition, double a, double b) { return condition ? a : b; }
-HWY_INLINE bool any_positive(double a) { return a > 0; }
+HEXAPLAST_INLINE double sqrt(double a) { return std::sqrt(a); }
+HEXAPLAST_INLINE double abs(double a) { return std::abs(a); }
+HEXAPLAST_INLINE double log(double a) { return std::log(a); }
+HEXAPLAST_INLINE double min(double a, double b) { return std::min(a, b); }
+HEXAPLAST_INLINE double max(double a, double b) { return std::max(a, b); }
+HEXAPLAST_INLINE double select(bool condition, double a, double b) { return condition ? a : b; }
+HEXAPLAST_INLINE bool any_positive(double a) { return a > 0; }
 
 }  // namespace hexaplast::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -13,7 +13,7 @@ HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
 
 /// Rows become columns: number c of row r goes to number r of row c. As many rows as lanes.
-HWY_INLINE void transpose([[maybe_unused]] Lanes<double>* row) {
+HEXAPLAST_INLINE void transpose([[maybe_unused]] Lanes<double>* row) {
   using V = Lanes<double>;
   [[maybe_unused]] const V::Tag d;
 #if HWY_TARGET != HWY_SCALAR
@@ -44,7 +44,7 @@ HWY_INLINE void transpose([[maybe_unused]] Lanes<double>* row) {
 
 /// number[n] = from[lane][n], n < kNumbers.
 template <int kNumbers>
-HWY_INLINE void load_elements(const std::array<const double*, kBlock>& from, Lanes<double>* number) {
+HEXAPLAST_INLINE void load_elements(const std::array<const double*, kBlock>& from, Lanes<double>* number) {
   using V = Lanes<double>;
   constexpr int kWhole = kNumbers / V::kCount * V::kCount;
   for (int n = 0; n < kWhole; n += V::kCount) {
@@ -60,8 +60,8 @@ HWY_INLINE void load_elements(const std::array<const double*, kBlock>& from, Lan
 
 /// to[lane][n] = number[n], n < kNumbers, for the lanes whose bits are set.
 template <int kNumbers>
-HWY_INLINE void store_elements(const Lanes<double>* number, std::uint32_t lanes,
-                               const std::array<double*, kBlock>& to) {
+HEXAPLAST_INLINE void store_elements(const Lanes<double>* number, std::uint32_t lanes,
+                                     const std::array<double*, kBlock>& to) {
   using V = Lanes<double>;
   constexpr int kWhole = kNumbers / V::kCount * V::kCount;
   for (int n = 0; n < kWhole; n += V::kCount) {
@@ -81,7 +81,7 @@ HWY_INLINE void store_elements(const Lanes<double>* number, std::uint32_t lanes,
 
 /// of(element) side by side, one element per lane.
 template <class T = double, class Of>
-HWY_INLINE Lanes<T> gather_numbers(const int* elements, const Of& of) {
+HEXAPLAST_INLINE Lanes<T> gather_numbers(const int* elements, const Of& of) {
   alignas(64) T numbers[Lanes<T>::kCount];
   for (int lane = 0; lane < Lanes<T>::kCount; ++lane) numbers[lane] = static_cast<T>(of(elements[lane]));
   return load(numbers);
@@ -89,7 +89,7 @@ HWY_INLINE Lanes<T> gather_numbers(const int* elements, const Of& of) {
 
 /// address(element), one element per lane.
 template <class Number, class Address>
-HWY_INLINE std::array<Number*, kBlock> addresses(const int* elements, const Address& address) {
+HEXAPLAST_INLINE std::array<Number*, kBlock> addresses(const int* elements, const Address& address) {
   std::array<Number*, kBlock> at;
   for (int lane = 0; lane < Lanes<double>::kCount; ++lane) at[lane] = address(elements[lane]);
   return at;

@@ -15,7 +15,7 @@ namespace hexaplast::HWY_NAMESPACE {
 /// Columns of a sample become what acts on them: C dP R^T, with Z = columns^T C and dP R^T = 2 mu sym Z + free tr(Z) I;
 /// one row of C at a time, so that nothing leaves the registers.
 template <int kStride, class V, class Coef>
-HWY_INLINE void apply_sample(const Coef* C, V mu, V free, Mat<V>& columns) {
+HEXAPLAST_INLINE void apply_sample(const Coef* C, V mu, V free, Mat<V>& columns) {
   Sym<V> Z;  // twice, off the diagonal
   unrolled<3>([&](auto n) __attribute__((always_inline)) {
     const V c[3] = {load_as(C + 3 * n * kStride), load_as(C + (3 * n + 1) * kStride),
@@ -48,8 +48,8 @@ HWY_INLINE void apply_sample(const Coef* C, V mu, V free, Mat<V>& columns) {
 
 /// u <- L u
 template <int kStride, bool kHasLaw, class V, class Coef>
-HWY_INLINE void apply_assumed(const Coef* coef, const StiffnessKind& kind, const typename V::Scalar* weight, V factor,
-                              CornerLanes<V>& u) {
+HEXAPLAST_INLINE void apply_assumed(const Coef* coef, const StiffnessKind& kind, const typename V::Scalar* weight,
+                                    V factor, CornerLanes<V>& u) {
   using T = typename V::Scalar;
   using Places = CoefficientPlaces<false, Assumed::kCorner>;
   const Coef* const of_volume = coef + Places::kCount * kStride;

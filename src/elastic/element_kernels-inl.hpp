@@ -19,14 +19,14 @@ class CoefficientWriter {
  public:
   using Element = ElementLanes<kGeneral, kAssumed, V>;
 
-  HWY_INLINE CoefficientWriter(const Element& element, const StiffnessKind& kind, V length, Coef* coef)
+  HEXAPLAST_INLINE CoefficientWriter(const Element& element, const StiffnessKind& kind, V length, Coef* coef)
       : element_(element),
         length_(length),
         coef_(coef),
         has_law_(kind.has_law()),
         of_law_(coef + (Places::kCount + kGradientCoefficients) * kStride) {}
 
-  HWY_INLINE void add_sample(int i, const MaterialLanes<V>& of, const PressureLanes<V>& p) {
+  HEXAPLAST_INLINE void add_sample(int i, const MaterialLanes<V>& of, const PressureLanes<V>& p) {
     const auto& [R, S, doubtful] = element_.polar[i];
     const Mat<V> C = product_transposed(inverse_at(element_, i), R);
     store_mat<kStride>(C, length_, coef_ + (Places::kC + 9 * i) * kStride);
@@ -54,7 +54,7 @@ class CoefficientWriter {
   }
 
   /// of_volume: the gradient of the current volume, read of elements only.
-  HWY_INLINE void finish(const ModeLanes<V>& of_volume) {
+  HEXAPLAST_INLINE void finish(const ModeLanes<V>& of_volume) {
     const auto& rest = element_.rest;
     Coef* to = coef_;
     if constexpr (kGeneral) store_corners<kStride>(rest.h, length_, to + Places::kShared * kStride);
@@ -92,8 +92,8 @@ class CoefficientWriter {
 /// out = factor gradient (gradient . u), of the first and, unless it is null, of the second one. Not inlined: the
 /// samples are to keep their registers.
 template <int kStride, class V, class Coef>
-HWY_NOINLINE void apply_gradients(const Coef* first, V of_first, const Coef* second, V of_second,
-                                  const CornerLanes<V>& u, CornerLanes<V>& out) {
+HEXAPLAST_NOINLINE void apply_gradients(const Coef* first, V of_first, const Coef* second, V of_second,
+                                        const CornerLanes<V>& u, CornerLanes<V>& out) {
   ModeLanes<V> at, acting;
   modes(u, at);
   set_zero(acting);
@@ -114,8 +114,8 @@ HWY_NOINLINE void apply_gradients(const Coef* first, V of_first, const Coef* sec
 /// For the other laws G_i = R_i cof(S_i) R_i^T stands for I, also in t_i = G_i : Z_i, and beta_i Z_i is added. eq. E20
 template <int kStride, bool kGeneral, Assumed kAssumed, bool kPerSample, bool kHasLaw, bool kUnrolls, class V,
           class Coef>
-HWY_INLINE void apply_samples(const Coef* coef, const StiffnessKind& kind, const typename V::Scalar* weight, V factor,
-                              CornerLanes<V>& u) {
+HEXAPLAST_INLINE void apply_samples(const Coef* coef, const StiffnessKind& kind, const typename V::Scalar* weight,
+                                    V factor, CornerLanes<V>& u) {
   using T = typename V::Scalar;
   using Places = CoefficientPlaces<kGeneral, kAssumed>;
   RestLanes<kGeneral, kAssumed, V> rest;
@@ -188,8 +188,8 @@ HWY_INLINE void apply_samples(const Coef* coef, const StiffnessKind& kind, const
 /// u <- L u of elements with a rotation at each sample.
 template <int kStride, bool kGeneral, Assumed kAssumed, bool kPerSample, bool kHasLaw, bool kUnrolls, class V,
           class Coef>
-HWY_INLINE void apply_stiffness(const Coef* coef, const StiffnessKind& kind, const typename V::Scalar* weight, V factor,
-                                CornerLanes<V>& u) {
+HEXAPLAST_INLINE void apply_stiffness(const Coef* coef, const StiffnessKind& kind, const typename V::Scalar* weight,
+                                      V factor, CornerLanes<V>& u) {
   if constexpr (kAssumed == Assumed::kCorner && !kGeneral)
     apply_assumed<kStride, kHasLaw>(coef, kind, weight, factor, u);
   else

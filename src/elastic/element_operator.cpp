@@ -13,7 +13,8 @@ enum class Which { kCorotated, kLaw, kOneRotation, kPerSample };
 
 /// Ap += factor L p of the elements of one register.
 template <Which kWhich, bool kGeneral, Assumed kAssumed, class T, class Coef>
-HWY_NOINLINE void add_product_of(const ElementOperator<T, Coef>& op, int block, int lane, T factor, const T* p, T* Ap) {
+HEXAPLAST_NOINLINE void add_product_of(const ElementOperator<T, Coef>& op, int block, int lane, T factor, const T* p,
+                                       T* Ap) {
   using V = Lanes<T>;
   constexpr int weights = kWhich == Which::kPerSample ? 2 * kCorners * kBlock : 2 * kBlock;
   const T* weight = op.weight.data() + static_cast<std::size_t>(block) * weights + lane;

@@ -13,11 +13,11 @@ HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
 
 /// Gm, a lower triangle, of a register of elements.
-HWY_INLINE void store_mean_plastic(const Mat<Lanes<double>>& Gm, float* to) {
+HEXAPLAST_INLINE void store_mean_plastic(const Mat<Lanes<double>>& Gm, float* to) {
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c <= r; ++c) store_as(Gm(r, c), to + of_mean_plastic(r, c) * kBlock);
 }
-HWY_INLINE Mat<Lanes<double>> load_mean_plastic(const float* from) {
+HEXAPLAST_INLINE Mat<Lanes<double>> load_mean_plastic(const float* from) {
   using V = Lanes<double>;
   Mat<V> Gm;
   for (int r = 0; r < 3; ++r)
@@ -26,9 +26,9 @@ HWY_INLINE Mat<Lanes<double>> load_mean_plastic(const float* from) {
 }
 
 /// The G of a register of elements, of those of all elements, into `plastic`; null: nothing has flowed.
-HWY_NOINLINE const PlasticLanes<Lanes<double>>* load_plastic(const Partition& partition,
-                                                             const CornerTensors* plastic_inverse, int block, int lane,
-                                                             PlasticLanes<Lanes<double>>& plastic) {
+HEXAPLAST_NOINLINE const PlasticLanes<Lanes<double>>* load_plastic(const Partition& partition,
+                                                                   const CornerTensors* plastic_inverse, int block,
+                                                                   int lane, PlasticLanes<Lanes<double>>& plastic) {
   if (!plastic_inverse) return nullptr;
   using V = Lanes<double>;
   const LaneElements<V> elements(partition, block, lane);
@@ -41,8 +41,9 @@ HWY_NOINLINE const PlasticLanes<Lanes<double>>* load_plastic(const Partition& pa
 
 /// Loads an element per lane; those that are not there become unit cubes.
 template <class V>
-HWY_INLINE void gather_shapes(const Partition& partition, int block, int lane, std::uint32_t present,
-                              const double* plastic_rest, const double* current, CornerLanes<V>& x, CornerLanes<V>& u) {
+HEXAPLAST_INLINE void gather_shapes(const Partition& partition, int block, int lane, std::uint32_t present,
+                                    const double* plastic_rest, const double* current, CornerLanes<V>& x,
+                                    CornerLanes<V>& u) {
   gather(partition, block, lane, plastic_rest, x);
   gather(partition, block, lane, current, u);
   replace_absent(present, x);
@@ -51,8 +52,8 @@ HWY_INLINE void gather_shapes(const Partition& partition, int block, int lane, s
 
 /// Of the volume ratio.                                                                                        eq. E6
 template <class V>
-HWY_INLINE void add_volume_force(const MaterialLanes<V>& of, const PressureLanes<V>& p, const ModeLanes<V>& of_volume,
-                                 V corner_weight, CornerLanes<V>& f) {
+HEXAPLAST_INLINE void add_volume_force(const MaterialLanes<V>& of, const PressureLanes<V>& p,
+                                       const ModeLanes<V>& of_volume, V corner_weight, CornerLanes<V>& f) {
   const V pressure = of.of_volume() * p.excess * corner_weight;
   CornerLanes<V> gradient;
   modes_transpose(of_volume, gradient);
@@ -62,9 +63,10 @@ HWY_INLINE void add_volume_force(const MaterialLanes<V>& of, const PressureLanes
 
 /// - dE/du, of what acts on the samples.                                                    eq. 15, E6, E12, E13, E15
 template <bool kGeneral, class V>
-HWY_NOINLINE void finish_force(const ElementLanes<kGeneral, Assumed::kCorner, V>& element, const MaterialLanes<V>& of,
-                               const PressureLanes<V>& p, const ModeLanes<V>& of_volume, V volume,
-                               ColumnsTranspose<kGeneral, Assumed::kCorner, V>& acting, CornerLanes<V>& f) {
+HEXAPLAST_NOINLINE void finish_force(const ElementLanes<kGeneral, Assumed::kCorner, V>& element,
+                                     const MaterialLanes<V>& of, const PressureLanes<V>& p,
+                                     const ModeLanes<V>& of_volume, V volume,
+                                     ColumnsTranspose<kGeneral, Assumed::kCorner, V>& acting, CornerLanes<V>& f) {
   const auto& rest = element.rest;
   const V eighth = V(-1.0 / kCorners) * volume;
   acting.take_assumed(rest, AssumedLanes<V>(element.j, rest.corner_weight));
@@ -79,9 +81,9 @@ HWY_NOINLINE void finish_force(const ElementLanes<kGeneral, Assumed::kCorner, V>
 
 /// What branches add to what acts on the samples.                                                        eq. P14, P15
 template <bool kGeneral, class V>
-HWY_NOINLINE void add_branch_force(const ElementLanes<kGeneral, Assumed::kCorner, V>& element,
-                                   const BranchLanes<V>& branches,
-                                   ColumnsTranspose<kGeneral, Assumed::kCorner, V>& acting) {
+HEXAPLAST_NOINLINE void add_branch_force(const ElementLanes<kGeneral, Assumed::kCorner, V>& element,
+                                         const BranchLanes<V>& branches,
+                                         ColumnsTranspose<kGeneral, Assumed::kCorner, V>& acting) {
   Sym<V> D[kCorners];
   branches.changes([&](int i) { return element.polar[i].S; }, D);
   for (int i = 0; i < kCorners; ++i) {
@@ -95,7 +97,7 @@ HWY_NOINLINE void add_branch_force(const ElementLanes<kGeneral, Assumed::kCorner
 
 /// Stores volume [m^3] and weights of elements, and says what they are made of.
 template <class V, class T, class Coef>
-HWY_INLINE MaterialLanes<V> begin_elements(const ElementPass<T, Coef>& pass, int block, int lane, V volume) {
+HEXAPLAST_INLINE MaterialLanes<V> begin_elements(const ElementPass<T, Coef>& pass, int block, int lane, V volume) {
   store(volume, pass.volume + static_cast<std::size_t>(block) * kBlock + lane);
   const double* lame = pass.lame + static_cast<std::size_t>(block) * 2 * kBlock + lane;
   const MaterialLanes<V> of(pass.settings, load(lame), load(lame + kBlock));
@@ -106,11 +108,11 @@ HWY_INLINE MaterialLanes<V> begin_elements(const ElementPass<T, Coef>& pass, int
   return of;
 }
 template <class T, class Coef>
-HWY_INLINE auto* coefficients(const ElementPass<T, Coef>& pass, int block, int lane) {
+HEXAPLAST_INLINE auto* coefficients(const ElementPass<T, Coef>& pass, int block, int lane) {
   return const_cast<typename Stored<Coef>::type*>(stored(pass.op, block)) + lane;
 }
 template <class T, class Coef>
-HWY_INLINE float* screen_of(const ElementPass<T, Coef>& pass, int block, int lane) {
+HEXAPLAST_INLINE float* screen_of(const ElementPass<T, Coef>& pass, int block, int lane) {
   return pass.screen + static_cast<std::size_t>(block) * YieldScreen::kQuantities * kBlock + lane;
 }
 
@@ -120,7 +122,8 @@ HWY_INLINE float* screen_of(const ElementPass<T, Coef>& pass, int block, int lan
 ///
 ///   |F_i - R_m|^2 <= 2 |S_m - I|^2 + 2 |F_i - F_m|^2 <= 2 |S_m - I|^2 + 18 |Q|^2 |J_o^-1 / 2|^2
 template <bool kGeneral, class V>
-HWY_NOINLINE bool corners_are_thick(const ElementLanes<kGeneral, Assumed::kCorner, V>& element, double safe_strain) {
+HEXAPLAST_NOINLINE bool corners_are_thick(const ElementLanes<kGeneral, Assumed::kCorner, V>& element,
+                                          double safe_strain) {
   if constexpr (kGeneral) {
     return false;
   } else {
@@ -139,9 +142,9 @@ HWY_NOINLINE bool corners_are_thick(const ElementLanes<kGeneral, Assumed::kCorne
 /// The stress that yields of isolated rest shapes, or more. In each of three directions, what is relieved at a sample
 /// is at most the mean of |sigma_j|: where that does not reach least_yield, nothing is relieved.                 eq. P8
 template <bool kGeneral, class V>
-HWY_NOINLINE void screen_isolated(const ElementLanes<kGeneral, Assumed::kCorner, V>& element,
-                                  const MaterialLanes<V>& of, const PressureLanes<V>& p, const Settings& settings,
-                                  double least_yield, float* screen) {
+HEXAPLAST_NOINLINE void screen_isolated(const ElementLanes<kGeneral, Assumed::kCorner, V>& element,
+                                        const MaterialLanes<V>& of, const PressureLanes<V>& p, const Settings& settings,
+                                        double least_yield, float* screen) {
   Sym<V> corotated[kCorners], sigma[kCorners];
   yielding_stress(element, of, p, settings.yield_stress_measure, nullptr, corotated, sigma);
   V norm[kCorners], largest(0.0), sum(0.0);
@@ -163,7 +166,7 @@ HWY_NOINLINE void screen_isolated(const ElementLanes<kGeneral, Assumed::kCorner,
 }
 
 template <bool kGeneral, class T, class Coef>
-HWY_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, int lane) {
+HEXAPLAST_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int block, int lane) {
   using V = Lanes<double>;
   const std::uint32_t present = static_cast<std::uint32_t>(pass.present[block]) >> lane;
   const StiffnessKind& kind = pass.op.kind;
@@ -235,8 +238,8 @@ struct ExactCoefficients {
   static constexpr int kMax =
       CoefficientPlaces<kGeneral, Assumed::kCorner>::kCount + 2 * kGradientCoefficients + kLawCoefficients;
 
-  HWY_NOINLINE ExactCoefficients(const Model& model, const History& history, const Linearization& at, int block,
-                                 int lane, double factor)
+  HEXAPLAST_NOINLINE ExactCoefficients(const Model& model, const History& history, const Linearization& at, int block,
+                                       int lane, double factor)
       : kind(at.kind()) {
     const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
     CornerLanes<V> x, u;
@@ -257,7 +260,7 @@ struct ExactCoefficients {
     store(per_sample * of.mu, weight);
     store(per_sample * of.lambda, weight + kStride);
   }
-  HWY_NOINLINE void apply(CornerLanes<V>& u) const {
+  HEXAPLAST_NOINLINE void apply(CornerLanes<V>& u) const {
     if (kind.has_law())
       apply_stiffness<kStride, kGeneral, Assumed::kCorner, false, true, false>(coef, kind, weight, V(1.0), u);
     else

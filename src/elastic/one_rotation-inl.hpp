@@ -17,15 +17,15 @@ template <int kSize, class N>
 struct LowerLanes {
   static constexpr int kCount = kSize * (kSize + 1) / 2;
   static constexpr int place(int row, int column) { return column * (2 * kSize - 1 - column) / 2 + row; }
-  HWY_INLINE N& operator()(int row, int column) { return at[place(row, column)]; }
-  HWY_INLINE const N& operator()(int row, int column) const { return at[place(row, column)]; }
+  HEXAPLAST_INLINE N& operator()(int row, int column) { return at[place(row, column)]; }
+  HEXAPLAST_INLINE const N& operator()(int row, int column) const { return at[place(row, column)]; }
 
   N at[kCount];
 };
 
 /// A symmetric matrix A becomes its factor: A = L L^T.
 template <int kSize, class N>
-HWY_INLINE void factorize(LowerLanes<kSize, N>& A) {
+HEXAPLAST_INLINE void factorize(LowerLanes<kSize, N>& A) {
   using T = ScalarOf<N>;
   unrolled<kSize>([&](auto c) __attribute__((always_inline)) {
     N column[kSize - c];
@@ -43,7 +43,7 @@ HWY_INLINE void factorize(LowerLanes<kSize, N>& A) {
 
 /// u <- weight L L^T u of a stored factor: rounded, it is still one of a positive matrix.
 template <int kSize, int kStride, class V, class Coef>
-HWY_INLINE void apply_factor(const Coef* from, V weight, V (*u)[3]) {
+HEXAPLAST_INLINE void apply_factor(const Coef* from, V weight, V (*u)[3]) {
   V sum[kSize];
   unrolled<kSize>([&](auto c) __attribute__((always_inline)) {
     constexpr int kRows = kSize - c;
@@ -66,7 +66,7 @@ struct ModeStiffness {
   LowerLanes<9, N> of_two;
   LowerLanes<3, N> of_three;
 
-  HWY_NOINLINE ModeStiffness(const Mat<N>& j, double corner_weight, N mu, N free) {
+  HEXAPLAST_NOINLINE ModeStiffness(const Mat<N>& j, double corner_weight, N mu, N free) {
     using T = ScalarOf<N>;
     const N one(T(1)), whole = one / max(mu + free, N(T(1e-200)));  // nothing where nothing is
     const N squared = N(T(corner_weight)) * N(T(corner_weight)) * whole, of_mu = squared * mu, of_free = squared * free;
@@ -112,8 +112,9 @@ struct ModeStiffness {
 /// Stores the coefficients of an element whose rotation is known; j: its directions, in units of `length`. The
 /// stiffness of its modes becomes its factor.
 template <int kStride, class V, class Coef>
-HWY_NOINLINE void store_one_rotation(const RestLanes<false, Assumed::kCorner, V>& rest, const Mat<V>& j,
-                                     ModeStiffness<V>& stiffness, const ModeLanes<V>& of_volume, V length, Coef* coef) {
+HEXAPLAST_NOINLINE void store_one_rotation(const RestLanes<false, Assumed::kCorner, V>& rest, const Mat<V>& j,
+                                           ModeStiffness<V>& stiffness, const ModeLanes<V>& of_volume, V length,
+                                           Coef* coef) {
   using Places = OneRotationPlaces;
   factorize(stiffness.of_two);
   factorize(stiffness.of_three);
@@ -127,8 +128,8 @@ HWY_NOINLINE void store_one_rotation(const RestLanes<false, Assumed::kCorner, V>
 
 /// u <- L u: the mean gradient, the modes of two coordinates and that of three do no work on one another.     eq. E29
 template <int kStride, class V, class Coef>
-HWY_INLINE void apply_one_rotation(const Coef* coef, const StiffnessKind& kind, const typename V::Scalar* weight,
-                                   V factor, CornerLanes<V>& u) {
+HEXAPLAST_INLINE void apply_one_rotation(const Coef* coef, const StiffnessKind& kind, const typename V::Scalar* weight,
+                                         V factor, CornerLanes<V>& u) {
   using T = typename V::Scalar;
   using Places = OneRotationPlaces;
   const Coef* const of_volume = coef + Places::kCount * kStride;

@@ -16,7 +16,7 @@ namespace hexaplast::HWY_NAMESPACE {
 
 /// Calls f.template operator()<general>() for what an element is.
 template <class F>
-HWY_INLINE void for_shape(bool is_general, const F& f) {
+HEXAPLAST_INLINE void for_shape(bool is_general, const F& f) {
   return is_general ? f.template operator()<true>() : f.template operator()<false>();
 }
 
@@ -48,17 +48,17 @@ struct ElementLanes : SampleLanes<N> {
 };
 
 template <bool kGeneral, Assumed kAssumed, class N>
-HWY_INLINE const Mat<N>& inverse_at(const RestLanes<kGeneral, kAssumed, N>& rest, int sample) {
+HEXAPLAST_INLINE const Mat<N>& inverse_at(const RestLanes<kGeneral, kAssumed, N>& rest, int sample) {
   return rest.inverse[kGeneral ? sample : 0];
 }
 /// What takes the columns of a sample to its gradient F~, or F^e.
 template <bool kGeneral, Assumed kAssumed, class N>
-HWY_INLINE const Mat<N>& inverse_at(const ElementLanes<kGeneral, kAssumed, N>& element, int sample) {
+HEXAPLAST_INLINE const Mat<N>& inverse_at(const ElementLanes<kGeneral, kAssumed, N>& element, int sample) {
   return element.plastic ? element.elastic_inverse[sample] : inverse_at(element.rest, sample);
 }
 /// J_o^-1 / 2 where something is assumed.
 template <bool kGeneral, Assumed kAssumed, class N>
-HWY_INLINE const Mat<N>& dual_of(const RestLanes<kGeneral, kAssumed, N>& rest) {
+HEXAPLAST_INLINE const Mat<N>& dual_of(const RestLanes<kGeneral, kAssumed, N>& rest) {
   if constexpr (kGeneral)
     return rest.dual;
   else
@@ -68,8 +68,8 @@ HWY_INLINE const Mat<N>& dual_of(const RestLanes<kGeneral, kAssumed, N>& rest) {
 /// What the samples follow from, at current positions u: the plastic rest shape and, where something is assumed, the
 /// mean gradient with its polar decomposition. mean_plastic: Gm, or null: 1.
 template <bool kGeneral, Assumed kAssumed, class N>
-HWY_INLINE void place_mean(const CornerLanes<N>& x, const CornerLanes<N>& u, const Sampling& sampling,
-                           const Mat<N>* mean_plastic, ElementLanes<kGeneral, kAssumed, N>& element) {
+HEXAPLAST_INLINE void place_mean(const CornerLanes<N>& x, const CornerLanes<N>& u, const Sampling& sampling,
+                                 const Mat<N>* mean_plastic, ElementLanes<kGeneral, kAssumed, N>& element) {
   auto& rest = element.rest;
   auto& columns = element.columns;
   rest_operator(x, sampling, rest);
@@ -88,8 +88,8 @@ HWY_INLINE void place_mean(const CornerLanes<N>& x, const CornerLanes<N>& u, con
 /// Gradients of the samples at current positions u; the polar decompositions are left to the caller. plastic: null, or
 /// of isolated rest shapes, to stay as long as the element.                                            eq. 7, E11c, P1
 template <bool kGeneral, Assumed kAssumed, class N>
-HWY_NOINLINE void place_element(const CornerLanes<N>& x, const CornerLanes<N>& u, const Sampling& sampling,
-                                const PlasticLanes<N>* plastic, ElementLanes<kGeneral, kAssumed, N>& element) {
+HEXAPLAST_NOINLINE void place_element(const CornerLanes<N>& x, const CornerLanes<N>& u, const Sampling& sampling,
+                                      const PlasticLanes<N>* plastic, ElementLanes<kGeneral, kAssumed, N>& element) {
   auto& rest = element.rest;
   auto& columns = element.columns;
   place_mean(x, u, sampling, plastic ? &plastic->mean : nullptr, element);
@@ -112,7 +112,7 @@ HWY_NOINLINE void place_element(const CornerLanes<N>& x, const CornerLanes<N>& u
 
 /// Rotations and stretches of all samples.                                                                     eq. 6
 template <class N>
-HWY_NOINLINE void decompose(SampleLanes<N>& element) {
+HEXAPLAST_NOINLINE void decompose(SampleLanes<N>& element) {
   for (int first = 0; first < kCorners; first += kAtOnce) {
     safe_polars<kAtOnce>(element.F + first, element.polar + first);
   }
@@ -120,7 +120,7 @@ HWY_NOINLINE void decompose(SampleLanes<N>& element) {
 
 /// lambda_f, the modulus of a sample's own dilatation.                                                     eq. E2
 template <class N>
-HWY_INLINE N free_modulus(N mu, N lambda) {
+HEXAPLAST_INLINE N free_modulus(N mu, N lambda) {
   using T = ScalarOf<N>;
   const N twice = mu + mu;  // of both signs: operators are added and subtracted; absent elements have neither
   return twice * (abs(lambda) / max(abs(lambda + twice), N(T(1e-30))));
@@ -129,7 +129,7 @@ HWY_INLINE N free_modulus(N mu, N lambda) {
 /// What an element is made of, and how its pressures are found.
 template <class N>
 struct MaterialLanes {
-  HWY_INLINE MaterialLanes(const Settings& settings, N mu_, N lambda_)
+  HEXAPLAST_INLINE MaterialLanes(const Settings& settings, N mu_, N lambda_)
       : law(settings.law),
         mooney_fraction(settings.mooney_fraction),
         mu(mu_),
@@ -137,7 +137,7 @@ struct MaterialLanes {
         free(free_modulus(mu_, lambda_)) {}
 
   /// The modulus of the volume ratio: the corotated law's deviations have theirs about the mean.
-  HWY_INLINE N of_volume() const { return law == ElasticLaw::kCorotated ? lambda : lambda - free; }
+  HEXAPLAST_INLINE N of_volume() const { return law == ElasticLaw::kCorotated ? lambda : lambda - free; }
 
   ElasticLaw law;
   double mooney_fraction;
@@ -153,14 +153,14 @@ struct PressureLanes {
   N dilatation;  ///< mean of theta
   N excess;      ///< of the volume ratio: beta^ - 1
 
-  HWY_INLINE N at(N theta) const { return k0 + own * theta + shared; }
-  HWY_INLINE N in_stress_at(N theta) const { return k0 + own * theta + in_stress; }
+  HEXAPLAST_INLINE N at(N theta) const { return k0 + own * theta + shared; }
+  HEXAPLAST_INLINE N in_stress_at(N theta) const { return k0 + own * theta + in_stress; }
 };
 
 /// Of the mean of theta; gradient: of the current volume.
 template <class N>
-HWY_NOINLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, N mean_dilatation, N volume,
-                                        const CornerLanes<N>& u, ModeLanes<N>& gradient) {
+HEXAPLAST_NOINLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, N mean_dilatation, N volume,
+                                              const CornerLanes<N>& u, ModeLanes<N>& gradient) {
   using T = ScalarOf<N>;
   PressureLanes<N> p;
   const LawConstants<N> law(of.law, of.mooney_fraction, of.mu);
@@ -177,8 +177,8 @@ HWY_NOINLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, N mean_dilat
 }
 
 template <class N>
-HWY_INLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, const SampleLanes<N>& element,
-                                      const CornerLanes<N>& u, ModeLanes<N>& gradient) {
+HEXAPLAST_INLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, const SampleLanes<N>& element,
+                                            const CornerLanes<N>& u, ModeLanes<N>& gradient) {
   using T = ScalarOf<N>;
   N sum(T(0));
   for (const PolarLanes<N>& polar : element.polar) sum += dilatation(of.law, polar.S);
@@ -187,7 +187,8 @@ HWY_INLINE PressureLanes<N> pressures(const MaterialLanes<N>& of, const SampleLa
 
 /// Elastic energy over the volume of the plastic rest shape.                                         eq. E5, E14
 template <class N>
-HWY_INLINE N mean_energy_density(const MaterialLanes<N>& of, const SampleLanes<N>& element, const PressureLanes<N>& p) {
+HEXAPLAST_INLINE N mean_energy_density(const MaterialLanes<N>& of, const SampleLanes<N>& element,
+                                       const PressureLanes<N>& p) {
   using T = ScalarOf<N>;
   N sum(T(0));
   for (const PolarLanes<N>& polar : element.polar) {
@@ -199,14 +200,14 @@ HWY_INLINE N mean_energy_density(const MaterialLanes<N>& of, const SampleLanes<N
 
 /// M += sum_n factor a_n x acting_n: the moment of what acts on these columns or modes.                        eq. E12
 template <int kCount, class N>
-HWY_INLINE void add_moment(double factor, const N (&a)[kCount][3], const N (&acting)[kCount][3], N (&M)[3]) {
+HEXAPLAST_INLINE void add_moment(double factor, const N (&a)[kCount][3], const N (&acting)[kCount][3], N (&M)[3]) {
   for (int n = 0; n < kCount; ++n) add_cross(N(ScalarOf<N>(factor)), a[n], acting[n], M);
 }
 
 /// What the turning of R_m with the corners, of which the moment is M, adds to dE/dF_m: [y]x R_m Gm^T, times 2 J_o^-T,
 /// as rows that act on F_m 2 J_o. j: rows R_m Gm^T J^n / 2.                                                  eq. E13
 template <class N>
-HWY_NOINLINE Mat<N> turning(const PolarLanes<N>& mean, const Mat<N>& j, const N (&M)[3]) {
+HEXAPLAST_NOINLINE Mat<N> turning(const PolarLanes<N>& mean, const Mat<N>& j, const N (&M)[3]) {
   using T = ScalarOf<N>;
   const Mat<N>& R = mean.R;
   const Sym<N>& S = mean.S;

@@ -16,7 +16,7 @@ namespace hexaplast::HWY_NAMESPACE {
 
 /// The lower triangular Gm with Gm Gm^T = mean_i G_i G_i^T.                                                    eq. P2
 template <class N>
-HWY_INLINE Mat<N> mean_plastic_inverse(const Mat<N> (&G)[kCorners]) {
+HEXAPLAST_INLINE Mat<N> mean_plastic_inverse(const Mat<N> (&G)[kCorners]) {
   Mat<N> B = product_transposed(G[0], G[0]);
   for (int i = 1; i < kCorners; ++i) {
     const Mat<N> one = product_transposed(G[i], G[i]);
@@ -30,7 +30,7 @@ HWY_INLINE Mat<N> mean_plastic_inverse(const Mat<N> (&G)[kCorners]) {
 
 /// Rows of length 1.
 template <class N>
-HWY_INLINE Mat<N> unit_rows(const Mat<N>& A) {
+HEXAPLAST_INLINE Mat<N> unit_rows(const Mat<N>& A) {
   Mat<N> rows;
   for (int n = 0; n < 3; ++n) {
     const N scale = N(1.0) / sqrt(dot(A.m[n], A.m[n]));
@@ -41,14 +41,14 @@ HWY_INLINE Mat<N> unit_rows(const Mat<N>& A) {
 
 /// Rows n_n = G^T J^n / |G^T J^n|; J_inverse: rows J^n, of any length.                                         eq. P6
 template <class N>
-HWY_INLINE Mat<N> face_normals(const Mat<N>& G, const Mat<N>& J_inverse) {
+HEXAPLAST_INLINE Mat<N> face_normals(const Mat<N>& G, const Mat<N>& J_inverse) {
   return unit_rows(J_inverse * G);
 }
 
 /// sym(S sigma) / beta + p: true stress in the rotated frame. sigma: the corotated stress without p, the pressure of
 /// the volume ratio beta.                                                                                     eq. P7t
 template <class N>
-HWY_INLINE Sym<N> cauchy_stress(const Sym<N>& S, const Sym<N>& sigma, N p, N beta) {
+HEXAPLAST_INLINE Sym<N> cauchy_stress(const Sym<N>& S, const Sym<N>& sigma, N p, N beta) {
   const Sym<N> product = symmetric_part(scaled(N(1.0) / beta, matrix(S) * matrix(sigma)));
   return {product.xx + p, product.yy + p, product.zz + p, product.yz, product.zx, product.xy};
 }
@@ -56,7 +56,7 @@ HWY_INLINE Sym<N> cauchy_stress(const Sym<N>& S, const Sym<N>& sigma, N p, N bet
 /// A_i <- A_i - sum_n s_in c_n n_in n_in^T,  c_n = (1/8) sum_j s_jn n_jn . A_j n_jn: without what of the normal
 /// components is linear in s, which a hexahedron cannot show. normals: rows n_in.                         eq. P8, P11
 template <class N>
-HWY_INLINE void relieve(const Mat<N> (&normals)[kCorners], Sym<N> (&A)[kCorners]) {
+HEXAPLAST_INLINE void relieve(const Mat<N> (&normals)[kCorners], Sym<N> (&A)[kCorners]) {
   N c[3] = {N(0.0), N(0.0), N(0.0)};
   for (int j = 0; j < kCorners; ++j) {
     const Mat<N> all = product_transposed(normals[j] * matrix(A[j]), normals[j]);
@@ -77,14 +77,15 @@ HWY_INLINE void relieve(const Mat<N> (&normals)[kCorners], Sym<N> (&A)[kCorners]
 
 /// gamma = min(rate dt, 1) max(0, 1 - threshold / norm).                                                       eq. P9
 template <class N>
-HWY_INLINE N isolated_flow_fraction(N norm, N threshold, N rate_dt) {
+HEXAPLAST_INLINE N isolated_flow_fraction(N norm, N threshold, N rate_dt) {
   // select: no stress above no threshold is no flow
   return select(norm > threshold, min(rate_dt, N(1.0)) * (N(1.0) - threshold / norm), N(0.0));
 }
 
 /// fraction dev( log S + (relieved - sigma) / (2 mu) ); log: dev log S.                                       eq. P10
 template <class N>
-HWY_INLINE Sym<N> flow_direction(const Sym<N>& log, const Sym<N>& relieved, const Sym<N>& sigma, N mu, N fraction) {
+HEXAPLAST_INLINE Sym<N> flow_direction(const Sym<N>& log, const Sym<N>& relieved, const Sym<N>& sigma, N mu,
+                                       N fraction) {
   const N scale = N(0.5) / mu;
   const N xx = log.xx + scale * (relieved.xx - sigma.xx), yy = log.yy + scale * (relieved.yy - sigma.yy),
           zz = log.zz + scale * (relieved.zz - sigma.zz), mean = N(1.0 / 3) * (xx + yy + zz);
@@ -99,7 +100,7 @@ HWY_INLINE Sym<N> flow_direction(const Sym<N>& log, const Sym<N>& relieved, cons
 /// exp(A) - 1 of a symmetric matrix by this many terms of its series, whose powers the characteristic equation reduces
 /// to three numbers.
 template <class N>
-HWY_INLINE Mat<N> exponential_series(const Mat<N>& A, int terms) {
+HEXAPLAST_INLINE Mat<N> exponential_series(const Mat<N>& A, int terms) {
   const Mat<N> AA = A * A, cof = cofactor(A);
   const N i1 = A(0, 0) + A(1, 1) + A(2, 2), i2 = cof(0, 0) + cof(1, 1) + cof(2, 2), i3 = dot(A.m[0], cof.m[0]);
   N a(1.0), b(0.0), c(0.0);  // Horner: A (1 + A / 2 (1 + A / 3 (...)))
@@ -121,7 +122,7 @@ HWY_INLINE Mat<N> exponential_series(const Mat<N>& A, int terms) {
 
 /// exp(M) - 1, to rounding for |M| up to 8: the series of M / 4, squared twice.
 template <class N>
-HWY_INLINE Mat<N> symmetric_expm1(const Sym<N>& M) {
+HEXAPLAST_INLINE Mat<N> symmetric_expm1(const Sym<N>& M) {
   Mat<N> E = exponential_series(scaled(N(0.25), matrix(M)), 24);
   for (int squaring = 0; squaring < 2; ++squaring) {  // (1 + E)^2 - 1
     const Mat<N> EE = E * E;
@@ -132,7 +133,7 @@ HWY_INLINE Mat<N> symmetric_expm1(const Sym<N>& M) {
 
 /// G exp(-M).                                                                                                 eq. P12
 template <class N>
-HWY_INLINE Mat<N> flowed_plastic_inverse(const Mat<N>& G, const Sym<N>& M) {
+HEXAPLAST_INLINE Mat<N> flowed_plastic_inverse(const Mat<N>& G, const Sym<N>& M) {
   const Mat<N> change = G * symmetric_expm1(Sym<N>{-M.xx, -M.yy, -M.zz, -M.yz, -M.zx, -M.xy});
   Mat<N> flowed;
   for (int k = 0; k < 9; ++k) flowed.m[k / 3][k % 3] = G.m[k / 3][k % 3] + change.m[k / 3][k % 3];

@@ -32,7 +32,7 @@ struct LaneElements {
 
 /// Of numbers of G, sample by sample and column by column.
 template <class Numbers>
-HWY_INLINE void set_plastic_inverse(const Numbers& numbers, PlasticLanes<Lanes<double>>& plastic) {
+HEXAPLAST_INLINE void set_plastic_inverse(const Numbers& numbers, PlasticLanes<Lanes<double>>& plastic) {
   for (int i = 0; i < kCorners; ++i)
     for (int k = 0; k < 9; ++k) plastic.inverse[i](k % 3, k / 3) = numbers(9 * i + k);
   assign(mean_plastic_inverse(plastic.inverse), plastic.mean);
@@ -40,7 +40,7 @@ HWY_INLINE void set_plastic_inverse(const Numbers& numbers, PlasticLanes<Lanes<d
 
 /// A bit per element some corner of which has a ratio d below `from`.                                       eq. E22
 template <bool kGeneral, class V>
-HWY_NOINLINE std::uint32_t find_thin(const CornerLanes<V>& x, const CornerLanes<V>& u, V volume, double from) {
+HEXAPLAST_NOINLINE std::uint32_t find_thin(const CornerLanes<V>& x, const CornerLanes<V>& u, V volume, double from) {
   EdgeLanes<V> now;
   edges(u, now);
   V lowest(ScalarOf<V>(1e30));
@@ -63,8 +63,8 @@ HWY_NOINLINE std::uint32_t find_thin(const CornerLanes<V>& x, const CornerLanes<
 /// The directions in which an element cannot show all of the stress of its samples: relieve(normals, sigma) takes that
 /// away.                                                                                                       eq. P6
 template <bool kGeneral, class N>
-HWY_INLINE void sample_normals(const ElementLanes<kGeneral, Assumed::kCorner, N>& element,
-                               Mat<N> (&normals)[kCorners]) {
+HEXAPLAST_INLINE void sample_normals(const ElementLanes<kGeneral, Assumed::kCorner, N>& element,
+                                     Mat<N> (&normals)[kCorners]) {
   normals[0] = unit_rows(dual_of(element.rest));
   for (int i = 0; i < kCorners; ++i)
     if (element.plastic)
@@ -76,10 +76,10 @@ HWY_INLINE void sample_normals(const ElementLanes<kGeneral, Assumed::kCorner, N>
 /// [Pa] The stress that yields at the samples of isolated rest shapes. corotated: without the pressure of the volume
 /// ratio. of_branches: s, or null.                                                                      eq. P7, P7t
 template <bool kGeneral, class N>
-HWY_INLINE void yielding_stress(const ElementLanes<kGeneral, Assumed::kCorner, N>& element, const MaterialLanes<N>& of,
-                                const PressureLanes<N>& p, YieldStressMeasure measure,
-                                const std::type_identity_t<Sym<N>>* of_branches, Sym<N> (&corotated)[kCorners],
-                                Sym<N> (&sigma)[kCorners]) {
+HEXAPLAST_INLINE void yielding_stress(const ElementLanes<kGeneral, Assumed::kCorner, N>& element,
+                                      const MaterialLanes<N>& of, const PressureLanes<N>& p, YieldStressMeasure measure,
+                                      const std::type_identity_t<Sym<N>>* of_branches, Sym<N> (&corotated)[kCorners],
+                                      Sym<N> (&sigma)[kCorners]) {
   using T = ScalarOf<N>;
   const N pressure = p.in_stress - p.shared;
   for (int i = 0; i < kCorners; ++i) {
@@ -99,15 +99,15 @@ HWY_INLINE void yielding_stress(const ElementLanes<kGeneral, Assumed::kCorner, N
 
 /// A symmetric tensor per sample, one element per lane.
 template <class Address>
-HWY_INLINE void load_tensors(const int* elements, const Address& address, Sym<Lanes<double>> (&to)[kCorners]) {
+HEXAPLAST_INLINE void load_tensors(const int* elements, const Address& address, Sym<Lanes<double>> (&to)[kCorners]) {
   Lanes<double> n[6 * kCorners];
   load_elements<6 * kCorners>(addresses<const double>(elements, address), n);
   for (int i = 0; i < kCorners; ++i)
     to[i] = {n[6 * i], n[6 * i + 1], n[6 * i + 2], n[6 * i + 3], n[6 * i + 4], n[6 * i + 5]};
 }
 template <class Address>
-HWY_INLINE void store_tensors(const Sym<Lanes<double>> (&from)[kCorners], const int* elements, std::uint32_t wanted,
-                              const Address& address) {
+HEXAPLAST_INLINE void store_tensors(const Sym<Lanes<double>> (&from)[kCorners], const int* elements,
+                                    std::uint32_t wanted, const Address& address) {
   Lanes<double> n[6 * kCorners];
   for (int i = 0; i < kCorners; ++i) {
     const Sym<Lanes<double>>& S = from[i];
@@ -119,23 +119,23 @@ HWY_INLINE void store_tensors(const Sym<Lanes<double>> (&from)[kCorners], const 
 
 /// Of these elements. Null: nothing relaxes.
 template <class V>
-HWY_NOINLINE const BranchLanes<V>* load_branches(const int* elements, const Branches& branches, V mu, V lambda,
-                                                 BranchLanes<V>& to) {
+HEXAPLAST_NOINLINE const BranchLanes<V>* load_branches(const int* elements, const Branches& branches, V mu, V lambda,
+                                                       BranchLanes<V>& to) {
   if (!branches.any()) return nullptr;
   set_branches(
       branches, mu, lambda, [&](const auto& address, Sym<V>(&B)[kCorners]) { load_tensors(elements, address, B); }, to);
   return &to;
 }
 template <class V>
-HWY_INLINE const BranchLanes<V>* load_branches(const Partition& partition, const Branches& branches, int block,
-                                               int lane, V mu, V lambda, BranchLanes<V>& to) {
+HEXAPLAST_INLINE const BranchLanes<V>* load_branches(const Partition& partition, const Branches& branches, int block,
+                                                     int lane, V mu, V lambda, BranchLanes<V>& to) {
   if (!branches.any()) return nullptr;
   return load_branches(LaneElements<V>(partition, block, lane).number, branches, mu, lambda, to);
 }
 
 /// bounded_balance of the lanes of which the bits are set.
 template <class V>
-HWY_NOINLINE void balance_by_axes(std::uint32_t lanes, const Sym<V>& q, const Sym<V>& S, Mat<V>& balanced) {
+HEXAPLAST_NOINLINE void balance_by_axes(std::uint32_t lanes, const Sym<V>& q, const Sym<V>& S, Mat<V>& balanced) {
   alignas(64) double of_q[9][V::kCount], of_S[9][V::kCount], found[9][V::kCount];
   const Mat<V> all_q = matrix(q), all_S = matrix(S);
   for (int k = 0; k < 9; ++k) {
@@ -158,7 +158,7 @@ HWY_NOINLINE void balance_by_axes(std::uint32_t lanes, const Sym<V>& q, const Sy
 
 /// q + A at a sample. V: lanes of double.                                                                eq. P14, P15
 template <class V>
-HWY_INLINE Mat<V> balanced_stress(const Sym<V>& q, const PolarLanes<V>& polar) {
+HEXAPLAST_INLINE Mat<V> balanced_stress(const Sym<V>& q, const PolarLanes<V>& polar) {
   const std::uint32_t bounded = polar.doubtful | bits<double>(hn::Not(determinant(polar.S) > V(0.0)));
   Mat<V> balanced = in_balance(q, polar.S);
   if (HWY_UNLIKELY(bounded != 0)) balance_by_axes(bounded, q, polar.S, balanced);

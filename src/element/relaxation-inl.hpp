@@ -20,14 +20,14 @@ namespace hexaplast::HWY_NAMESPACE {
 
 /// A + factor B.
 template <class N>
-HWY_INLINE Sym<N> sum(const Sym<N>& A, N factor, const Sym<N>& B) {
+HEXAPLAST_INLINE Sym<N> sum(const Sym<N>& A, N factor, const Sym<N>& B) {
   return {A.xx + factor * B.xx, A.yy + factor * B.yy, A.zz + factor * B.zz,
           A.yz + factor * B.yz, A.zx + factor * B.zx, A.xy + factor * B.xy};
 }
 
 /// A : B + w tr A tr B, in which energies of branches are.                                                  eq. P17
 template <class N>
-HWY_INLINE N product(N w, const Sym<N>& A, const Sym<N>& B) {
+HEXAPLAST_INLINE N product(N w, const Sym<N>& A, const Sym<N>& B) {
   return A.xx * B.xx + A.yy * B.yy + A.zz * B.zz + N(2.0) * (A.yz * B.yz + A.zx * B.zx + A.xy * B.xy) +
          w * trace(A) * trace(B);
 }
@@ -36,7 +36,7 @@ HWY_INLINE N product(N w, const Sym<N>& A, const Sym<N>& B) {
 /// own dilatation where nothing has relaxed; w >= -1/3, where they resist it no more. Moduli of either sign.
 ///                                                                                                      eq. E2, P14
 template <class N>
-HWY_INLINE N branch_free_modulus(N mu, N lambda, N g) {
+HEXAPLAST_INLINE N branch_free_modulus(N mu, N lambda, N g) {
   using T = ScalarOf<N>;
   const N tiny(T(1e-30)), one(T(1)), two(T(2)), all = one + g, fourths = two + N(T(4.0 / 3)) * g;
   const N slow = abs(lambda) / max(abs(lambda + two * mu), tiny),
@@ -46,14 +46,14 @@ HWY_INLINE N branch_free_modulus(N mu, N lambda, N g) {
 
 /// w, the weight of traces in stresses and energies of branches.                                           eq. P14
 template <class N>
-HWY_INLINE N branch_weight(N mu, N lambda, const Branches& branches) {
+HEXAPLAST_INLINE N branch_weight(N mu, N lambda, const Branches& branches) {
   const N g(branches.moduli());
   return branch_free_modulus(mu, lambda, g) / g;
 }
 
 /// What branches act on: B_i = S_i - (mean tr S) / 3. stretch(i): S_i.                                       eq. P13
 template <class N, class Stretch>
-HWY_INLINE void branch_stretches(const Stretch& stretch, Sym<N> (&B)[kCorners]) {
+HEXAPLAST_INLINE void branch_stretches(const Stretch& stretch, Sym<N> (&B)[kCorners]) {
   N mean(0.0);
   for (int i = 0; i < kCorners; ++i) {
     B[i] = stretch(i);
@@ -65,14 +65,14 @@ HWY_INLINE void branch_stretches(const Stretch& stretch, Sym<N> (&B)[kCorners]) 
 /// q + w tr(q) 1: the stress that does on S_i the work of q on B_i, because the tr q of the samples have no mean.
 ///                                                                                                          eq. P14
 template <class N>
-HWY_INLINE Sym<N> branch_stress(N w, const Sym<N>& q) {
+HEXAPLAST_INLINE Sym<N> branch_stress(N w, const Sym<N>& q) {
   const N own = w * trace(q);
   return {q.xx + own, q.yy + own, q.zz + own, q.yz, q.zx, q.xy};
 }
 
 /// b after a step in which B changes by D.                                                                  eq. P13
 template <class N>
-HWY_INLINE Sym<N> branch_strain(N decay, const Sym<N>& b, N response, const Sym<N>& D) {
+HEXAPLAST_INLINE Sym<N> branch_strain(N decay, const Sym<N>& b, N response, const Sym<N>& D) {
   return sum(Sym<N>{decay * b.xx, decay * b.yy, decay * b.zz, decay * b.yz, decay * b.zx, decay * b.xy}, response, D);
 }
 
@@ -81,16 +81,16 @@ template <class V>
 struct BranchLanes {
   /// D of a step that leads to these S. stretch(i): S_i.
   template <class Stretch>
-  HWY_INLINE void changes(const Stretch& stretch, Sym<V> (&D)[kCorners]) const {
+  HEXAPLAST_INLINE void changes(const Stretch& stretch, Sym<V> (&D)[kCorners]) const {
     branch_stretches(stretch, D);
     for (int i = 0; i < kCorners; ++i) D[i] = sum(D[i], V(-1.0), before[i]);
   }
   /// Part of sigma at the end of the step.
-  HWY_INLINE Sym<V> stress(int sample, const Sym<V>& D) const {
+  HEXAPLAST_INLINE Sym<V> stress(int sample, const Sym<V>& D) const {
     return branch_stress(weight, sum(held[sample], modulus + modulus, D));
   }
   /// Energy density of the same.
-  HWY_INLINE V energy(int sample, const Sym<V>& D) const {
+  HEXAPLAST_INLINE V energy(int sample, const Sym<V>& D) const {
     return stored[sample] + product(weight, held[sample], D) + modulus * product(weight, D, D);
   }
 
@@ -102,7 +102,7 @@ struct BranchLanes {
 
 /// load(e -> numbers of the tensors of element e, tensors of the samples).
 template <class V, class Load>
-HWY_INLINE void set_branches(const Branches& branches, V mu, V lambda, const Load& load, BranchLanes<V>& to) {
+HEXAPLAST_INLINE void set_branches(const Branches& branches, V mu, V lambda, const Load& load, BranchLanes<V>& to) {
   load([&](int e) { return branches.stretch[e][0].data(); }, to.before);
   to.modulus = V(branches.modulus()) * mu;
   to.weight = branch_weight(mu, lambda, branches);
@@ -128,7 +128,7 @@ HWY_INLINE void set_branches(const Branches& branches, V mu, V lambda, const Loa
 ///
 ///   A = [w]x,  (tr S - S) w = v,  [v]x = S q - q S
 template <class N>
-HWY_INLINE Mat<N> in_balance(const Sym<N>& q, const Sym<N>& S) {
+HEXAPLAST_INLINE Mat<N> in_balance(const Sym<N>& q, const Sym<N>& S) {
   const Mat<N> Sq = matrix(S) * matrix(q);
   const N v[3] = {Sq(2, 1) - Sq(1, 2), Sq(0, 2) - Sq(2, 0), Sq(1, 0) - Sq(0, 1)};
   const N trace = S.xx + S.yy + S.zz;
@@ -140,7 +140,7 @@ HWY_INLINE Mat<N> in_balance(const Sym<N>& q, const Sym<N>& S) {
 }
 
 /// Of a single element.
-HWY_INLINE BranchLanes<double> branches_of(const Branches& branches, const Lame& lame) {
+HEXAPLAST_INLINE BranchLanes<double> branches_of(const Branches& branches, const Lame& lame) {
   BranchLanes<double> of;
   const auto load = [](const auto& address, Sym<double>(&B)[kCorners]) {
     for (int i = 0; i < kCorners; ++i) {
@@ -152,8 +152,8 @@ HWY_INLINE BranchLanes<double> branches_of(const Branches& branches, const Lame&
   return of;
 }
 
-HWY_INLINE Sym<double> symmetric(const std::array<double, 6>& n) { return {n[0], n[1], n[2], n[3], n[4], n[5]}; }
-HWY_INLINE std::array<double, 6> numbers(const Sym<double>& S) { return {S.xx, S.yy, S.zz, S.yz, S.zx, S.xy}; }
+HEXAPLAST_INLINE Sym<double> symmetric(const std::array<double, 6>& n) { return {n[0], n[1], n[2], n[3], n[4], n[5]}; }
+HEXAPLAST_INLINE std::array<double, 6> numbers(const Sym<double>& S) { return {S.xx, S.yy, S.zz, S.yz, S.zx, S.xy}; }
 
 }  // namespace hexaplast::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

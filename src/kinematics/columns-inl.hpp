@@ -23,7 +23,7 @@ namespace hexaplast::HWY_NAMESPACE {
 template <class N>
 class AssumedLanes {
  public:
-  HWY_INLINE AssumedLanes(const Mat<N>& rows, N corner_weight) : j_(rows) {  // which are to stay
+  HEXAPLAST_INLINE AssumedLanes(const Mat<N>& rows, N corner_weight) : j_(rows) {  // which are to stay
     for (int n = 0; n < 3; ++n) {
       const N inverse = N(ScalarOf<N>(1)) / dot(j_.m[n], j_.m[n]);
       inverse_[n] = -(corner_weight * inverse);
@@ -36,7 +36,7 @@ class AssumedLanes {
     }
   }
 
-  HWY_INLINE void columns(const N (*Q)[3], N (&a)[3][3]) const {
+  HEXAPLAST_INLINE void columns(const N (*Q)[3], N (&a)[3][3]) const {
     for (int n = 0; n < 3; ++n)
       for (int k = 0; k < 2; ++k) {
         const N* const mode = Q[(n + 2 - k) % 3];
@@ -49,7 +49,7 @@ class AssumedLanes {
   }
 
   /// Q += the transpose of that, of what acts on the a_n.
-  HWY_INLINE void add_transpose(const N (&a)[3][3], N (*Q)[3]) const {
+  HEXAPLAST_INLINE void add_transpose(const N (&a)[3][3], N (*Q)[3]) const {
     for (int n = 0; n < 3; ++n)
       for (int k = 0; k < 2; ++k) {
         N* const mode = Q[(n + 2 - k) % 3];
@@ -67,8 +67,8 @@ class AssumedLanes {
 /// Columns of the samples, from the mean, the hourglass modes and what is assumed: column n has
 /// mean_n + s_m Q_l + s_l Q_m + s_m s_l Q_3 + s_n a_n, with corner_weight of the modes.
 template <class N>
-HWY_INLINE void columns_of_modes(const N (*mean)[3], const N (*modes)[3], const N (&a)[3][3], N corner_weight,
-                                 Mat<N>* columns) {
+HEXAPLAST_INLINE void columns_of_modes(const N (*mean)[3], const N (*modes)[3], const N (&a)[3][3], N corner_weight,
+                                       Mat<N>* columns) {
   N Q[4][3];
   for (int l = 0; l < 4; ++l)
     for (int i = 0; i < 3; ++i) Q[l][i] = corner_weight * modes[l][i];
@@ -87,7 +87,8 @@ HWY_INLINE void columns_of_modes(const N (*mean)[3], const N (*modes)[3], const 
 }
 /// The transpose, of what acts on the columns.
 template <class N>
-HWY_INLINE void modes_of_columns(const Mat<N>* columns, N corner_weight, N (&a)[3][3], N (*mean)[3], N (*modes)[3]) {
+HEXAPLAST_INLINE void modes_of_columns(const Mat<N>* columns, N corner_weight, N (&a)[3][3], N (*mean)[3],
+                                       N (*modes)[3]) {
   N Q[4][3];
   unrolled<3>([&](auto n) __attribute__((always_inline)) {
     constexpr int m = kOther[n][0], l = kOther[n][1];
@@ -128,8 +129,8 @@ struct ColumnLanes {
 
 /// Mean columns and hourglass modes, which what is assumed needs.
 template <bool kGeneral, Assumed kAssumed, class N>
-HWY_INLINE void begin_columns(const RestLanes<kGeneral, kAssumed, N>& rest, const CornerLanes<N>& u,
-                              ColumnLanes<kGeneral, kAssumed, N>& at) {
+HEXAPLAST_INLINE void begin_columns(const RestLanes<kGeneral, kAssumed, N>& rest, const CornerLanes<N>& u,
+                                    ColumnLanes<kGeneral, kAssumed, N>& at) {
   using Rest = RestLanes<kGeneral, kAssumed, N>;
   if constexpr (Rest::kByModes) {
     const N quarter(ScalarOf<N>(0.25));
@@ -159,8 +160,8 @@ HWY_INLINE void begin_columns(const RestLanes<kGeneral, kAssumed, N>& rest, cons
 
 /// `how`: what is assumed; not used where nothing is.
 template <bool kGeneral, Assumed kAssumed, class N, class How>
-HWY_INLINE void finish_columns(const RestLanes<kGeneral, kAssumed, N>& rest, const CornerLanes<N>& u, const How& how,
-                               ColumnLanes<kGeneral, kAssumed, N>& at) {
+HEXAPLAST_INLINE void finish_columns(const RestLanes<kGeneral, kAssumed, N>& rest, const CornerLanes<N>& u,
+                                     const How& how, ColumnLanes<kGeneral, kAssumed, N>& at) {
   using Rest = RestLanes<kGeneral, kAssumed, N>;
   if constexpr (kAssumed != Assumed::kNothing) how.columns(at.Q, at.a);
   if constexpr (Rest::kByModes) {
@@ -179,7 +180,7 @@ HWY_INLINE void finish_columns(const RestLanes<kGeneral, kAssumed, N>& rest, con
 
 /// a + s b with s coordinate d of a corner in the reference cube, 1 or -1.
 template <class Corner, class N>
-HWY_INLINE N signed_sum(Corner corner, int d, N a, N b) {
+HEXAPLAST_INLINE N signed_sum(Corner corner, int d, N a, N b) {
   if constexpr (std::is_same_v<Corner, int>)
     return a + N(static_cast<ScalarOf<N>>(kCornerSign[corner][d])) * b;
   else
@@ -188,7 +189,7 @@ HWY_INLINE N signed_sum(Corner corner, int d, N a, N b) {
 
 /// Rows: the columns at a sample, to be multiplied by its inverse.
 template <bool kGeneral, Assumed kAssumed, class N>
-HWY_INLINE decltype(auto) columns_at(const ColumnLanes<kGeneral, kAssumed, N>& at, int sample) {
+HEXAPLAST_INLINE decltype(auto) columns_at(const ColumnLanes<kGeneral, kAssumed, N>& at, int sample) {
   if constexpr (RestLanes<kGeneral, kAssumed, N>::kByModes)
     return (at.by_modes[sample]);
   else
@@ -196,7 +197,7 @@ HWY_INLINE decltype(auto) columns_at(const ColumnLanes<kGeneral, kAssumed, N>& a
 }
 /// What is added to the gradient of a sample, where the inverses are those of corners.
 template <bool kGeneral, Assumed kAssumed, class N, class Sample>
-HWY_INLINE Mat<N> shared_at(const ColumnLanes<kGeneral, kAssumed, N>& at, Sample sample) {
+HEXAPLAST_INLINE Mat<N> shared_at(const ColumnLanes<kGeneral, kAssumed, N>& at, Sample sample) {
   Mat<N> H = at.H;
   if constexpr (kAssumed != Assumed::kNothing)
     for (int n = 0; n < 3; ++n)
@@ -208,14 +209,14 @@ HWY_INLINE Mat<N> shared_at(const ColumnLanes<kGeneral, kAssumed, N>& at, Sample
 /// A factor of one that takes no multiplication.
 struct One {
   template <class N>
-  friend HWY_INLINE N operator*(One, N a) {
+  friend HEXAPLAST_INLINE N operator*(One, N a) {
     return a;
   }
 };
 
 /// factor times what acts on the mean columns and on the hourglass modes, at the corners.
 template <class N, class Factor>
-HWY_INLINE void corners_of_modes(const Mat<N>& mean, const N (*Q)[3], Factor factor, CornerLanes<N>& f) {
+HEXAPLAST_INLINE void corners_of_modes(const Mat<N>& mean, const N (*Q)[3], Factor factor, CornerLanes<N>& f) {
   const N quarter = factor * N(ScalarOf<N>(0.25));
   ModeLanes<N> at;
   for (int n = 0; n < 3; ++n)
@@ -231,7 +232,7 @@ struct ColumnsTranspose {
   using Rest = RestLanes<kGeneral, kAssumed, N>;
   static constexpr bool kAssumes = kAssumed != Assumed::kNothing;
 
-  HWY_INLINE ColumnsTranspose() {
+  HEXAPLAST_INLINE ColumnsTranspose() {
     if constexpr (!Rest::kByModes) set_zero(e);
     if constexpr (kGeneral) {
       set_zero(H);
@@ -242,7 +243,7 @@ struct ColumnsTranspose {
 
   /// Rows: what acts on the columns of a sample. Unrolled, samples come in their order.
   template <class Sample>
-  HWY_INLINE void add_columns(Sample sample, const Mat<N>& acting) {
+  HEXAPLAST_INLINE void add_columns(Sample sample, const Mat<N>& acting) {
     for (int d = 0; d < 3; ++d) {
       if constexpr (Rest::kByModes) {
         for (int i = 0; i < 3; ++i) by_modes[sample](d, i) = acting(d, i);
@@ -254,7 +255,7 @@ struct ColumnsTranspose {
     }
   }
   /// The same again of a sample that is in already.
-  HWY_INLINE void add_to_columns(int sample, const Mat<N>& acting) {
+  HEXAPLAST_INLINE void add_to_columns(int sample, const Mat<N>& acting) {
     for (int d = 0; d < 3; ++d) {
       N* to;
       if constexpr (Rest::kByModes)
@@ -266,7 +267,7 @@ struct ColumnsTranspose {
   }
   /// P on the whole gradient of a sample, where the inverses are those of corners.
   template <class Sample>
-  HWY_INLINE void add_shared(Sample sample, const Mat<N>& P) {
+  HEXAPLAST_INLINE void add_shared(Sample sample, const Mat<N>& P) {
     for (int k = 0; k < 9; ++k) H.m[k / 3][k % 3] += P.m[k / 3][k % 3];
     if constexpr (kAssumes)
       for (int n = 0; n < 3; ++n)
@@ -276,7 +277,7 @@ struct ColumnsTranspose {
 
   /// What acts on the modes by way of what is assumed. To be called once, when all samples are in.
   template <class How>
-  HWY_INLINE void take_assumed(const Rest& rest, const How& how) {
+  HEXAPLAST_INLINE void take_assumed(const Rest& rest, const How& how) {
     if constexpr (kAssumes) {
       if constexpr (kGeneral)
         for (int n = 0; n < 3; ++n)
@@ -291,7 +292,7 @@ struct ColumnsTranspose {
 
   /// factor times all that, at the corners; mean_acting: rows, what acts on F_m 2 J_o besides, or null.
   template <class Factor>
-  HWY_INLINE void finish(const Rest& rest, const Mat<N>* mean_acting, Factor factor, CornerLanes<N>& f) {
+  HEXAPLAST_INLINE void finish(const Rest& rest, const Mat<N>* mean_acting, Factor factor, CornerLanes<N>& f) {
     if constexpr (Rest::kByModes) {
       if (mean_acting)
         for (int k = 0; k < 9; ++k) mean.m[k / 3][k % 3] += mean_acting->m[k / 3][k % 3];

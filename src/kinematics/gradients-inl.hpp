@@ -29,24 +29,24 @@ struct EdgeLanes {
 };
 
 template <class N>
-HWY_INLINE void set_zero(EdgeLanes<N>& e) {
+HEXAPLAST_INLINE void set_zero(EdgeLanes<N>& e) {
   for (auto& direction : e.at)
     for (auto& edge : direction)
       for (N& entry : edge) entry = N(ScalarOf<N>(0));
 }
 template <class N>
-HWY_INLINE void set_zero(Mat<N>& M) {
+HEXAPLAST_INLINE void set_zero(Mat<N>& M) {
   for (int k = 0; k < 9; ++k) M.m[k / 3][k % 3] = N(ScalarOf<N>(0));
 }
 template <class N>
-HWY_INLINE void scale(N factor, EdgeLanes<N>& e) {
+HEXAPLAST_INLINE void scale(N factor, EdgeLanes<N>& e) {
   for (auto& direction : e.at)
     for (auto& edge : direction)
       for (N& entry : edge) entry *= factor;
 }
 
 template <class N>
-HWY_INLINE void edges(const CornerLanes<N>& x, EdgeLanes<N>& e) {
+HEXAPLAST_INLINE void edges(const CornerLanes<N>& x, EdgeLanes<N>& e) {
   unrolled<12>([&](auto k) __attribute__((always_inline)) {
     constexpr int d = k / 4, m = k % 4;
     for (int i = 0; i < 3; ++i) e.at[d][m][i] = x.at[kEdgeTo[d][m]][i] - x.at[kEdgeFrom[d][m]][i];
@@ -55,7 +55,7 @@ HWY_INLINE void edges(const CornerLanes<N>& x, EdgeLanes<N>& e) {
 
 /// Transpose of edges(): what acts on an edge acts on its ends.
 template <class N>
-HWY_INLINE void add_edges_transpose(const EdgeLanes<N>& e, CornerLanes<N>& f) {
+HEXAPLAST_INLINE void add_edges_transpose(const EdgeLanes<N>& e, CornerLanes<N>& f) {
   unrolled<12>([&](auto k) __attribute__((always_inline)) {
     constexpr int d = k / 4, m = k % 4;
     for (int i = 0; i < 3; ++i) {
@@ -67,7 +67,7 @@ HWY_INLINE void add_edges_transpose(const EdgeLanes<N>& e, CornerLanes<N>& f) {
 
 /// Rows: the edges at a corner, as the columns of twice the Jacobian would be.
 template <class N>
-HWY_INLINE Mat<N> edges_at(const EdgeLanes<N>& e, int corner) {
+HEXAPLAST_INLINE Mat<N> edges_at(const EdgeLanes<N>& e, int corner) {
   Mat<N> M;
   for (int d = 0; d < 3; ++d)
     for (int i = 0; i < 3; ++i) M(d, i) = e.at[d][kEdgeAt[corner][d]][i];
@@ -75,7 +75,7 @@ HWY_INLINE Mat<N> edges_at(const EdgeLanes<N>& e, int corner) {
 }
 /// Rows: the means of the edges of each direction.
 template <class N>
-HWY_INLINE Mat<N> mean_edges(const EdgeLanes<N>& e) {
+HEXAPLAST_INLINE Mat<N> mean_edges(const EdgeLanes<N>& e) {
   Mat<N> M;
   for (int d = 0; d < 3; ++d)
     for (int i = 0; i < 3; ++i)
@@ -88,7 +88,7 @@ HWY_INLINE Mat<N> mean_edges(const EdgeLanes<N>& e) {
 /// dN_a/ds_d is bilinear in the two other coordinates: four moments of each column of cof(J) over the Gauss points hold
 /// the integrals for all eight corners.
 template <class N>
-HWY_INLINE void volume_gradient(const EdgeLanes<N>& e, CornerLanes<N>& gradient, N& volume) {
+HEXAPLAST_INLINE void volume_gradient(const EdgeLanes<N>& e, CornerLanes<N>& gradient, N& volume) {
   using T = ScalarOf<N>;
   constexpr T kAt = T(0.57735026918962576451);  // Gauss point
   constexpr T kNear = (1 + kAt) / 2, kFar = (1 - kAt) / 2;
@@ -128,7 +128,7 @@ HWY_INLINE void volume_gradient(const EdgeLanes<N>& e, CornerLanes<N>& gradient,
 
 /// sum_a x_a (x) h_a.
 template <class N>
-HWY_INLINE Mat<N> outer_sum(const CornerLanes<N>& x, const CornerLanes<N>& h) {
+HEXAPLAST_INLINE Mat<N> outer_sum(const CornerLanes<N>& x, const CornerLanes<N>& h) {
   Mat<N> H;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
@@ -151,7 +151,7 @@ inline constexpr int kOther[3][2] = {{1, 2}, {0, 2}, {0, 1}};
 constexpr int edge_sign(int m, int which) { return (m >> which & 1) != 0 ? 1 : -1; }
 
 template <int kModes, class N>
-HWY_INLINE void hourglass_modes(const EdgeLanes<N>& e, N (&Q)[kModes][3]) {
+HEXAPLAST_INLINE void hourglass_modes(const EdgeLanes<N>& e, N (&Q)[kModes][3]) {
   const N quarter(ScalarOf<N>(0.25));
   for (int i = 0; i < 3; ++i) {
     Q[0][i] = quarter * ((e.at[1][2][i] + e.at[1][3][i]) - (e.at[1][0][i] + e.at[1][1][i]));
@@ -162,7 +162,7 @@ HWY_INLINE void hourglass_modes(const EdgeLanes<N>& e, N (&Q)[kModes][3]) {
 }
 /// Of the first three.
 template <class N>
-HWY_INLINE void add_hourglass_transpose(const N (&Q)[3][3], EdgeLanes<N>& e) {
+HEXAPLAST_INLINE void add_hourglass_transpose(const N (&Q)[3][3], EdgeLanes<N>& e) {
   const N quarter(ScalarOf<N>(0.25));
   for (int i = 0; i < 3; ++i) {
     const N first = quarter * Q[0][i], second = quarter * Q[1][i], third = quarter * Q[2][i];
@@ -195,8 +195,8 @@ struct RestLanes {
 };
 
 template <bool kGeneral, Assumed kAssumed, class N>
-HWY_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
-                              RestLanes<kGeneral, kAssumed, N>& rest) {
+HEXAPLAST_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
+                                    RestLanes<kGeneral, kAssumed, N>& rest) {
   using T = ScalarOf<N>;
   using Rest = RestLanes<kGeneral, kAssumed, N>;
   rest.corner_weight = N(T(sampling.corner_weight));
@@ -240,7 +240,7 @@ HWY_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
 
 /// Deformation gradient at the centre.                                                                        eq. 1
 template <class N>
-HWY_INLINE Mat<N> centre_gradient(const CornerLanes<N>& x, const CornerLanes<N>& u) {
+HEXAPLAST_INLINE Mat<N> centre_gradient(const CornerLanes<N>& x, const CornerLanes<N>& u) {
   EdgeLanes<N> current, plastic_rest;
   N det;
   edges(u, current);
@@ -250,7 +250,7 @@ HWY_INLINE Mat<N> centre_gradient(const CornerLanes<N>& x, const CornerLanes<N>&
 
 /// Corners of elements that are not there become those of the unit cube, so that everything computed of them is finite.
 template <class V>
-HWY_INLINE void replace_absent(std::uint32_t present, CornerLanes<V>& x) {
+HEXAPLAST_INLINE void replace_absent(std::uint32_t present, CornerLanes<V>& x) {
   using T = typename V::Scalar;
   constexpr std::uint32_t kAll = (1u << V::kCount) - 1;
   if (HWY_LIKELY((present & kAll) == kAll)) return;

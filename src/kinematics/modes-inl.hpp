@@ -22,14 +22,14 @@ struct ModeLanes {
 };
 
 template <class N>
-HWY_INLINE void set_zero(ModeLanes<N>& modes) {
+HEXAPLAST_INLINE void set_zero(ModeLanes<N>& modes) {
   for (auto& mode : modes.at)
     for (N& entry : mode) entry = N(ScalarOf<N>(0));
 }
 
 /// Differences come first: of values that are nearly alike, as those of a body that falls, they are exact.
 template <class N>
-HWY_INLINE void modes(const CornerLanes<N>& u, ModeLanes<N>& at) {
+HEXAPLAST_INLINE void modes(const CornerLanes<N>& u, ModeLanes<N>& at) {
   for (int i = 0; i < 3; ++i) {
     N along[4];  // the third coordinate
     for (int a = 0; a < 4; ++a) along[a] = u.at[a + 4][i] - u.at[a][i];
@@ -51,7 +51,7 @@ HWY_INLINE void modes(const CornerLanes<N>& u, ModeLanes<N>& at) {
 
 /// The transpose of modes(): what acts on the modes acts on the corners.
 template <class N>
-HWY_INLINE void modes_transpose(const ModeLanes<N>& at, CornerLanes<N>& f) {
+HEXAPLAST_INLINE void modes_transpose(const ModeLanes<N>& at, CornerLanes<N>& f) {
   for (int i = 0; i < 3; ++i) {
     const N across_far = at.at[0][i] + at.at[5][i], across_near = at.at[0][i] - at.at[5][i];
     const N up_far = at.at[2][i] + at.at[3][i], up_near = at.at[2][i] - at.at[3][i];
@@ -68,7 +68,7 @@ HWY_INLINE void modes_transpose(const ModeLanes<N>& at, CornerLanes<N>& f) {
 
 /// to += factor a x b
 template <class N>
-HWY_INLINE void add_cross(N factor, const N* a, const N* b, N* to) {
+HEXAPLAST_INLINE void add_cross(N factor, const N* a, const N* b, N* to) {
   for (int i = 0; i < 3; ++i) {
     const int k = (i + 1) % 3, l = (i + 2) % 3;
     to[i] += factor * (a[k] * b[l] - a[l] * b[k]);
@@ -81,7 +81,7 @@ HWY_INLINE void add_cross(N factor, const N* a, const N* b, N* to) {
 ///   64 V = det(m_0, m_1, m_2) - sum_n m_n . (h_k x h_l) / 3,   n, k, l cyclic, h_n = m_3+n                      eq.
 ///   E30
 template <class N>
-HWY_INLINE N volume_of(const ModeLanes<N>& modes, ModeLanes<N>& gradient) {
+HEXAPLAST_INLINE N volume_of(const ModeLanes<N>& modes, ModeLanes<N>& gradient) {
   using T = ScalarOf<N>;
   const N whole(T(1.0 / 64)), third(T(-1.0 / 192));
   set_zero(gradient);

@@ -35,7 +35,7 @@ struct PolarLanes {
 /// Of kCount matrices at once: the iteration for I is a chain of divisions, and one chain alone would leave the
 /// processor waiting.
 template <int kCount, class V>
-HWY_INLINE void polars(const Mat<V>* given, PolarLanes<V>* out) {
+HEXAPLAST_INLINE void polars(const Mat<V>* given, PolarLanes<V>* out) {
   using T = typename V::Scalar;
   constexpr int kSteps = 4;
   constexpr T kSmallest = sizeof(T) == 8 ? T(1e-290) : T(1e-30);     // entries are brought to 1, unless all are smaller
@@ -106,7 +106,7 @@ HWY_INLINE void polars(const Mat<V>* given, PolarLanes<V>* out) {
 inline constexpr int kAtOnce = 4;
 
 template <class V>
-HWY_INLINE PolarLanes<V> polar(const Mat<V>& F) {
+HEXAPLAST_INLINE PolarLanes<V> polar(const Mat<V>& F) {
   PolarLanes<V> out[1];
   polars<1>(&F, out);
   return out[0];
@@ -114,7 +114,7 @@ HWY_INLINE PolarLanes<V> polar(const Mat<V>& F) {
 
 /// The lanes that the closed form leaves open, by the singular value decomposition.
 template <class V>
-HWY_NOINLINE void polar_by_svd(const Mat<V>& F, PolarLanes<V>& polar) {
+HEXAPLAST_NOINLINE void polar_by_svd(const Mat<V>& F, PolarLanes<V>& polar) {
   using T = typename V::Scalar;
   constexpr int kCount = V::kCount;
   alignas(64) T f[9][kCount], r[9][kCount], s[6][kCount];
@@ -140,21 +140,21 @@ HWY_NOINLINE void polar_by_svd(const Mat<V>& F, PolarLanes<V>& polar) {
 }
 
 template <int kCount, class V>
-HWY_NOINLINE void safe_polars(const Mat<V>* F, PolarLanes<V>* out) {
+HEXAPLAST_NOINLINE void safe_polars(const Mat<V>* F, PolarLanes<V>* out) {
   polars<kCount>(F, out);
   for (int m = 0; m < kCount; ++m)
     if (HWY_UNLIKELY(out[m].doubtful != 0)) polar_by_svd(F[m], out[m]);
 }
 /// Of single matrices by the singular value decomposition.
 template <int kCount, std::same_as<double> N>
-HWY_INLINE void safe_polars(const Mat<N>* F, PolarLanes<N>* out) {
+HEXAPLAST_INLINE void safe_polars(const Mat<N>* F, PolarLanes<N>* out) {
   for (int m = 0; m < kCount; ++m) {
     const Polar found = hexaplast::polar(to_eigen(F[m]));
     out[m] = {entries(found.R), symmetric_entries(found.S), 0};
   }
 }
 template <class V>
-HWY_INLINE PolarLanes<V> safe_polar(const Mat<V>& F) {
+HEXAPLAST_INLINE PolarLanes<V> safe_polar(const Mat<V>& F) {
   PolarLanes<V> out[1];
   safe_polars<1>(&F, out);
   return out[0];

@@ -27,7 +27,7 @@ struct RotationVector {
 // Lanes use sine and cosine. The quaternion is accurate for the smallest angles and at pi, but finding it branches;
 // tests/elastic/kernels_test.cpp compares the two.
 template <class V>
-HWY_INLINE RotationVector<V> rotation_log(const Mat<V>& R) {
+HEXAPLAST_INLINE RotationVector<V> rotation_log(const Mat<V>& R) {
   using T = typename V::Scalar;
   const typename V::Tag d;
   constexpr T kTiny = sizeof(T) == 8 ? T(1e-150) : T(1e-18);  // its square is above the smallest number
@@ -51,7 +51,7 @@ HWY_INLINE RotationVector<V> rotation_log(const Mat<V>& R) {
   return out;
 }
 template <std::same_as<double> N>
-HWY_INLINE RotationVector<N> rotation_log(const Mat<N>& R) {
+HEXAPLAST_INLINE RotationVector<N> rotation_log(const Mat<N>& R) {
   const Eigen::Quaterniond q(to_eigen(R));
   const double sine = q.vec().norm();
   if (sine == 0) return {{0, 0, 0}, 0};
@@ -60,12 +60,12 @@ HWY_INLINE RotationVector<N> rotation_log(const Mat<N>& R) {
   return {{w[0], w[1], w[2]}, angle};
 }
 
-HWY_INLINE void sine_and_cosine(double angle, double& sine, double& cosine) {
+HEXAPLAST_INLINE void sine_and_cosine(double angle, double& sine, double& cosine) {
   sine = std::sin(angle);
   cosine = std::cos(angle);
 }
 template <class T>
-HWY_INLINE void sine_and_cosine(Lanes<T> angle, Lanes<T>& sine, Lanes<T>& cosine) {
+HEXAPLAST_INLINE void sine_and_cosine(Lanes<T> angle, Lanes<T>& sine, Lanes<T>& cosine) {
   const typename Lanes<T>::Tag d;
   sine = hn::Sin(d, angle.raw());
   cosine = hn::Cos(d, angle.raw());
@@ -73,7 +73,7 @@ HWY_INLINE void sine_and_cosine(Lanes<T> angle, Lanes<T>& sine, Lanes<T>& cosine
 
 /// exp(fraction w) - 1.                                                                                          eq. 26
 template <class N>
-HWY_INLINE Mat<N> rotation_expm1(const RotationVector<N>& w, N fraction) {
+HEXAPLAST_INLINE Mat<N> rotation_expm1(const RotationVector<N>& w, N fraction) {
   const N half = N(0.5) * fraction * w.angle, small(1e-8);
   N sine, cosine;
   sine_and_cosine(half, sine, cosine);

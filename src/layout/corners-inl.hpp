@@ -23,13 +23,13 @@ struct CornerLanes {
 
 // Nested loops over few entries each: the compiler writes them out, one loop over all of them it may not.
 template <class V>
-HWY_INLINE void set_zero(CornerLanes<V>& corners) {
+HEXAPLAST_INLINE void set_zero(CornerLanes<V>& corners) {
   for (auto& corner : corners.at)
     for (V& entry : corner) entry = V(ScalarOf<V>(0));
 }
 /// to += corners
 template <class V>
-HWY_INLINE void add(const CornerLanes<V>& corners, CornerLanes<V>& to) {
+HEXAPLAST_INLINE void add(const CornerLanes<V>& corners, CornerLanes<V>& to) {
   for (int a = 0; a < kCorners; ++a)
     for (int i = 0; i < 3; ++i) to.at[a][i] += corners.at[a][i];
 }
@@ -37,11 +37,11 @@ HWY_INLINE void add(const CornerLanes<V>& corners, CornerLanes<V>& to) {
 #if HWY_TARGET == HWY_SCALAR
 
 template <bool kInRuns, class T>
-HWY_INLINE void gather_corner(const T* field, const int* slot, Lanes<T>* at) {
+HEXAPLAST_INLINE void gather_corner(const T* field, const int* slot, Lanes<T>* at) {
   for (int i = 0; i < 3; ++i) at[i] = Lanes<T>(field[4 * static_cast<std::ptrdiff_t>(*slot) + i]);
 }
 template <bool kInRuns, class T>
-HWY_INLINE void scatter_corner(const Lanes<T>* at, T* field, const int* slot) {
+HEXAPLAST_INLINE void scatter_corner(const Lanes<T>* at, T* field, const int* slot) {
   for (int i = 0; i < 3; ++i) field[4 * static_cast<std::ptrdiff_t>(*slot) + i] += hn::GetLane(at[i].raw());
 }
 
@@ -49,7 +49,7 @@ HWY_INLINE void scatter_corner(const Lanes<T>* at, T* field, const int* slot) {
 
 /// The 128-bit pieces at base + offset[0], base + offset[stride], ... side by side in one register.
 template <class D, class T>
-HWY_INLINE hn::Vec<D> join_pieces(D d, const T* base, const int* slot, int stride) {
+HEXAPLAST_INLINE hn::Vec<D> join_pieces(D d, const T* base, const int* slot, int stride) {
   if constexpr (hn::MaxLanes(D()) * sizeof(T) <= 16) {
     return hn::Load(d, base + 4 * static_cast<std::ptrdiff_t>(*slot));
   } else {
@@ -62,7 +62,7 @@ HWY_INLINE hn::Vec<D> join_pieces(D d, const T* base, const int* slot, int strid
 
 /// Adds the 128-bit pieces of a register to memory, in ascending order.
 template <class D, class T>
-HWY_INLINE void add_pieces(D d, hn::Vec<D> pieces, T* base, const int* slot, int stride) {
+HEXAPLAST_INLINE void add_pieces(D d, hn::Vec<D> pieces, T* base, const int* slot, int stride) {
   if constexpr (hn::MaxLanes(D()) * sizeof(T) <= 16) {
     T* to = base + 4 * static_cast<std::ptrdiff_t>(*slot);
     hn::Store(hn::Add(hn::Load(d, to), pieces), d, to);
@@ -77,7 +77,7 @@ HWY_INLINE void add_pieces(D d, hn::Vec<D> pieces, T* base, const int* slot, int
 /// Four registers of whole nodes: in blocks of runs those from slot[0], slot[1], slot[2], slot[3] on, of which each
 /// register then holds the nodes that belong to every fourth lane; otherwise collected one by one.
 template <bool kInRuns>
-HWY_INLINE void load_nodes(const float* field, const int* slot, hn::Vec<Lanes<float>::Tag>* nodes) {
+HEXAPLAST_INLINE void load_nodes(const float* field, const int* slot, hn::Vec<Lanes<float>::Tag>* nodes) {
   using D = Lanes<float>::Tag;
   const D d;
   for (int k = 0; k < 4; ++k)
@@ -85,7 +85,7 @@ HWY_INLINE void load_nodes(const float* field, const int* slot, hn::Vec<Lanes<fl
         kInRuns ? hn::LoadU(d, field + 4 * static_cast<std::ptrdiff_t>(slot[k])) : join_pieces(d, field, slot + k, 4);
 }
 template <bool kInRuns>
-HWY_INLINE void add_nodes(const hn::Vec<Lanes<float>::Tag>* nodes, float* field, const int* slot) {
+HEXAPLAST_INLINE void add_nodes(const hn::Vec<Lanes<float>::Tag>* nodes, float* field, const int* slot) {
   using D = Lanes<float>::Tag;
   const D d;
   for (int k = 0; k < 4; ++k) {
@@ -100,7 +100,7 @@ HWY_INLINE void add_nodes(const hn::Vec<Lanes<float>::Tag>* nodes, float* field,
 
 /// One register of four floats per node becomes three of one coordinate each.
 template <bool kInRuns>
-HWY_INLINE void gather_corner(const float* field, const int* slot, Lanes<float>* at) {
+HEXAPLAST_INLINE void gather_corner(const float* field, const int* slot, Lanes<float>* at) {
   using D = Lanes<float>::Tag;
   const D d;
   hn::Vec<D> n[4];
@@ -111,7 +111,7 @@ HWY_INLINE void gather_corner(const float* field, const int* slot, Lanes<float>*
   at[2] = hn::InterleaveLower(d, hn::InterleaveUpper(d, n[0], n[2]), hn::InterleaveUpper(d, n[1], n[3]));
 }
 template <bool kInRuns>
-HWY_INLINE void scatter_corner(const Lanes<float>* at, float* field, const int* slot) {
+HEXAPLAST_INLINE void scatter_corner(const Lanes<float>* at, float* field, const int* slot) {
   using D = Lanes<float>::Tag;
   const D d;
   const hn::Vec<D> none = hn::Zero(d), x = at[0], y = at[1], z = at[2];
@@ -126,7 +126,7 @@ HWY_INLINE void scatter_corner(const Lanes<float>* at, float* field, const int* 
 inline constexpr bool kHoldsNodes = Lanes<double>::kCount >= 4;
 
 template <bool kInRuns>
-HWY_INLINE void gather_corner(const double* field, const int* slot, Lanes<double>* at) {
+HEXAPLAST_INLINE void gather_corner(const double* field, const int* slot, Lanes<double>* at) {
   using D = Lanes<double>::Tag;
   const D d;
   if constexpr (kInRuns && kHoldsNodes) {
@@ -146,7 +146,7 @@ HWY_INLINE void gather_corner(const double* field, const int* slot, Lanes<double
   }
 }
 template <bool kInRuns>
-HWY_INLINE void scatter_corner(const Lanes<double>* at, double* field, const int* slot) {
+HEXAPLAST_INLINE void scatter_corner(const Lanes<double>* at, double* field, const int* slot) {
   using D = Lanes<double>::Tag;
   const D d;
   const hn::Vec<D> none = hn::Zero(d), x = at[0], y = at[1], z = at[2];
@@ -171,7 +171,7 @@ HWY_INLINE void scatter_corner(const Lanes<double>* at, double* field, const int
 #endif
 
 template <bool kInRuns, class T>
-HWY_INLINE void gather_corners(const T* field, const int* slots, CornerLanes<Lanes<T>>& corners) {
+HEXAPLAST_INLINE void gather_corners(const T* field, const int* slots, CornerLanes<Lanes<T>>& corners) {
   unrolled<kCorners>([&](auto a) __attribute__((always_inline)) {
     gather_corner<kInRuns>(field, slots + a * kBlock, corners.at[a]);
   });
@@ -181,7 +181,7 @@ HWY_INLINE void gather_corners(const T* field, const int* slots, CornerLanes<Lan
 inline constexpr int kScatterOrder[kCorners] = {0, 2, 5, 7, 1, 3, 4, 6};
 
 template <bool kInRuns, class T>
-HWY_INLINE void scatter_corners(const CornerLanes<Lanes<T>>& corners, T* field, const int* slots) {
+HEXAPLAST_INLINE void scatter_corners(const CornerLanes<Lanes<T>>& corners, T* field, const int* slots) {
   unrolled<kCorners>([&](auto k) __attribute__((always_inline)) {
     constexpr int a = kScatterOrder[k];
     scatter_corner<kInRuns>(corners.at[a], field, slots + a * kBlock);
@@ -190,8 +190,8 @@ HWY_INLINE void scatter_corners(const CornerLanes<Lanes<T>>& corners, T* field, 
 
 /// Corner values of the elements of a block, from place `lane` on.
 template <class T>
-HWY_INLINE void gather(const Partition& partition, int block, int lane, const T* field,
-                       CornerLanes<Lanes<T>>& corners) {
+HEXAPLAST_INLINE void gather(const Partition& partition, int block, int lane, const T* field,
+                             CornerLanes<Lanes<T>>& corners) {
   const int* slots = partition.corners(block) + lane;
   if (partition.is_run[block])
     gather_corners<true>(field, slots, corners);
@@ -201,8 +201,8 @@ HWY_INLINE void gather(const Partition& partition, int block, int lane, const T*
 
 /// field += corner values of these elements.
 template <class T>
-HWY_INLINE void scatter_add(const CornerLanes<Lanes<T>>& corners, const Partition& partition, int block, int lane,
-                            T* field) {
+HEXAPLAST_INLINE void scatter_add(const CornerLanes<Lanes<T>>& corners, const Partition& partition, int block, int lane,
+                                  T* field) {
   const int* slots = partition.corners(block) + lane;
   if (partition.is_run[block])
     scatter_corners<true>(corners, field, slots);

@@ -25,26 +25,26 @@ namespace hexaplast::HWY_NAMESPACE {
 // element finds for the sample (element-inl.hpp): k0 + (b0 + lambda_f) theta + what all samples share.
 
 template <class N>
-HWY_INLINE N trace(const Sym<N>& S) {
+HEXAPLAST_INLINE N trace(const Sym<N>& S) {
   return S.xx + S.yy + S.zz;
 }
 template <class N>
-HWY_INLINE N squared_norm(const Sym<N>& S) {
+HEXAPLAST_INLINE N squared_norm(const Sym<N>& S) {
   return S.xx * S.xx + S.yy * S.yy + S.zz * S.zz + N(ScalarOf<N>(2)) * (S.yz * S.yz + S.zx * S.zx + S.xy * S.xy);
 }
 template <class N>
-HWY_INLINE Sym<N> cofactor(const Sym<N>& S) {
+HEXAPLAST_INLINE Sym<N> cofactor(const Sym<N>& S) {
   return {S.yy * S.zz - S.yz * S.yz, S.zz * S.xx - S.zx * S.zx, S.xx * S.yy - S.xy * S.xy,
           S.zx * S.xy - S.xx * S.yz, S.xy * S.yz - S.yy * S.zx, S.yz * S.zx - S.zz * S.xy};
 }
 template <class N>
-HWY_INLINE N determinant(const Sym<N>& S) {
+HEXAPLAST_INLINE N determinant(const Sym<N>& S) {
   return S.xx * (S.yy * S.zz - S.yz * S.yz) + S.xy * (S.yz * S.zx - S.zz * S.xy) + S.zx * (S.xy * S.yz - S.yy * S.zx);
 }
 
 /// theta.
 template <class N>
-HWY_INLINE N dilatation(ElasticLaw law, const Sym<N>& S) {
+HEXAPLAST_INLINE N dilatation(ElasticLaw law, const Sym<N>& S) {
   if (law == ElasticLaw::kCorotated) return trace(S) - N(ScalarOf<N>(3));
   return determinant(S) - N(ScalarOf<N>(1));
 }
@@ -52,7 +52,7 @@ HWY_INLINE N dilatation(ElasticLaw law, const Sym<N>& S) {
 /// Constants k0 and b0 of a law that make it agree with Hooke's in the small.                    eq. E16, E17, E18
 template <class N>
 struct LawConstants {
-  HWY_INLINE LawConstants(ElasticLaw law, double mooney_fraction, N mu) : k0(ScalarOf<N>(0)), b0(ScalarOf<N>(0)) {
+  HEXAPLAST_INLINE LawConstants(ElasticLaw law, double mooney_fraction, N mu) : k0(ScalarOf<N>(0)), b0(ScalarOf<N>(0)) {
     using T = ScalarOf<N>;
     switch (law) {
       case ElasticLaw::kCorotated:
@@ -73,7 +73,7 @@ struct LawConstants {
 
 /// psi_s.                                                                                   eq. 11, E16, E17, E18
 template <class N>
-HWY_INLINE N shape_energy(ElasticLaw law, double mooney_fraction, const Sym<N>& S, N mu) {
+HEXAPLAST_INLINE N shape_energy(ElasticLaw law, double mooney_fraction, const Sym<N>& S, N mu) {
   using T = ScalarOf<N>;
   if (law == ElasticLaw::kCorotated) {
     const N one(T(1)), xx = S.xx - one, yy = S.yy - one, zz = S.zz - one;
@@ -88,7 +88,7 @@ HWY_INLINE N shape_energy(ElasticLaw law, double mooney_fraction, const Sym<N>& 
 
 /// sigma; k: the sample's pressure.                                                              eq. 12, E15, E19
 template <class N>
-HWY_INLINE Sym<N> stress(ElasticLaw law, double mooney_fraction, const Sym<N>& S, N mu, N k) {
+HEXAPLAST_INLINE Sym<N> stress(ElasticLaw law, double mooney_fraction, const Sym<N>& S, N mu, N k) {
   using T = ScalarOf<N>;
   if (law == ElasticLaw::kCorotated) {
     const N twice = mu + mu, one(T(1));
@@ -125,7 +125,7 @@ HWY_INLINE Sym<N> stress(ElasticLaw law, double mooney_fraction, const Sym<N>& S
 /// The stress that does plastic work on the increments of log S: sigma itself where stress is small beside the moduli
 /// (theory.md 5.8), Mandel's S sigma for the other laws.
 template <class N>
-HWY_INLINE Sym<N> dissipating(ElasticLaw law, const Sym<N>& S, const Sym<N>& sigma) {
+HEXAPLAST_INLINE Sym<N> dissipating(ElasticLaw law, const Sym<N>& S, const Sym<N>& sigma) {
   if (law == ElasticLaw::kCorotated) return sigma;
   const Mat<N> M = matrix(S) * matrix(sigma);  // symmetric: both have the same axes
   return {M(0, 0), M(1, 1), M(2, 2), M(1, 2), M(2, 0), M(0, 1)};
@@ -133,7 +133,7 @@ HWY_INLINE Sym<N> dissipating(ElasticLaw law, const Sym<N>& S, const Sym<N>& sig
 
 /// 2 mu sym Z + lambda tr(Z) I: of Z = R^T dF it is R^T dP (eq. 14), of Z = dF R^T it is dP R^T (eq. 52).
 template <class N>
-HWY_INLINE Mat<N> stress_increment(const Mat<N>& Z, N mu, N lambda) {
+HEXAPLAST_INLINE Mat<N> stress_increment(const Mat<N>& Z, N mu, N lambda) {
   const N trace = lambda * (Z(0, 0) + Z(1, 1) + Z(2, 2)), twice = mu + mu;
   Mat<N> P;
   for (int r = 0; r < 3; ++r) {
@@ -146,7 +146,7 @@ HWY_INLINE Mat<N> stress_increment(const Mat<N>& Z, N mu, N lambda) {
 /// beta [Pa]: what holds the other laws where a sample is strained or inverted badly. It is nothing at rest, where it
 /// would resist turns.                                                                                     eq. E21
 template <class N>
-HWY_INLINE N tangent_guard(ElasticLaw law, double mooney_fraction, const Sym<N>& S, N mu, N k) {
+HEXAPLAST_INLINE N tangent_guard(ElasticLaw law, double mooney_fraction, const Sym<N>& S, N mu, N k) {
   using T = ScalarOf<N>;
   const N none(T(0)), I = squared_norm(S);
   const N more = N(T(std::numbers::sqrt3)) * (abs(LawConstants<N>(law, mooney_fraction, mu).k0) - mu);

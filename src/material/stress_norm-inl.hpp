@@ -15,7 +15,7 @@ namespace hexaplast::HWY_NAMESPACE {
 
 /// The stress norm of the yield condition; of the spectral norm, which takes eigenvalues, an upper bound.       eq. 20
 template <class N>
-HWY_INLINE N stress_norm_bound(const Sym<N>& s, YieldNorm norm) {
+HEXAPLAST_INLINE N stress_norm_bound(const Sym<N>& s, YieldNorm norm) {
   const N mean = norm == YieldNorm::kVonMises ? N(1.0 / 3) * (s.xx + s.yy + s.zz) : N(0.0);
   const N xx = s.xx - mean, yy = s.yy - mean, zz = s.zz - mean;
   const N squared = xx * xx + yy * yy + zz * zz + N(2.0) * (s.yz * s.yz + s.zx * s.zx + s.xy * s.xy);

@@ -22,33 +22,33 @@ struct Column {
   N at[3];
 };
 template <class N>
-HWY_INLINE Column<N> column(const Mat<N>& A, int n) {
+HEXAPLAST_INLINE Column<N> column(const Mat<N>& A, int n) {
   return {{A(0, n), A(1, n), A(2, n)}};
 }
 template <class N>
-HWY_INLINE Column<N> cross(const Column<N>& a, const Column<N>& b) {
+HEXAPLAST_INLINE Column<N> cross(const Column<N>& a, const Column<N>& b) {
   return {{a.at[1] * b.at[2] - a.at[2] * b.at[1], a.at[2] * b.at[0] - a.at[0] * b.at[2],
            a.at[0] * b.at[1] - a.at[1] * b.at[0]}};
 }
 template <class N>
-HWY_INLINE Column<N> operator*(const Mat<N>& A, const Column<N>& b) {
+HEXAPLAST_INLINE Column<N> operator*(const Mat<N>& A, const Column<N>& b) {
   return {{dot(A.m[0], b.at), dot(A.m[1], b.at), dot(A.m[2], b.at)}};
 }
 template <class N>
-HWY_INLINE Mat<N> transposed(const Mat<N>& A) {
+HEXAPLAST_INLINE Mat<N> transposed(const Mat<N>& A) {
   return {{{A(0, 0), A(1, 0), A(2, 0)}, {A(0, 1), A(1, 1), A(2, 1)}, {A(0, 2), A(1, 2), A(2, 2)}}};
 }
 
 /// f_a += P g_a.
 template <class N>
-HWY_INLINE void add_products(const Mat<N>& P, const CornerLanes<N>& g, CornerLanes<N>& f) {
+HEXAPLAST_INLINE void add_products(const Mat<N>& P, const CornerLanes<N>& g, CornerLanes<N>& f) {
   for (int a = 0; a < kCorners; ++a)
     for (int k = 0; k < 3; ++k) f.at[a][k] += dot(P.m[k], g.at[a]);
 }
 
 /// factor g_a.
 template <class N>
-HWY_INLINE CornerLanes<N> scaled(N factor, const CornerLanes<N>& g) {
+HEXAPLAST_INLINE CornerLanes<N> scaled(N factor, const CornerLanes<N>& g) {
   CornerLanes<N> out;
   for (int a = 0; a < kCorners; ++a)
     for (int k = 0; k < 3; ++k) out.at[a][k] = factor * g.at[a][k];
@@ -67,7 +67,7 @@ struct SampleGradients {
   N jacobian[kCorners];      ///< [m^3] det J_i
 
   /// rest: edges of the rest shape.
-  HWY_NOINLINE void set(const EdgeLanes<N>& rest, const Sampling& sampling) {
+  HEXAPLAST_NOINLINE void set(const EdgeLanes<N>& rest, const Sampling& sampling) {
     volume_gradient(rest, mean, volume);
     EdgeLanes<N> corners;  // -c times the mean of g_ja, by edges
     set_zero(corners);
@@ -92,7 +92,7 @@ struct SampleGradients {
   }
 
   /// Of nodal values u.
-  HWY_NOINLINE void gradients(const CornerLanes<N>& u, Mat<N> (&F)[kCorners]) const {
+  HEXAPLAST_NOINLINE void gradients(const CornerLanes<N>& u, Mat<N> (&F)[kCorners]) const {
     EdgeLanes<N> e;
     edges(u, e);
     const Mat<N> H = outer_sum(u, shared);
@@ -100,7 +100,7 @@ struct SampleGradients {
   }
 
   /// The transpose: what stresses P_i act with on u, per corner.
-  HWY_NOINLINE CornerLanes<N> transpose(const Mat<N> (&P)[kCorners]) const {
+  HEXAPLAST_NOINLINE CornerLanes<N> transpose(const Mat<N> (&P)[kCorners]) const {
     EdgeLanes<N> e;
     set_zero(e);
     Mat<N> sum = P[0];
@@ -116,7 +116,7 @@ struct SampleGradients {
   }
 
  private:
-  static HWY_INLINE void add_at_edges(int corner, const Mat<N>& rows, EdgeLanes<N>& e) {
+  static HEXAPLAST_INLINE void add_at_edges(int corner, const Mat<N>& rows, EdgeLanes<N>& e) {
     for (int d = 0; d < 3; ++d)
       for (int k = 0; k < 3; ++k) e.at[d][kEdgeAt[corner][d]][k] += rows(d, k);
   }
@@ -128,8 +128,8 @@ template <class N>
 class AssumedStrain {
  public:
   /// rest: corners [m] and Gm of the rest shape; weight: c; plastic: Gm of isolated rest shapes.                eq. P2
-  HWY_NOINLINE void set(const CornerLanes<N>& rest, const CornerLanes<N>& mean_gradient, const CornerLanes<N>& current,
-                        double weight, const Mat<N>& plastic) {
+  HEXAPLAST_NOINLINE void set(const CornerLanes<N>& rest, const CornerLanes<N>& mean_gradient,
+                              const CornerLanes<N>& current, double weight, const Mat<N>& plastic) {
     weight_ = N(weight);
     EdgeLanes<N> e;
     N det;
@@ -159,19 +159,19 @@ class AssumedStrain {
   }
 
   /// A_n, as columns.                                                                                          eq. E10
-  HWY_INLINE Mat<N> columns(const CornerLanes<N>& u) const { return assumed(hourglass(u)); }
+  HEXAPLAST_INLINE Mat<N> columns(const CornerLanes<N>& u) const { return assumed(hourglass(u)); }
 
   /// c sum_n s_n A_n (x) J^n at sample i.                                                                      eq. E11c
-  HWY_INLINE Mat<N> gradient(const Mat<N>& A, int sample) const { return signed_columns(A, sample) * J_inverse_; }
+  HEXAPLAST_INLINE Mat<N> gradient(const Mat<N>& A, int sample) const { return signed_columns(A, sample) * J_inverse_; }
 
   /// The transpose: adds what stresses P_i act with on u, per corner.
-  HWY_NOINLINE void add_transpose(const Mat<N> (&P)[kCorners], CornerLanes<N>& acting) const {
+  HEXAPLAST_NOINLINE void add_transpose(const Mat<N> (&P)[kCorners], CornerLanes<N>& acting) const {
     add_products(on_hourglass(on_assumed(P)), gamma_, acting);
   }
 
   /// The same by way of R, which turns with u.                                                           eq. E12, E13
-  HWY_NOINLINE void add_turning(const Mat<N> (&P)[kCorners], const CornerLanes<N>& u,
-                                const CornerLanes<N>& mean_gradient, CornerLanes<N>& acting) const {
+  HEXAPLAST_NOINLINE void add_turning(const Mat<N> (&P)[kCorners], const CornerLanes<N>& u,
+                                      const CornerLanes<N>& mean_gradient, CornerLanes<N>& acting) const {
     const Mat<N> q = hourglass(u), A = assumed(q), g = on_assumed(P), h = on_hourglass(g);
     Column<N> M = {{N(0.0), N(0.0), N(0.0)}};  //                                                               eq. E12
     for (int n = 0; n < 3; ++n) {
@@ -187,9 +187,9 @@ class AssumedStrain {
   }
 
  private:
-  HWY_INLINE Mat<N> hourglass(const CornerLanes<N>& u) const { return outer_sum(u, gamma_); }  // columns q_l
+  HEXAPLAST_INLINE Mat<N> hourglass(const CornerLanes<N>& u) const { return outer_sum(u, gamma_); }  // columns q_l
 
-  HWY_NOINLINE Mat<N> assumed(const Mat<N>& q) const {
+  HEXAPLAST_NOINLINE Mat<N> assumed(const Mat<N>& q) const {
     Mat<N> A;
     for (int n = 0; n < 3; ++n) {
       const int l = (n + 1) % 3, m = (n + 2) % 3;
@@ -200,7 +200,7 @@ class AssumedStrain {
   }
 
   // c s_n in column n
-  HWY_INLINE Mat<N> signed_columns(const Mat<N>& A, int sample) const {
+  HEXAPLAST_INLINE Mat<N> signed_columns(const Mat<N>& A, int sample) const {
     Mat<N> out;
     for (int n = 0; n < 3; ++n)
       for (int k = 0; k < 3; ++k) out(k, n) = N(static_cast<double>(kCornerSign[sample][n])) * weight_ * A(k, n);
@@ -208,7 +208,7 @@ class AssumedStrain {
   }
 
   // columns g_n
-  HWY_NOINLINE Mat<N> on_assumed(const Mat<N> (&P)[kCorners]) const {
+  HEXAPLAST_NOINLINE Mat<N> on_assumed(const Mat<N> (&P)[kCorners]) const {
     Mat<N> g;
     set_zero(g);
     for (int i = 0; i < kCorners; ++i) g = g + signed_columns(product_transposed(P[i], J_inverse_), i);
@@ -216,7 +216,7 @@ class AssumedStrain {
   }
 
   // columns h'_l
-  HWY_NOINLINE Mat<N> on_hourglass(const Mat<N>& g) const {
+  HEXAPLAST_NOINLINE Mat<N> on_hourglass(const Mat<N>& g) const {
     Mat<N> h;
     for (int l = 0; l < 3; ++l) {
       const int m = (l + 1) % 3, n = (l + 2) % 3;
@@ -228,7 +228,7 @@ class AssumedStrain {
   }
 
   // (tr S I - S)^-1, bounded where two stretches are opposite                                                  eq. E13
-  HWY_INLINE Mat<N> inverse_of_turning() const {
+  HEXAPLAST_INLINE Mat<N> inverse_of_turning() const {
     const Sym<N>& S = mean_.S;
     const N trace = S.xx + S.yy + S.zz;
     const Mat<N> K = matrix(Sym<N>{trace - S.xx, trace - S.yy, trace - S.zz, -S.yz, -S.zx, -S.xy}), cof = cofactor(K);
@@ -253,7 +253,7 @@ struct ElementState {
 
 /// q + A of a single sample.                                                                            eq. P14, P15
 template <std::same_as<double> N>
-HWY_INLINE Mat<N> balanced_stress(const Sym<N>& q, const PolarLanes<N>& polar) {
+HEXAPLAST_INLINE Mat<N> balanced_stress(const Sym<N>& q, const PolarLanes<N>& polar) {
   return entries(bounded_balance(to_eigen(matrix(q)), to_eigen(matrix(polar.S))));
 }
 
@@ -262,8 +262,8 @@ template <class N>
 class Element {
  public:
   /// Corners [m], moduli [Pa].
-  HWY_NOINLINE void set(const CornerLanes<N>& rest, const CornerLanes<N>& current, N mu, N lambda,
-                        const Settings& settings, const ElementState<N>& state) {
+  HEXAPLAST_NOINLINE void set(const CornerLanes<N>& rest, const CornerLanes<N>& current, N mu, N lambda,
+                              const Settings& settings, const ElementState<N>& state) {
     law_ = settings.law;
     mooney_fraction_ = settings.mooney_fraction;
     mu_ = mu;
@@ -325,7 +325,7 @@ class Element {
   }
 
   /// [J]                                                                                           eq. 18, E5, E14, P17
-  HWY_NOINLINE N energy() const {
+  HEXAPLAST_NOINLINE N energy() const {
     const N half(0.5);
     N density = branch_energy_ +
                 half * (shared_ * mean_dilatation_ * mean_dilatation_ + of_volume_ * volume_excess * volume_excess);
@@ -338,7 +338,7 @@ class Element {
   }
 
   /// [N] per corner                                                              eq. 15, E3, E6, E13, E15, P14
-  HWY_NOINLINE CornerLanes<N> force() const {
+  HEXAPLAST_NOINLINE CornerLanes<N> force() const {
     Mat<N> P[kCorners];
     for (int i = 0; i < kCorners; ++i) {
       const Mat<N> sigma = matrix(stress(law_, mooney_fraction_, polar[i].S, mu_, pressure(i)));
@@ -352,7 +352,7 @@ class Element {
   }
 
   /// [N] per corner, rotations fixed                                                            eq. 16, E4, E7, E20
-  HWY_NOINLINE CornerLanes<N> force_increment(const CornerLanes<N>& dx) const {
+  HEXAPLAST_NOINLINE CornerLanes<N> force_increment(const CornerLanes<N>& dx) const {
     Mat<N> dF[kCorners];
     gradients(dx, dF);
     N t[kCorners], mean(0.0);  // increments of the dilatations
@@ -386,28 +386,30 @@ class Element {
   }
 
   /// [Pa] The stress that yields: it contains the pressure of the volume ratio.                           eq. E19
-  HWY_INLINE Sym<N> yielding_stress(int sample) const {
+  HEXAPLAST_INLINE Sym<N> yielding_stress(int sample) const {
     return stress(law_, mooney_fraction_, polar[sample].S, mu_, pressure(sample) + volume_pressure());
   }
-  HWY_INLINE N volume_pressure() const { return of_volume_ * volume_excess; }  ///< [Pa]
-  HWY_INLINE N volume() const { return gradients_.volume; }                    ///< [m^3] of the rest shape
-  HWY_INLINE N jacobian(int i) const { return gradients_.jacobian[i]; }        ///< [m^3] of the rest shape
+  HEXAPLAST_INLINE N volume_pressure() const { return of_volume_ * volume_excess; }  ///< [Pa]
+  HEXAPLAST_INLINE N volume() const { return gradients_.volume; }                    ///< [m^3] of the rest shape
+  HEXAPLAST_INLINE N jacobian(int i) const { return gradients_.jacobian[i]; }        ///< [m^3] of the rest shape
 
   Mat<N> F[kCorners];  ///< of isolated rest shapes F^e
   PolarLanes<N> polar[kCorners];
   N volume_excess;  ///< beta^ - 1
 
  private:
-  static HWY_INLINE Mat<N> identity() {
+  static HEXAPLAST_INLINE Mat<N> identity() {
     const N one(1.0), none(0.0);
     return {{{one, none, none}, {none, one, none}, {none, none, one}}};
   }
-  HWY_INLINE N pressure(int sample) const { return k0_ + own_ * dilatation_[sample] + shared_ * mean_dilatation_; }
-  HWY_INLINE const Mat<N>& along_dilatation(int sample) const {  // d theta / d F
+  HEXAPLAST_INLINE N pressure(int sample) const {
+    return k0_ + own_ * dilatation_[sample] + shared_ * mean_dilatation_;
+  }
+  HEXAPLAST_INLINE const Mat<N>& along_dilatation(int sample) const {  // d theta / d F
     return law_ == ElasticLaw::kCorotated ? polar[sample].R : along_dilatation_[sample];
   }
 
-  HWY_NOINLINE void gradients(const CornerLanes<N>& u, Mat<N> (&to)[kCorners]) const {
+  HEXAPLAST_NOINLINE void gradients(const CornerLanes<N>& u, Mat<N> (&to)[kCorners]) const {
     Mat<N> A;
     if (assumes_) A = assumed_.columns(u);
     gradients_.gradients(u, to);
@@ -418,7 +420,7 @@ class Element {
   }
 
   // of P^e                                                                                                    eq. P4
-  HWY_NOINLINE CornerLanes<N> transpose(Mat<N> (&P)[kCorners]) const {
+  HEXAPLAST_NOINLINE CornerLanes<N> transpose(Mat<N> (&P)[kCorners]) const {
     for (int i = 0; has_flowed_ && i < kCorners; ++i) P[i] = product_transposed(P[i], plastic_inverse_[i]);
     CornerLanes<N> acting = gradients_.transpose(P);
     if (assumes_) assumed_.add_transpose(P, acting);

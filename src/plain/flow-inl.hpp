@@ -23,21 +23,21 @@ namespace hexaplast::HWY_NAMESPACE {
 
 /// A bit per lane that holds.
 template <class V, class Mask>
-HWY_INLINE std::uint32_t lanes_where(Mask mask) {
+HEXAPLAST_INLINE std::uint32_t lanes_where(Mask mask) {
   return bits<double>(mask);
 }
 template <std::same_as<double> N>
-HWY_INLINE std::uint32_t lanes_where(bool condition) {
+HEXAPLAST_INLINE std::uint32_t lanes_where(bool condition) {
   return condition ? 1 : 0;
 }
 
 /// The stress norm. Lanes have a bound of the spectral one only.                                               eq. 20
 template <class V>
-HWY_INLINE V size_of_stress(const Sym<V>& sigma, YieldNorm norm) {
+HEXAPLAST_INLINE V size_of_stress(const Sym<V>& sigma, YieldNorm norm) {
   return stress_norm_bound(sigma, norm);
 }
 template <std::same_as<double> N>
-HWY_INLINE N size_of_stress(const Sym<N>& sigma, YieldNorm norm) {
+HEXAPLAST_INLINE N size_of_stress(const Sym<N>& sigma, YieldNorm norm) {
   return stress_norm(to_eigen(matrix(sigma)), norm);
 }
 
@@ -76,11 +76,11 @@ struct JoinedFlow {
 
 /// The value where something flows, 0 elsewhere.
 template <class N>
-HWY_INLINE N where_flows(N fraction, N value) {
+HEXAPLAST_INLINE N where_flows(N fraction, N value) {
   return select(fraction > N(0.0), value, N(0.0));
 }
 template <class N>
-HWY_INLINE Mat<N> where_flows(N fraction, const Mat<N>& value) {
+HEXAPLAST_INLINE Mat<N> where_flows(N fraction, const Mat<N>& value) {
   Mat<N> out;
   for (int k = 0; k < 9; ++k) out.m[k / 3][k % 3] = where_flows(fraction, value.m[k / 3][k % 3]);
   return out;
@@ -88,8 +88,8 @@ HWY_INLINE Mat<N> where_flows(N fraction, const Mat<N>& value) {
 
 /// Stretch at every corner.                                                                          theory.md 5.1
 template <class N>
-HWY_NOINLINE void flow_stretch(const Element<N>& element, const Settings& settings, const FlowRule<N>& rule, N may_flow,
-                               JoinedHistory<N>& history, JoinedFlow<N>& flow) {
+HEXAPLAST_NOINLINE void flow_stretch(const Element<N>& element, const Settings& settings, const FlowRule<N>& rule,
+                                     N may_flow, JoinedHistory<N>& history, JoinedFlow<N>& flow) {
   for (int i = 0; i < kCorners; ++i) {
     const Sym<N>&S = element.polar[i].S, sigma = element.yielding_stress(i);
     const N norm = size_of_stress(sigma, settings.yield_norm), rate = may_flow * rule.rate_dt;
@@ -116,9 +116,9 @@ HWY_NOINLINE void flow_stretch(const Element<N>& element, const Settings& settin
 /// Rotation at every corner, relative to the centre (objective) or to the frame B (the paper's modes, eq. 33 and 34).
 /// R_o: of the centre.                                                                               theory.md 5.2
 template <class N>
-HWY_NOINLINE void flow_rotation(const Element<N>& element, const Mat<N>& R_o, const Mat<N>& frame,
-                                RotationPlasticity mode, const FlowRule<N>& rule, N may_flow, JoinedHistory<N>& history,
-                                JoinedFlow<N>& flow) {
+HEXAPLAST_NOINLINE void flow_rotation(const Element<N>& element, const Mat<N>& R_o, const Mat<N>& frame,
+                                      RotationPlasticity mode, const FlowRule<N>& rule, N may_flow,
+                                      JoinedHistory<N>& history, JoinedFlow<N>& flow) {
   const RotationVector<N> pose = rotation_log(transposed_product(frame, R_o));
   RotationVector<N> of_corner[kCorners];  // R_o^T R_i
   N largest(0.0);
@@ -149,8 +149,8 @@ HWY_NOINLINE void flow_rotation(const Element<N>& element, const Mat<N>& R_o, co
 /// y_i <- Pi_i^T A_i Pi_i y_i with A_i = R^p_i S^p_i, or S^p_i alone in the paper's modes, whose rotations go into the
 /// maps (eq. 35); then the mean is removed.                                                                   eq. 27
 template <class N>
-HWY_NOINLINE void deform_rest_shape(const Settings& settings, bool tracks_stretch, const JoinedFlow<N>& flow,
-                                    JoinedHistory<N>& history) {
+HEXAPLAST_NOINLINE void deform_rest_shape(const Settings& settings, bool tracks_stretch, const JoinedFlow<N>& flow,
+                                          JoinedHistory<N>& history) {
   const bool is_objective = settings.rotation_plasticity == RotationPlasticity::kObjective;
   const N of_own(sampling_of(settings).increment_weight()), of_mean = N(1.0) - of_own;
   Mat<N> increment[kCorners], mean;  // A_i - 1
@@ -192,10 +192,10 @@ struct InitialElement {
 
 /// One plastic step before the averaging. rest, current: corners [m]; frame: B of the paper's rotation modes.
 template <class N>
-HWY_NOINLINE void flow_element(const Element<N>& element, const CornerLanes<N>& rest, const CornerLanes<N>& current,
-                               const InitialElement<N>& initial, const Settings& settings, bool tracks_stretch,
-                               const FlowRule<N>& rule, const Mat<N>& frame, JoinedHistory<N>& history,
-                               JoinedFlow<N>& flow) {
+HEXAPLAST_NOINLINE void flow_element(const Element<N>& element, const CornerLanes<N>& rest,
+                                     const CornerLanes<N>& current, const InitialElement<N>& initial,
+                                     const Settings& settings, bool tracks_stretch, const FlowRule<N>& rule,
+                                     const Mat<N>& frame, JoinedHistory<N>& history, JoinedFlow<N>& flow) {
   const N none(0.0), one(1.0), threshold(settings.inversion_threshold);
   flow.dissipated = none;
   for (int i = 0; i < kCorners; ++i) {

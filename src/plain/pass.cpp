@@ -34,7 +34,7 @@ struct Group {
     return lanes;
   }
 
-  HWY_INLINE CornerLanes<V> corners(const plain::CornerField& of) const {
+  HEXAPLAST_INLINE CornerLanes<V> corners(const plain::CornerField& of) const {
     CornerLanes<V> at;
     if (of.alike) {
       for (int a = 0; a < kCorners; ++a)
@@ -56,21 +56,21 @@ struct Group {
 
   /// of(element), a number.
   template <class Of>
-  HWY_INLINE V number(const Of& of) const {
+  HEXAPLAST_INLINE V number(const Of& of) const {
     return gather_numbers(element, of);
   }
   /// of(element), kCount numbers.
   template <int kCount, class Of>
-  HWY_INLINE void numbers(const Of& of, V* to) const {
+  HEXAPLAST_INLINE void numbers(const Of& of, V* to) const {
     load_elements<kCount>(addresses<const double>(element, [&](int e) { return of(e).data(); }), to);
   }
   template <int kCount, class Of>
-  HWY_INLINE void store_numbers(const V* from, std::uint32_t lanes, const Of& of) const {
+  HEXAPLAST_INLINE void store_numbers(const V* from, std::uint32_t lanes, const Of& of) const {
     store_elements<kCount>(from, lanes, addresses<double>(element, [&](int e) { return of(e).data(); }));
   }
   /// of(element), eight rows.
   template <class Of>
-  HWY_INLINE CornerLanes<V> points(const Of& of) const {
+  HEXAPLAST_INLINE CornerLanes<V> points(const Of& of) const {
     V n[3 * kCorners];
     numbers<3 * kCorners>(of, n);
     CornerLanes<V> at;
@@ -78,20 +78,20 @@ struct Group {
     return at;
   }
   template <class Of>
-  HWY_INLINE void store_points(const CornerLanes<V>& at, std::uint32_t lanes, const Of& of) const {
+  HEXAPLAST_INLINE void store_points(const CornerLanes<V>& at, std::uint32_t lanes, const Of& of) const {
     V n[3 * kCorners];
     for (int k = 0; k < 3 * kCorners; ++k) n[k] = at.at[k % kCorners][k / kCorners];
     store_numbers<3 * kCorners>(n, lanes, of);
   }
   /// of(element), a matrix.
   template <class Of>
-  HWY_INLINE Mat<V> matrix(const Of& of) const {
+  HEXAPLAST_INLINE Mat<V> matrix(const Of& of) const {
     V n[9];
     numbers<9>(of, n);
     return {{{n[0], n[3], n[6]}, {n[1], n[4], n[7]}, {n[2], n[5], n[8]}}};
   }
   template <class Of>
-  HWY_INLINE void store_matrix(const Mat<V>& A, std::uint32_t lanes, const Of& of) const {
+  HEXAPLAST_INLINE void store_matrix(const Mat<V>& A, std::uint32_t lanes, const Of& of) const {
     const V n[9] = {A(0, 0), A(1, 0), A(2, 0), A(0, 1), A(1, 1), A(2, 1), A(0, 2), A(1, 2), A(2, 2)};
     store_numbers<9>(n, lanes, of);
   }
@@ -103,9 +103,9 @@ struct Group {
 };
 
 /// The elements of a group at current positions; those that are not there are cubes.
-HWY_NOINLINE void place(const Model& model, const History& history, ConstPoints x, const Branches& branches,
-                        const Group& group, std::uint32_t present, CornerLanes<V>& rest, CornerLanes<V>& current,
-                        Element<V>& element) {
+HEXAPLAST_NOINLINE void place(const Model& model, const History& history, ConstPoints x, const Branches& branches,
+                              const Group& group, std::uint32_t present, CornerLanes<V>& rest, CornerLanes<V>& current,
+                              Element<V>& element) {
   rest = group.corners(history.plastic_rest_positions);
   current = group.corners(x);
   replace_absent(present, rest);
@@ -188,7 +188,8 @@ std::unique_ptr<plain::PlacedElements> make_placed_elements() { return std::make
 // ---- plastic flow
 
 /// What the elements of a group have been and are.
-HWY_NOINLINE void load_history(const Model& model, const History& history, const Group& group, JoinedHistory<V>& to) {
+HEXAPLAST_NOINLINE void load_history(const Model& model, const History& history, const Group& group,
+                                     JoinedHistory<V>& to) {
   const std::size_t maps = model.maps_per_element();
   to.rest_shape = group.points([&](int e) -> const ElementPoints& { return history.rest_shape[e]; });
   group.numbers<kCorners>([&](int e) -> const CornerValues& { return history.yield_stress[e]; }, to.yield_stress);
@@ -202,8 +203,8 @@ HWY_NOINLINE void load_history(const Model& model, const History& history, const
       to.plastic_stretch[i] = group.matrix([&](int e) -> const Mat3& { return history.plastic_stretch[e][i]; });
   }
 }
-HWY_NOINLINE void store_history(const Model& model, const JoinedHistory<V>& from, const Group& group,
-                                std::uint32_t lanes, History& history) {
+HEXAPLAST_NOINLINE void store_history(const Model& model, const JoinedHistory<V>& from, const Group& group,
+                                      std::uint32_t lanes, History& history) {
   group.store_points(from.rest_shape, lanes, [&](int e) -> ElementPoints& { return history.rest_shape[e]; });
   group.store_numbers<kCorners>(from.yield_stress, lanes,
                                 [&](int e) -> CornerValues& { return history.yield_stress[e]; });
@@ -221,7 +222,7 @@ HWY_NOINLINE void store_history(const Model& model, const JoinedHistory<V>& from
   }
 }
 
-HWY_NOINLINE InitialElement<V> load_initial(const Model& model, const Group& group) {
+HEXAPLAST_NOINLINE InitialElement<V> load_initial(const Model& model, const Group& group) {
   InitialElement<V> initial;
   initial.shape = group.corners(model.mesh.positions());
   for (int k = 0; k < 3; ++k) {
@@ -237,9 +238,10 @@ HWY_NOINLINE InitialElement<V> load_initial(const Model& model, const Group& gro
 }
 
 /// Of the elements of a group. Returns those, a bit each, that are beyond what lanes can do.
-HWY_NOINLINE std::uint32_t flow_group(const Model& model, ConstPoints x, double dt, const std::vector<Mat3>& frames,
-                                      const History& before, const Group& group, std::uint32_t present, History& next,
-                                      std::vector<plain::ElementOutcome>& outcomes) {
+HEXAPLAST_NOINLINE std::uint32_t flow_group(const Model& model, ConstPoints x, double dt,
+                                            const std::vector<Mat3>& frames, const History& before, const Group& group,
+                                            std::uint32_t present, History& next,
+                                            std::vector<plain::ElementOutcome>& outcomes) {
   CornerLanes<V> rest, current;
   Element<V> element;
   place(model, before, x, {}, group, present, rest, current, element);
@@ -299,7 +301,7 @@ void flow_elements(const Model& model, ConstPoints x, double dt, const std::vect
 // ---- averaging
 
 template <class N>
-HWY_INLINE void take_mean_out(CornerLanes<N>& u) {
+HEXAPLAST_INLINE void take_mean_out(CornerLanes<N>& u) {
   for (int k = 0; k < 3; ++k) {
     N mean = u.at[0][k];
     for (int a = 1; a < kCorners; ++a) mean += u.at[a][k];

@@ -20,8 +20,8 @@ using D = Lanes<double>;
 
 /// Corners from their first one, of which the differences are taken before they are rounded.
 template <class T>
-HWY_INLINE void gather_about_corner(const Model& model, int block, int lane, const double* field,
-                                    CornerLanes<Lanes<T>>& corners) {
+HEXAPLAST_INLINE void gather_about_corner(const Model& model, int block, int lane, const double* field,
+                                          CornerLanes<Lanes<T>>& corners) {
   CornerLanes<D> parts[kParts<T>];
   for (int part = 0; part < kParts<T>; ++part) {
     gather(*model.partition, block, lane + part * D::kCount, field, parts[part]);
@@ -41,17 +41,17 @@ template <class T, int kNumbers>
 struct HistoryLanes {
   HistoryLanes() = default;
   template <class Address>
-  HWY_INLINE HistoryLanes(const int* elements, const Address& address) {
+  HEXAPLAST_INLINE HistoryLanes(const int* elements, const Address& address) {
     for (int part = 0; part < kParts<T>; ++part) {
       D numbers[kNumbers];
       load_elements<kNumbers>(addresses<const double>(elements + part * D::kCount, address), numbers);
       for (int n = 0; n < kNumbers; ++n) at[n][part] = numbers[n];
     }
   }
-  HWY_INLINE Lanes<T> operator[](int n) const { return narrow<T>(at[n]); }
+  HEXAPLAST_INLINE Lanes<T> operator[](int n) const { return narrow<T>(at[n]); }
 
   template <class Address>
-  HWY_INLINE void store(const int* elements, std::uint32_t wanted, const Address& address) const {
+  HEXAPLAST_INLINE void store(const int* elements, std::uint32_t wanted, const Address& address) const {
     for (int part = 0; part < kParts<T>; ++part) {
       D numbers[kNumbers];
       for (int n = 0; n < kNumbers; ++n) numbers[n] = at[n][part];
@@ -65,8 +65,8 @@ struct HistoryLanes {
 
 /// Corners of the elements of one register at the plastic rest and current positions.
 template <class T>
-HWY_INLINE std::uint32_t gather_elements(const Model& model, const Linearization& at, int block, int lane,
-                                         CornerLanes<Lanes<T>>& x, CornerLanes<Lanes<T>>& u) {
+HEXAPLAST_INLINE std::uint32_t gather_elements(const Model& model, const Linearization& at, int block, int lane,
+                                               CornerLanes<Lanes<T>>& x, CornerLanes<Lanes<T>>& u) {
   const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
   gather_about_corner<T>(model, block, lane, at.plastic_rest.data(), x);
   gather_about_corner<T>(model, block, lane, at.current.data(), u);
@@ -77,7 +77,7 @@ HWY_INLINE std::uint32_t gather_elements(const Model& model, const Linearization
 
 /// What the elements of one register are made of.
 template <class T>
-HWY_INLINE MaterialLanes<Lanes<T>> material_lanes(const Model& model, int block, int lane) {
+HEXAPLAST_INLINE MaterialLanes<Lanes<T>> material_lanes(const Model& model, int block, int lane) {
   const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
   D mu[kParts<T>], lambda[kParts<T>];
   for (int part = 0; part < kParts<T>; ++part) {
@@ -89,14 +89,14 @@ HWY_INLINE MaterialLanes<Lanes<T>> material_lanes(const Model& model, int block,
 
 /// A rate of the materials times dt.
 template <class T>
-HWY_INLINE Lanes<T> per_step(const Model& model, const int* elements, double dt, double Material::*rate) {
+HEXAPLAST_INLINE Lanes<T> per_step(const Model& model, const int* elements, double dt, double Material::*rate) {
   if (model.materials.size() == 1) return Lanes<T>(static_cast<T>(dt * model.materials[0].*rate));
   return gather_numbers<T>(elements, [&](int e) { return dt * model.materials[e].*rate; });
 }
 
 /// Rotations and stretches of all samples. Returns the elements, a bit each, of which some is not unique.
 template <class V>
-HWY_INLINE std::uint32_t decompose_or_fail(SampleLanes<V>& element) {
+HEXAPLAST_INLINE std::uint32_t decompose_or_fail(SampleLanes<V>& element) {
   std::uint32_t fails = 0;
   for (int first = 0; first < kCorners; first += kAtOnce) {
     polars<kAtOnce>(element.F + first, element.polar + first);
@@ -107,8 +107,8 @@ HWY_INLINE std::uint32_t decompose_or_fail(SampleLanes<V>& element) {
 
 /// Thresholds after the step.
 template <class T>
-HWY_INLINE void harden(const Model& model, const int* elements, const Lanes<T>* fractions, const Lanes<T>* sizes,
-                       HistoryLanes<T, kCorners>& threshold) {
+HEXAPLAST_INLINE void harden(const Model& model, const int* elements, const Lanes<T>* fractions, const Lanes<T>* sizes,
+                             HistoryLanes<T, kCorners>& threshold) {
   for (int part = 0; part < kParts<T>; ++part) {
     const D hardening = gather_numbers(elements + part * D::kCount, [&](int e) { return model.material(e).hardening; });
     for (int i = 0; i < kCorners; ++i)
@@ -129,7 +129,8 @@ struct IsolatedLanes {
 
 /// Gm is found in double precision: it has squares of G.
 template <class T>
-HWY_INLINE void narrow_plastic_inverse(const HistoryLanes<T, 9 * kCorners>& numbers, PlasticLanes<Lanes<T>>& plastic) {
+HEXAPLAST_INLINE void narrow_plastic_inverse(const HistoryLanes<T, 9 * kCorners>& numbers,
+                                             PlasticLanes<Lanes<T>>& plastic) {
   PlasticLanes<D> parts[kParts<T>];
   for (int part = 0; part < kParts<T>; ++part)
     set_plastic_inverse([&](int n) { return numbers.at[n][part]; }, parts[part]);
@@ -149,7 +150,7 @@ HWY_INLINE void narrow_plastic_inverse(const HistoryLanes<T, 9 * kCorners>& numb
 
 /// The same where the samples are known; branch_moduli: sum of g.
 template <class T, bool kRelaxes>
-HWY_NOINLINE std::uint32_t flow_isolated_samples(
+HEXAPLAST_NOINLINE std::uint32_t flow_isolated_samples(
     const Model& model, const Linearization& at, double dt, const History& history, int block, int lane,
     std::uint32_t wanted, const MaterialLanes<Lanes<T>>& of, const int* elements, const SampleLanes<Lanes<T>>& element,
     const IsolatedLanes<Lanes<T>>& isolated, HistoryLanes<T, 9 * kCorners>& plastic_inverse,
@@ -229,9 +230,9 @@ HWY_NOINLINE std::uint32_t flow_isolated_samples(
 /// The elements of one register of which the bits of `wanted` are set: history -> trial, flows. Returns those that it
 /// cannot do.                                                                                          section 5.9
 template <class T>
-HWY_NOINLINE std::uint32_t flow_isolated_lanes(const Model& model, const Linearization& at, double dt,
-                                               const History& history, int block, int lane, std::uint32_t wanted,
-                                               History& trial, ElementFlow* flows) {
+HEXAPLAST_NOINLINE std::uint32_t flow_isolated_lanes(const Model& model, const Linearization& at, double dt,
+                                                     const History& history, int block, int lane, std::uint32_t wanted,
+                                                     History& trial, ElementFlow* flows) {
   using V = Lanes<T>;
   const LaneElements<V> here(*model.partition, block, lane);
   HistoryLanes<T, 9 * kCorners> plastic_inverse(here.number,
@@ -257,14 +258,15 @@ HWY_NOINLINE std::uint32_t flow_isolated_lanes(const Model& model, const Lineari
 }
 
 /// B of a register of elements.                                                                              eq. P13
-HWY_INLINE void branch_stretches(const SampleLanes<D>& element, Sym<D> (&B)[kCorners]) {
+HEXAPLAST_INLINE void branch_stretches(const SampleLanes<D>& element, Sym<D> (&B)[kCorners]) {
   branch_stretches([&](int i) { return element.polar[i].S; }, B);
 }
 
 /// Takes the branches of a register of elements over the step: history -> trial. stress: what they add to that of the
 /// samples then. Returns what they dissipate, times 8 [J/m^3].                                           eq. P13, P19
-HWY_NOINLINE D relax(const Branches& branches, const MaterialLanes<D>& of, const int* elements,
-                     const SampleLanes<D>& element, std::uint32_t wanted, History& trial, Sym<D> (&stress)[kCorners]) {
+HEXAPLAST_NOINLINE D relax(const Branches& branches, const MaterialLanes<D>& of, const int* elements,
+                           const SampleLanes<D>& element, std::uint32_t wanted, History& trial,
+                           Sym<D> (&stress)[kCorners]) {
   Sym<D> change[kCorners], stretch[kCorners];
   branch_stretches(element, stretch);
   load_tensors(
@@ -299,8 +301,8 @@ HWY_NOINLINE D relax(const Branches& branches, const MaterialLanes<D>& of, const
 
 /// Stretch that has flowed leaves the branches too: trial, of the elements whose bits are set. element: samples after
 /// the flow.                                                                                                 eq. P16
-HWY_NOINLINE void relieve_branches(const int* elements, const SampleLanes<D>& element, std::size_t num_branches,
-                                   std::uint32_t yielded, History& trial) {
+HEXAPLAST_NOINLINE void relieve_branches(const int* elements, const SampleLanes<D>& element, std::size_t num_branches,
+                                         std::uint32_t yielded, History& trial) {
   const auto of_stretch = [&](int e) { return trial.branch_stretch[e][0].data(); };
   Sym<D> change[kCorners], stretch[kCorners];
   load_tensors(elements, of_stretch, change);
@@ -318,9 +320,9 @@ HWY_NOINLINE void relieve_branches(const int* elements, const SampleLanes<D>& el
 
 /// Elements with branches, all of which relax: in double precision, in which the history is. section 5.10
 template <bool kGeneral>
-HWY_NOINLINE std::uint32_t relax_lanes(const Model& model, const Linearization& at, double dt, const History& history,
-                                       const Branches& branches, int block, int lane, std::uint32_t wanted,
-                                       History& trial, ElementFlow* flows) {
+HEXAPLAST_NOINLINE std::uint32_t relax_lanes(const Model& model, const Linearization& at, double dt,
+                                             const History& history, const Branches& branches, int block, int lane,
+                                             std::uint32_t wanted, History& trial, ElementFlow* flows) {
   const LaneElements<D> here(*model.partition, block, lane);
   const Settings& settings = model.settings;
   const bool is_isolated = !history.plastic_inverse.empty();

@@ -18,14 +18,14 @@ namespace hexaplast::HWY_NAMESPACE {
 
 /// clamp(rate dt (value - threshold) / size, 0, 1); 0 where value <= threshold.                         eq. 21, 25, 33
 template <class N>
-HWY_INLINE N flow_fraction(N value, N threshold, N rate_dt, N size) {
+HEXAPLAST_INLINE N flow_fraction(N value, N threshold, N rate_dt, N size) {
   const N fraction = min(rate_dt * (value - threshold) / size, N(1.0));
   return select(value > threshold, fraction, N(0.0));
 }
 
 /// max(0, threshold + hardening fraction value); the threshold itself where nothing flows.                   eq. 23, 25
 template <class N>
-HWY_INLINE N hardened(N threshold, N hardening, N fraction, N value) {
+HEXAPLAST_INLINE N hardened(N threshold, N hardening, N fraction, N value) {
   // select: a threshold of infinity times a fraction of zero is no number
   return select(fraction > N(0.0), max(N(0.0), threshold + hardening * fraction * value), threshold);
 }
@@ -37,7 +37,7 @@ struct SeriesLength {
 };
 
 template <class V, std::size_t kLengths>
-HWY_INLINE int terms_for(V size, const SeriesLength (&lengths)[kLengths]) {
+HEXAPLAST_INLINE int terms_for(V size, const SeriesLength (&lengths)[kLengths]) {
   for (const SeriesLength& length : lengths)  // NaN in one lane takes all terms: those beside it are right
     if (hn::AllTrue(typename V::Tag(), size < V(static_cast<typename V::Scalar>(length.size)))) return length.terms;
   return lengths[kLengths - 1].terms;
@@ -49,7 +49,7 @@ HWY_INLINE int terms_for(V size, const SeriesLength (&lengths)[kLengths]) {
 ///
 /// Powers of Z^2 beyond the second are taken down by its characteristic equation: three numbers per term.
 template <class V>
-HWY_INLINE Mat<V> deviatoric_log(const Sym<V>& S, std::uint32_t& fails) {
+HEXAPLAST_INLINE Mat<V> deviatoric_log(const Sym<V>& S, std::uint32_t& fails) {
   using T = typename V::Scalar;
   // x^n / (2 n + 1) is below 2e-17, and in single precision below 1e-8
   static constexpr SeriesLength kDouble[] = {{1e-4, 4}, {2.5e-3, 6}, {0.012, 8}, {0.07, 13}, {0.2, 22}, {0.45, 44}};
@@ -89,7 +89,7 @@ HWY_INLINE Mat<V> deviatoric_log(const Sym<V>& S, std::uint32_t& fails) {
 
 /// Terms of exp M for |M|^2 = size; fails: bit per lane, the series does not suffice.
 template <class V>
-HWY_INLINE int exponential_terms(V size, std::uint32_t& fails) {
+HEXAPLAST_INLINE int exponential_terms(V size, std::uint32_t& fails) {
   using T = typename V::Scalar;
   // the first term left out is below 2e-16, those after it 2e-17; in single precision below 1e-8
   static constexpr SeriesLength kDouble[] = {{1e-5, 5}, {4e-4, 7}, {3e-3, 8}, {0.02, 10}, {0.5, 15}, {3, 24}};
@@ -102,7 +102,7 @@ HWY_INLINE int exponential_terms(V size, std::uint32_t& fails) {
 /// exp M - 1 of a symmetric matrix without trace, by its characteristic equation M^3 = j M + d; fails: bit per lane,
 /// the series does not suffice.                                                                              eq. 54
 template <class V>
-HWY_INLINE Mat<V> expm1(const Mat<V>& M, std::uint32_t& fails) {
+HEXAPLAST_INLINE Mat<V> expm1(const Mat<V>& M, std::uint32_t& fails) {
   const V size = dot(M, M);
   const int terms = exponential_terms(size, fails);
   const V j = V(0.5) * size;
@@ -129,13 +129,13 @@ HWY_INLINE Mat<V> expm1(const Mat<V>& M, std::uint32_t& fails) {
 /// exp(fraction dev log S) - 1, and the logarithm of the power. Lanes need another form, because the search for
 /// eigenvectors branches; tests/plain/plain_test.cpp compares the two.                        eq. 22
 template <class V>
-HWY_INLINE Mat<V> stretch_power(const Sym<V>& S, V fraction, Mat<V>& log, std::uint32_t& fails) {
+HEXAPLAST_INLINE Mat<V> stretch_power(const Sym<V>& S, V fraction, Mat<V>& log, std::uint32_t& fails) {
   log = deviatoric_log(S, fails);
   for (int k = 0; k < 9; ++k) log.m[k / 3][k % 3] *= fraction;
   return expm1(log, fails);
 }
 template <std::same_as<double> N>
-HWY_INLINE Mat<N> stretch_power(const Sym<N>& S, N fraction, Mat<N>& log, std::uint32_t& /*fails*/) {
+HEXAPLAST_INLINE Mat<N> stretch_power(const Sym<N>& S, N fraction, Mat<N>& log, std::uint32_t& /*fails*/) {
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(to_eigen(matrix(S)));
   const Mat3& V = eigen.eigenvectors();
   const Vec3 log_stretch = eigen.eigenvalues().array().log();
@@ -148,8 +148,8 @@ HWY_INLINE Mat<N> stretch_power(const Sym<N>& S, N fraction, Mat<N>& log, std::u
 /// sqrt(2/3) fraction |dev log S|, and the dissipated energy [J/m^3], sigma : fraction dev log S. fails: bit per lane,
 /// the series does not suffice.                                                                     eq. 22, section 5.8
 template <class N>
-HWY_INLINE Mat<N> stretch_increment(const Sym<N>& S, const Sym<N>& sigma, N fraction, N& strain, N& dissipated,
-                                    std::uint32_t& fails) {
+HEXAPLAST_INLINE Mat<N> stretch_increment(const Sym<N>& S, const Sym<N>& sigma, N fraction, N& strain, N& dissipated,
+                                          std::uint32_t& fails) {
   Mat<N> log;
   const Mat<N> increment = stretch_power(S, fraction, log, fails);
   dissipated += dot(matrix(sigma), log);

@@ -16,7 +16,7 @@ namespace hexaplast::HWY_NAMESPACE {
 /// The factor of the lengths of a rest shape: 1 + c dt (1 - beta) within [1/2, 2], and 1 where beta is 1 but for
 /// rounding.                                                                                                   eq. 28
 template <class N>
-HWY_INLINE N restitution_scale(N volume_ratio, N rate_dt) {
+HEXAPLAST_INLINE N restitution_scale(N volume_ratio, N rate_dt) {
   const N one(1.0);
   const N scale = min(max(one + rate_dt * (one - volume_ratio), N(kMinScale)), N(kGreatestScale));
   return select(abs(volume_ratio - one) < N(kVolumeAtRest), one, scale);

@@ -15,7 +15,7 @@ constexpr std::size_t kRun = 1024;  // numbers that are summed in T before the s
 
 /// Calls body(i) for every register of [0, size); size is a multiple of four numbers, slots begin at any of them.
 template <class T, class Body>
-HWY_INLINE void for_each_register(std::size_t size, const Body& body) {
+HEXAPLAST_INLINE void for_each_register(std::size_t size, const Body& body) {
   std::size_t i = 0;
   for (; i + Lanes<T>::kCount <= size; i += Lanes<T>::kCount) body(typename Lanes<T>::Tag(), i);
   if constexpr (Lanes<T>::kCount > 4) {
