@@ -64,16 +64,9 @@ bool LoadedBody::describe(const OperatorFactors& factors, MatrixFreeSystem& syst
   return true;
 }
 
-void LoadedBody::project(Points field) const {
-  require_rows("LoadedBody::project", "field", field, num_nodes());
-  for (const int n : fixed_) field.row(n).setZero();
-}
-
-void LoadedBody::pin(BlockMatrix& A) const {
-  require_count("LoadedBody::pin", "A", A.num_nodes(), num_nodes());
-  for (const int n : fixed_) {
-    for (int axis = 0; axis < 3; ++axis) A.pin(n, axis);
-  }
+void LoadedBody::constrain(Constraints& constraints) const {
+  require_count("LoadedBody::constrain", "constraints", constraints.free.rows(), num_nodes());
+  for (const int n : fixed_) constraints.free.row(n).setZero();
 }
 
 namespace {

@@ -46,7 +46,7 @@ class FreeStiffness final : public LinearSystem {
   bool describe(MatrixFreeSystem& system) const override {
     system.diagonal.resize(num_nodes(), 3);
     for (int n = 0; n < num_nodes(); ++n) system.diagonal.row(n).setConstant(nodal_[n]);
-    system.free.setOnes(num_nodes(), 3);
+    system.constraints.reset(num_nodes());
     body_.describe(-1, system);
     return true;
   }

@@ -165,13 +165,8 @@ bool Bar::release(double, ConstPoints x, ConstPoints v, ConstPoints x_end, Const
   return has_released;
 }
 
-void Bar::project(Points field) const {
-  for (const int n : fixed_) field.row(n).setZero();
-}
-
-void Bar::pin(BlockMatrix& A) const {
-  for (const int n : fixed_)
-    for (int axis = 0; axis < 3; ++axis) A.pin(n, axis);
+void Bar::constrain(Constraints& constraints) const {
+  for (const int n : fixed_) constraints.free.row(n).setZero();
 }
 
 double relative_error(const Eigen::VectorXd& masses, const PointArray& a, const PointArray& b) {

@@ -79,8 +79,7 @@ class Bar final : public MechanicalSystem {
   bool describe(const OperatorFactors& factors, MatrixFreeSystem& system) const override;
   bool release(double time, ConstPoints x, ConstPoints v, ConstPoints x_end, ConstPoints v_end, Points force,
                Points product) override;
-  void project(Points field) const override;
-  void pin(BlockMatrix& A) const override;
+  void constrain(Constraints& constraints) const override;
 
  private:
   class Terms final : public NodalOperator {

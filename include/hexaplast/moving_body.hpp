@@ -47,8 +47,7 @@ class LoadedBody : public MechanicalSystem {
   void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const override;
   bool describe(const OperatorFactors& factors, MatrixFreeSystem& system) const override;
   void add_load(double time, ConstPoints x, ConstPoints v, Points f) override;
-  void project(Points field) const override;
-  void pin(BlockMatrix& A) const override;
+  void constrain(Constraints& constraints) const override;
 
  private:
   Body* body_;

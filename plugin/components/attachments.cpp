@@ -56,17 +56,11 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
   bool may_change(std::string_view attribute) const override { return attribute != "twoWay"; }
 
   void project(OfTwo<Points> field) const override {
-    for (const auto& [first, second] : pairs()) {
-      if (is_two_way_)
-        draw_together(field.first.row(first), field.second.row(second));
-      else
-        field.second.row(second).setZero();
-    }
+    for (const auto& [first, second] : pairs()) draw_together(field.first.row(first), field.second.row(second));
   }
 
-  void pin(BlockMatrix& A) const override {
-    for (const Pair& pair : pairs())
-      for (int axis = 0; axis < 3; ++axis) A.pin(pair.second, axis);
+  void fix(NodeMaskRows second) const override {
+    for (const Pair& pair : pairs()) second.row(pair.second).setZero();
   }
 
   // The first node keeps its position, but not its velocity, in both ways.

@@ -47,20 +47,15 @@ class NodeConstraint : public scene::ProjectiveConstraint, public scene::Changea
     output.set(std::vector<double>(sum.begin(), sum.end()));
   }
 
-  void project(Points field) const override {
-    if (is_active()) clear(field);
-  }
-  void pin(BlockMatrix& A) const override {
-    if (!is_active()) return;
-    for (const int node : nodes_)
-      for (int axis = 0; axis < 3; ++axis)
-        if (held_[axis]) A.pin(node, axis);
+  void fix(NodeMaskRows free) const override {
+    if (is_active()) clear(free);
   }
 
  protected:
   virtual bool is_active() const { return true; }
 
-  void clear(Points field) const {
+  template <class Rows>
+  void clear(Rows field) const {
     for (const int node : nodes_)
       for (int axis = 0; axis < 3; ++axis)
         if (held_[axis]) field(node, axis) = 0;

@@ -98,7 +98,7 @@ void NodeSystem::find_constraints() {
 void NodeSystem::require_commuting() {
   constraints_changed_ = false;
   for (const Constraint& constraint : constraints_)
-    if (constraint.of_two && constraint.of_two->couples()) require_commuting(constraint);
+    if (constraint.couples()) require_commuting(constraint);
 }
 
 /// Projections of which one undoes what the other has done make none together.
@@ -128,7 +128,7 @@ void NodeSystem::require_matrix(const std::string& why) const {
                     fmt::format("leads to '{}', which follows another state: no matrix has that, {}",
                                 component_of(*interaction.states[end]).name(), hint));
   for (const Constraint& constraint : constraints_)
-    if (constraint.of_two && constraint.of_two->couples())
+    if (constraint.couples())
       component_of(*constraint.of_two)
           .reject("twoWay", fmt::format("ties nodes in both ways: no matrix has that, {}", hint));
 }

@@ -155,7 +155,9 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
     velocity_before_ = system().velocities();
     damping_force_.resize(velocity_before_.rows(), 3);
     system().damping_force(time, system().positions(), velocity_before_, damping_force_);
-    system().project(damping_force_);
+    constraints_.reset(system().num_nodes());
+    system().constrain(constraints_);
+    constraints_.project(damping_force_);
   }
 
   /// What explicit damping adds to the kinetic energy in a step that ends with v: below zero, unless velocities come
@@ -211,6 +213,7 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
   Pending pending_ = Pending::kNothing;         // what the balance has to learn of
   PointArray stepped_to_;                       // [m] before supports moved nodes
   PointArray velocity_before_, damping_force_;  // [m/s] and [N], where something damps explicitly
+  Constraints constraints_;                     // scratch
   double damping_gain_ = 0;                     // [J] by explicit damping, and not below -largest_kinetic_
   double largest_kinetic_ = 0;                  // [J] so far
   bool has_warned_of_damping_ = false;

@@ -5,12 +5,6 @@
 #include "base/require.hpp"
 
 namespace hexaplast {
-namespace {
-
-double number(Eigen::Index node, int axis) { return 0.5 + irregular_number(3 * node + axis); }
-
-}  // namespace
-
 void SolveReport::add(const SolveReport& again) {
   iterations += again.iterations;
   residual = again.residual;
@@ -26,24 +20,19 @@ PointArray irregular_numbers(int num_nodes) {
   return numbers;
 }
 
-void MatrixFreeSystem::begin_free(int num_nodes) {
-  free.setOnes(num_nodes, 3);
-  couples_coordinates = false;
+void Constraints::project(Points field) const {
+  require_rows("Constraints::project", "field", field, static_cast<int>(free.rows()));
+  for (Eigen::Index n = 0; n < free.rows(); ++n)
+    for (int axis = 0; axis < 3; ++axis)
+      if (!free(n, axis)) field(n, axis) = 0;
+  if (projector) projector->project(field);
 }
 
-void MatrixFreeSystem::fill_axis(int axis) {
-  scratch.setZero(free.rows(), 3);
-  for (Eigen::Index n = 0; n < scratch.rows(); ++n) scratch(n, axis) = number(n, axis);
-}
-
-void MatrixFreeSystem::take_free(int axis) {
-  for (Eigen::Index n = 0; n < scratch.rows(); ++n) {
-    if (scratch(n, axis) == 0)
-      free(n, axis) = 0;
-    else
-      scratch(n, axis) -= number(n, axis);
-  }
-  couples_coordinates = couples_coordinates || !scratch.isZero(0);
+void Constraints::pin(BlockMatrix& A) const {
+  require_count("Constraints::pin", "A", A.num_nodes(), static_cast<int>(free.rows()));
+  for (Eigen::Index n = 0; n < free.rows(); ++n)
+    for (int axis = 0; axis < 3; ++axis)
+      if (!free(n, axis)) A.pin(static_cast<int>(n), axis);
 }
 
 void require_sizes(const LinearSystem& A, ConstPoints b, ConstPoints x) {

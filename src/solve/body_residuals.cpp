@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/irregular_field.hpp"
 #include "hexaplast/base/parallel.hpp"
 
 namespace hexaplast {
@@ -15,12 +14,12 @@ constexpr double kNothingInDouble = 1e-10, kNothingInSingle = 1e-8;
 
 }  // namespace
 
-void BodyResiduals::setup(const LinearSystem& A, const MatrixFreeSystem& system, ConstPoints b) {
+void BodyResiduals::setup(const MatrixFreeSystem& system, ConstPoints b) {
   system_ = &system;
   parts_.clear();
   if (system.parts.size() < 2) return;
   for (const NodeGroup& nodes : system.parts) parts_.push_back({nodes, parts_.size()});
-  if (system.couples_coordinates) join_coupled(A, system);
+  for (const auto& [first, second] : system.constraints.ties) join(part_of(first).body, part_of(second).body);
   if (std::ranges::all_of(parts_, [](const Part& part) { return part.body == 0; })) return parts_.clear();
 
   norm_b_ = std::sqrt(dot(b, b));
@@ -34,22 +33,14 @@ void BodyResiduals::setup(const LinearSystem& A, const MatrixFreeSystem& system,
   }
 }
 
-/// Constraints couple two parts where they move nodes of one by what moves the other.
-void BodyResiduals::join_coupled(const LinearSystem& A, const MatrixFreeSystem& system) {
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
-    const auto [first, count] = parts_[i].nodes;
-    product_.resize(system.free.rows(), 3);
-    fill_irregularly(product_);
-    product_.topRows(first).setZero();
-    product_.bottomRows(product_.rows() - first - count).setZero();
-    A.project(product_);
-    for (std::size_t k = 0; k < parts_.size(); ++k) {
-      if (parts_[k].nodes.rows(product_).isZero(0)) continue;
-      const auto [joined, gone] = std::minmax(parts_[i].body, parts_[k].body);
-      for (Part& part : parts_)
-        if (part.body == gone) part.body = joined;
-    }
-  }
+const BodyResiduals::Part& BodyResiduals::part_of(int node) const {
+  return *std::ranges::find_if(parts_,
+                               [&](const Part& part) { return node < part.nodes.first_node + part.nodes.num_nodes; });
+}
+
+void BodyResiduals::join(std::size_t a, std::size_t b) {
+  for (Part& part : parts_)
+    if (part.body == std::max(a, b)) part.body = std::min(a, b);
 }
 
 double BodyResiduals::size(ConstPoints r, ConstPoints x, double unit) {
@@ -57,7 +48,7 @@ double BodyResiduals::size(ConstPoints r, ConstPoints x, double unit) {
   for (Norms& norms : norms_) norms.transmitted = norms.residual = 0;
   product_.setZero(x.rows(), 3);
   for (const NodalTerm& other : system_->others) other.add_product(x, product_);
-  product_ = product_.cwiseProduct(system_->free.cast<double>());
+  product_ = product_.cwiseProduct(system_->constraints.free.cast<double>());
   for (const Part& part : parts_) {
     Norms& norms = norms_[part.body];
     const ConstPoints product(part.nodes.rows(product_)), rows(part.nodes.rows(r));

@@ -17,7 +17,7 @@ namespace hexaplast {
 class BodyResiduals {
  public:
   /// For a system, which outlives the calls of `size`, and its right-hand side.
-  void setup(const LinearSystem& A, const MatrixFreeSystem& system, ConstPoints b);
+  void setup(const MatrixFreeSystem& system, ConstPoints b);
 
   /// That of r and x times `unit`; 0 where there are not several bodies. x may be a correction to that of `size_at`.
   double size(ConstPoints r, ConstPoints x, double unit);
@@ -26,8 +26,6 @@ class BodyResiduals {
   double size_at(ConstPoints r, ConstPoints x);
 
  private:
-  void join_coupled(const LinearSystem& A, const MatrixFreeSystem& system);
-
   struct Part {
     NodeGroup nodes;
     std::size_t body = 0;  // the first of the parts that are one with it
@@ -36,6 +34,9 @@ class BodyResiduals {
     double load = 0, corrected = 0;  // |b_i|, and |(F x)_i| of `size_at`
     double transmitted = 0, residual = 0;
   };
+  const Part& part_of(int node) const;
+  void join(std::size_t a, std::size_t b);
+
   const MatrixFreeSystem* system_ = nullptr;
   double norm_b_ = 0, nothing_ = 0;
   std::vector<Part> parts_;   // empty: not several bodies

@@ -160,7 +160,8 @@ void SlotCgSpace<T>::setup(const MatrixFreeSystem& system, bool scaled, SlotPrec
   for (AlignedVector<T>* vector : {&x_, &r_, &p_, &Ap_, &diagonal_}) vector->resize(size, T(0));
   partial_.resize(partition.num_chunks);
   to_slots(partition, system.diagonal, diagonal_);
-  fixed_.find(partition, [&](int slot, int axis) { return system.free(partition.node_of_slot[slot], axis) == 0; });
+  fixed_.find(partition,
+              [&](int slot, int axis) { return system.constraints.free(partition.node_of_slot[slot], axis) == 0; });
   if (preconditioner) z_.resize(size, T(0));
   if (!scaled) return;
   inverse_.resize(size, T(0));
@@ -286,7 +287,8 @@ namespace {
 /// r, a product of bodies and other terms with x, becomes the residual on the free degrees of freedom. Returns |r|.
 double finish_residual(const MatrixFreeSystem& system, ConstPoints b, ConstPoints x, PointArray& r) {
   parallel_for(static_cast<int>(b.rows()), [&](int n) {
-    for (int i = 0; i < 3; ++i) r(n, i) = system.free(n, i) * (b(n, i) - system.diagonal(n, i) * x(n, i) - r(n, i));
+    for (int i = 0; i < 3; ++i)
+      r(n, i) = system.constraints.free(n, i) * (b(n, i) - system.diagonal(n, i) * x(n, i) - r(n, i));
   });
   return std::sqrt(dot(r, r));
 }
@@ -312,8 +314,7 @@ double SlotCgSpace<T>::residual_beside_others(const MatrixFreeSystem& system, Co
   return finish_residual(system, b, x, r);
 }
 
-double exact_residual(const LinearSystem& A, const MatrixFreeSystem& system, ConstPoints b, ConstPoints x,
-                      PointArray& r) {
+double exact_residual(const MatrixFreeSystem& system, ConstPoints b, ConstPoints x, PointArray& r) {
   r.setZero(b.rows(), 3);  // the product, first
   for (const NodalTerm& other : system.others) other.add_product(x, r);
   for (const KernelBody& body : system.bodies) {
@@ -331,8 +332,8 @@ double exact_residual(const LinearSystem& A, const MatrixFreeSystem& system, Con
     });
   }
   const double norm = finish_residual(system, b, x, r);
-  if (!system.couples_coordinates) return norm;
-  A.project(r);
+  if (!system.constraints.projector) return norm;
+  system.constraints.project(r);
   return std::sqrt(dot(r, r));
 }
 

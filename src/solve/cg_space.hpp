@@ -227,9 +227,8 @@ class SlotCgSpace final : public CgSpace {
   PointArray field_, product_;  // num_nodes x 3, for the terms beside the body
 };
 
-/// r = b - A x of the MatrixFreeSystem of A, in double precision: by exact operators where products are in single. x is
+/// r = b - A x of a MatrixFreeSystem, in double precision: by exact operators where products are in single. x is
 /// none of r and the system's scratch, b is not r. Returns |r|.
-double exact_residual(const LinearSystem& A, const MatrixFreeSystem& system, ConstPoints b, ConstPoints x,
-                      PointArray& r);
+double exact_residual(const MatrixFreeSystem& system, ConstPoints b, ConstPoints x, PointArray& r);
 
 }  // namespace hexaplast

@@ -71,16 +71,17 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
     }
   const int num_solvers = num_threads();
   while (static_cast<int>(solvers_.size()) < num_solvers) solvers_.emplace_back(1e-3, kMaxPerRow, preconditioner_);
-  bool is_parallel = true, couples = false;
+  bool is_parallel = true;
+  const Constraints* ties = nullptr;
   double error = energy_error_;
   for (int k = 0; k < num_solvers && is_parallel; ++k) {
     const PreparedSystem prepared = solvers_[k].prepare(A);
     if (!prepared.is_near_inverse) error = kOfFarInverse * energy_error_;
-    couples = prepared.couples_coordinates;
+    ties = prepared.ties;
     is_parallel = prepared.is_concurrent;
   }
-  if (couples)
-    for (int j = 0; j < num_rows; ++j) A.project(field_of(b_, j));
+  if (ties)
+    for (int j = 0; j < num_rows; ++j) ties->project(field_of(b_, j));
 
   // each begins with the nearest combination of the solutions before
   const bool has_previous = x_.cols() > 0 && x_.rows() == size;

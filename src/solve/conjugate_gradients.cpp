@@ -69,7 +69,7 @@ SolveReport ConjugateGradients::solve_next(const LinearSystem& A, ConstPoints b,
   report.residual = std::sqrt(r_r) / norm_b;
   // what products with rounded coefficients leave is not what the system leaves; where nobody asks, it costs nothing
   if (spaces_->rounds && settings_.tolerance > 0)
-    report.residual = exact_residual(A, spaces_->system, b, x, spaces_->system.scratch) / norm_b;
+    report.residual = exact_residual(spaces_->system, b, x, spaces_->system.scratch) / norm_b;
   report.converged = report.converged || report.residual <= settings_.tolerance;
   // a tolerance of 0 asks for iterations, of which a threshold may spare the last ones, and not all
   if (settings_.tolerance > 0 ? report.residual <= settings_.tolerance : report.iterations > 0)

@@ -24,6 +24,8 @@ SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, 
   require_rows("ImplicitEuler::step", "x", x, system.num_nodes());
   require_rows("ImplicitEuler::step", "v", v, system.num_nodes());
   system.set_time_step(dt);
+  constraints_.reset(system.num_nodes());
+  system.constrain(constraints_);
   const double h = dt, ah = settings_.trapezoidal ? h / 2 : h;
   const double rM = settings_.rayleigh_mass, rK = settings_.rayleigh_stiffness;
   const bool first_order = settings_.first_order;
@@ -37,14 +39,14 @@ SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, 
     system.add_product({.mass = -rM, .damping = 0, .stiffness = ah + rK}, v, right_hand_side_);
     right_hand_side_ *= h;
   }
-  system.project(right_hand_side_);
+  constraints_.project(right_hand_side_);
   require_finite(right_hand_side_, "force");  // before the solver, which would spread it over all nodes
 
   // A = (1 + a h rM) M - a h B - a h (a h + rK) K                                                             eq. 40
   const OperatorFactors factors =
       first_order ? OperatorFactors{.mass = 1, .damping = 0, .stiffness = -ah}
                   : OperatorFactors{.mass = 1 + ah * rM, .damping = -ah, .stiffness = -ah * (ah + rK)};
-  const ConstrainedOperator A(system, factors);
+  const ConstrainedOperator A(system, factors, constraints_);
   const SolveReport report =
       solve(solver, A, right_hand_side_, velocity_, memory_, [&](const PointArray& dv, PointArray& b) {
         released_.setZero(x.rows(), 3);
@@ -54,9 +56,7 @@ SolveReport ImplicitEuler::step(MechanicalSystem& system, LinearSolver& solver, 
         end_ = x + h * end_velocity_;
         if (!system.release(time, x, v, end_, end_velocity_, released_, released_product_)) return false;
         if (measures_energy_) force_ += released_;
-        add_released(
-            first_order ? 1 : h, first_order ? 0 : ah + rK, released_, released_product_,
-            [&](Points field) { system.project(field); }, b);
+        add_released(first_order ? 1 : h, first_order ? 0 : ah + rK, released_, released_product_, constraints_, b);
         return true;
       });
 
@@ -131,7 +131,7 @@ StepEnergy ImplicitEuler::energy_of_step(MechanicalSystem& system, double time, 
   energy.numerical_loss += (settings_.trapezoidal ? h / 4 : -h / 2) * work(product_);
 
   product_ = force_;
-  system.project(product_);
+  constraints_.project(product_);
   force_ -= product_;
   energy.support_work = -work(force_);  //                                                                     eq. 45
 

@@ -399,28 +399,41 @@ void LayeredSystem::project_motion(double time) const {
   follow();
 }
 
-void LayeredSystem::project(const Constraint& constraint, Points field) const {
-  const Layer &first = layers_[constraint.layers[0]], &second = layers_[constraint.layers[1]];
+void LayeredSystem::constrain(Constraints& constraints) const {
+  for (const Constraint& constraint : constraints_) {
+    if (!constraint.couples()) {
+      fix(constraint, constraints.free);
+      continue;
+    }
+    constraints.projector = this;
+    constraints.ties.push_back({layers_[constraint.layers[0]].first_node, layers_[constraint.layers[1]].first_node});
+  }
+}
+
+void LayeredSystem::fix(const Constraint& constraint, NodeMask& free) const {
+  const Layer& layer = layers_[constraint.layers[1]];
+  const NodeMaskRows rows = free.middleRows(layer.first_node, layer.state->num_nodes());
   if (constraint.of_one)
-    constraint.of_one->project(rows_of(first, field));
+    constraint.of_one->fix(rows);
   else
-    constraint.of_two->project({part_of(first, field, &Layer::f), rows_of(second, field)});
+    constraint.of_two->fix(rows);
+}
+
+void LayeredSystem::project(const Constraint& constraint, Points field) const {
+  if (constraint.couples()) {
+    const Layer &first = layers_[constraint.layers[0]], &second = layers_[constraint.layers[1]];
+    constraint.of_two->project({rows_of(first, field), rows_of(second, field)});
+  } else {
+    Constraints fixed;
+    fixed.reset(num_nodes_);
+    fix(constraint, fixed.free);
+    fixed.project(field);
+  }
 }
 
 void LayeredSystem::project(Points field) const {
-  for (const Constraint& constraint : constraints_) project(constraint, field);
-}
-
-void LayeredSystem::pin(BlockMatrix& A) const {
-  for (const Constraint& constraint : constraints_) {
-    const Layer& layer = layers_[constraint.layers[1]];
-    A.set_range(layer.first_node, layer.state->num_nodes());
-    if (constraint.of_one)
-      constraint.of_one->pin(A);
-    else
-      constraint.of_two->pin(A);
-  }
-  A.set_whole_range();
+  for (const Constraint& constraint : constraints_)
+    if (constraint.couples()) project(constraint, field);
 }
 
 }  // namespace hexaplast

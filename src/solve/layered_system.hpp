@@ -13,7 +13,7 @@ namespace hexaplast {
 /// A mechanical system over states, of which some follow others by mappings: sums over the masses and forces of each.
 /// The states that follow none are one behind the other. What acts on a state that follows is carried up by its
 /// mapping. Whoever derives from it fills in what there is.
-class LayeredSystem : public MechanicalSystem {
+class LayeredSystem : public MechanicalSystem, private Projector {
  public:
   LayeredSystem(const LayeredSystem&) = delete;
 
@@ -28,8 +28,7 @@ class LayeredSystem : public MechanicalSystem {
   bool release(double time, ConstPoints x, ConstPoints v, ConstPoints x_end, ConstPoints v_end, Points force,
                Points product) override;
   void prescribe(double time, Points x, Points v) const override;
-  void project(Points field) const override;
-  void pin(BlockMatrix& A) const override;
+  void constrain(Constraints& constraints) const override;
 
   /// Of all independent states.
   const PointArray& positions();   ///< valid until the next call
@@ -98,6 +97,8 @@ class LayeredSystem : public MechanicalSystem {
     const NodalConstraint* of_one = nullptr;
     const PairConstraint* of_two = nullptr;
     std::array<std::size_t, 2> layers = {};  // of_two: the first one may follow; otherwise the same one twice
+
+    bool couples() const { return of_two && of_two->couples(); }
   };
 
   /// Independent ones first, then each behind the one that it follows.
@@ -108,7 +109,7 @@ class LayeredSystem : public MechanicalSystem {
 
   std::size_t layer_of(const NodalState* state) const;  ///< kAtRest: it is none of the system's
   std::span<Layer> roots() const { return {layers_.data(), num_roots_}; }
-  void project(const Constraint& constraint, Points field) const;
+  void project(const Constraint& constraint, Points field) const;  ///< field = what the one constraint leaves of it
 
   template <class Field>
   Field rows_of(const Layer& root, Field of_all) const {
@@ -141,6 +142,9 @@ class LayeredSystem : public MechanicalSystem {
     ConstPoints of_all;
     PointArray Layer::*scratch;
   };
+
+  void fix(const Constraint& constraint, NodeMask& free) const;  // where it does not couple
+  void project(Points field) const override;                     // what those that couple leave
 
   std::span<Layer> followers() const { return std::span(layers_).subspan(num_roots_); }
 

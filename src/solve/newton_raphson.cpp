@@ -18,16 +18,15 @@ namespace {
 // The initial residual may itself be no more than rounding, which the next ones exceed by a little.
 constexpr double kOfInitial = 2;
 
-/// Nodes on which the stiffness does not act, as those are whose elements are all gone. A displacement without any
-/// regularity moves a force at every other node.
-void find_unsupported(const MechanicalSystem& system, PointArray& displacement, PointArray& product,
-                      std::vector<int>& unsupported) {
+/// Holds the nodes on which the stiffness does not act, as those are whose elements are all gone. A displacement
+/// without any regularity moves a force at every other node.
+void hold_unsupported(const MechanicalSystem& system, PointArray& displacement, PointArray& product,
+                      Constraints& constraints) {
   fill_irregularly(displacement);
   product.setZero();
   system.add_product({.mass = 0, .damping = 0, .stiffness = -1}, displacement, product);
-  unsupported.clear();
   for (int n = 0; n < product.rows(); ++n)
-    if (product.row(n).isZero(0)) unsupported.push_back(n);
+    if (product.row(n).isZero(0)) constraints.free.row(n).setZero();
 }
 
 }  // namespace
@@ -36,13 +35,9 @@ NewtonReport NewtonRaphson::solve(MechanicalSystem& system, LinearSolver& solver
   require_rows("NewtonRaphson::solve", "x", x, system.num_nodes());
   system.set_time_step(std::numeric_limits<double>::infinity());
   const auto norm = [](ConstPoints field) { return std::sqrt(dot(field, field)); };
-  const auto project = [&](PointArray& f) {
-    system.project(f);
-    for (const int n : unsupported_) f.row(n).setZero();
-  };
   const auto residual_at = [&](ConstPoints at, PointArray& f) {
     system.compute_force(time, at, velocity_, f);
-    project(f);
+    constraints_.project(f);
     return norm(f);
   };
   // a threshold of 0 is never met, not even by 0
@@ -57,8 +52,10 @@ NewtonReport NewtonRaphson::solve(MechanicalSystem& system, LinearSolver& solver
 
   NewtonReport report;
   system.compute_force(time, position_, velocity_, force_);
-  find_unsupported(system, increment_, trial_force_, unsupported_);
-  project(force_);
+  constraints_.reset(system.num_nodes());
+  system.constrain(constraints_);
+  hold_unsupported(system, increment_, trial_force_, constraints_);
+  constraints_.project(force_);
   report.initial_residual = report.residual = norm(force_);
   if (report.residual == 0 || below(report.residual, settings_.absolute_residual)) {
     report.status = NewtonStatus::kEquilibrium;
@@ -67,7 +64,7 @@ NewtonReport NewtonRaphson::solve(MechanicalSystem& system, LinearSolver& solver
 
   while (report.iterations < settings_.iterations && report.status == NewtonStatus::kNotConverged) {
     ++report.iterations;
-    const ConstrainedOperator A(system, {.mass = 0, .damping = 0, .stiffness = -1}, unsupported_);
+    const ConstrainedOperator A(system, {.mass = 0, .damping = 0, .stiffness = -1}, constraints_);
     const SolveReport solved = solver.solve_next(A, force_, increment_, memory_);
     report.linear_iterations += solved.iterations;
     report.preconditioner = solved.preconditioner;

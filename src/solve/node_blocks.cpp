@@ -50,7 +50,7 @@ void LumpedTerms::find(const MatrixFreeSystem& system, std::span<const NodeGroup
     columns_[axis].setZero(num_nodes, 3);
     for (std::size_t g = 0; g < groups.size(); ++g) {
       const NodeGroup& group = groups[g];
-      group.rows(unit_).col(axis) = group.rows(system.free).col(axis).cast<double>();
+      group.rows(unit_).col(axis) = group.rows(system.constraints.free).col(axis).cast<double>();
       product_.setZero(num_nodes, 3);
       for (const NodalTerm& other : system.others)
         if (!other.op->has_diagonal()) other.add_product(unit_, product_);
@@ -62,7 +62,7 @@ void LumpedTerms::find(const MatrixFreeSystem& system, std::span<const NodeGroup
   for (int n = 0; n < num_nodes; ++n) {
     Mat3 block;
     for (int axis = 0; axis < 3; ++axis) block.col(axis) = columns_[axis].row(n).transpose();
-    const Vec3 is_free = system.free.row(n).transpose().cast<double>();
+    const Vec3 is_free = system.constraints.free.row(n).transpose().cast<double>();
     block = is_free.asDiagonal() * Mat3((block + block.transpose()) / 2) * is_free.asDiagonal();
     if (block.isDiagonal(0))
       diagonal_.row(n) += block.diagonal().cwiseMax(0).transpose();

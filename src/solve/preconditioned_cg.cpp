@@ -164,7 +164,7 @@ struct PreconditionedConjugateGradients::Spaces {
     const NodalPart rest = nodal_part();
     chosen = cycles ? PreconditionedBy::kMultigrid : PreconditionedBy::kDiagonal;
     if (!system.has_one_body()) {
-      several.setup(A, system, rest, system.others.empty() ? nullptr : &lumped, cycles);
+      several.setup(system, rest, system.others.empty() ? nullptr : &lumped, cycles);
       const bool is_single = std::ranges::any_of(system.bodies, [](const KernelBody& b) { return !b.double_operator; });
       nodal.setup(A, true, &several, is_single ? CgSpace::kSingleRounding : CgSpace::kDoubleRounding, &bodies);
       return nodal;
@@ -183,7 +183,7 @@ struct PreconditionedConjugateGradients::Spaces {
 
   NodalPart nodal_part() const {
     return {.diagonal = system.others.empty() ? system.diagonal : lumped.diagonal(),
-            .free = system.free,
+            .free = system.constraints.free,
             .blocks = system.others.empty() ? std::span<const NodeBlock>() : std::span(lumped.blocks()),
             .own_diagonal = system.others.empty() ? nullptr : &system.diagonal};
   }
@@ -313,7 +313,7 @@ PreparedSystem PreconditionedConjugateGradients::prepare(const LinearSystem& A) 
   PreconditionedBy& preconditioner = spaces_->preconditioned_by;
   spaces_->latest = &spaces_->choose(A, preconditioner_, nullptr, preconditioner);
   const MatrixFreeSystem& system = spaces_->system;
-  prepared.couples_coordinates = system.couples_coordinates;
+  if (system.constraints.projector) prepared.ties = &system.constraints;
   prepared.is_near_inverse = preconditioner == PreconditionedBy::kMultigrid && system.is_one_body();
   prepared.is_concurrent = preconditioner != PreconditionedBy::kNothing && system.is_one_body();
   return prepared;
@@ -373,17 +373,19 @@ SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, Con
   report.preconditioner = spaces_->preconditioned_by;
   // where forces cancel, constraints that couple coordinates leave as much outside of their range as the forces round
   // to; a second time they leave the rounding of what is left
-  if (spaces_->system.couples_coordinates) {
+  const Constraints& constraints = spaces_->system.constraints;
+  const bool has_ties = constraints.projector;
+  if (has_ties) {
     spaces_->right_hand_side = given;
-    A.project(spaces_->right_hand_side);
+    constraints.project(spaces_->right_hand_side);
   }
-  const ConstPoints b = spaces_->system.couples_coordinates ? ConstPoints(spaces_->right_hand_side) : given;
-  spaces_->bodies.setup(A, spaces_->system, b);
+  const ConstPoints b = has_ties ? ConstPoints(spaces_->right_hand_side) : given;
+  spaces_->bodies.setup(spaces_->system, b);
   const double enough = std::max(tolerance_, A.rounding() / norm_b);
   const bool is_single = spaces_->refines(), refines = is_single && enough < kSingleSuffices;
   PointArray &r = spaces_->system.scratch, &correction = spaces_->correction;
   const auto size_of_exact_residual = [&](ConstPoints at) {
-    const double norm = exact_residual(A, spaces_->system, b, at, r);
+    const double norm = exact_residual(spaces_->system, b, at, r);
     return std::max(norm, spaces_->bodies.size_at(r, at));
   };
 
@@ -407,8 +409,8 @@ SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, Con
   };
   if (refines) {
     if (start) {
-      x = start->cwiseProduct(spaces_->system.free.cast<double>());
-      if (spaces_->system.couples_coordinates) A.project(x);
+      x = *start;
+      constraints.project(x);
     } else {
       x.setZero();
     }

@@ -54,7 +54,7 @@ const std::vector<NodeGroup>& SeveralBodies::find_groups(const MatrixFreeSystem&
     const NodeGroup group{part.first_node, static_cast<int>(part.stiffness.rows())};
     const auto same = [&](const Candidate& other) { return other.group.first_node == group.first_node; };
     if (std::ranges::any_of(candidates_, same)) continue;
-    candidates_.push_back(Candidate{group, group.rows(system.free).minCoeff() == 0, part.stiffness.mean()});
+    candidates_.push_back(Candidate{group, group.rows(system.constraints.free).minCoeff() == 0, part.stiffness.mean()});
   }
   std::ranges::sort(candidates_, {}, [](const Candidate& candidate) {
     return std::tuple(candidate.is_held, candidate.stiffness, candidate.group.first_node);
@@ -75,11 +75,9 @@ const std::vector<NodeGroup>& SeveralBodies::find_groups(const MatrixFreeSystem&
   return groups_;
 }
 
-void SeveralBodies::setup(const LinearSystem& A, const MatrixFreeSystem& system, const NodalPart& rest,
-                          const LumpedTerms* lumped, bool cycles) {
-  A_ = &A;
+void SeveralBodies::setup(const MatrixFreeSystem& system, const NodalPart& rest, const LumpedTerms* lumped,
+                          bool cycles) {
   system_ = &system;
-  couples_coordinates_ = system.couples_coordinates;
   ties_.clear();
   for (std::size_t g = 0; lumped && g < groups_.size(); ++g) ties_.push_back(lumped->ties(g));
   if (std::ranges::none_of(ties_, [](bool is_tied) { return is_tied; })) ties_.clear();
@@ -155,14 +153,14 @@ void SeveralBodies::apply(const PointArray& r, PointArray& z) {
       groups_[g].rows(z) += groups_[g].rows(product_);
     }
   }
-  if (couples_coordinates_) A_->project(z);
+  if (system_->constraints.projector) system_->constraints.project(z);
 }
 
 /// r -= F z, of the terms beside the bodies.
 void SeveralBodies::subtract_ties(const PointArray& z, PointArray& r) {
   product_.setZero(r.rows(), 3);
   for (const NodalTerm& other : system_->others) other.add_product(z, product_);
-  r -= product_.cwiseProduct(system_->free.cast<double>());
+  r -= product_.cwiseProduct(system_->constraints.free.cast<double>());
 }
 
 /// z = B r in the rows of a group.

@@ -32,8 +32,7 @@ class SeveralBodies final : public NodalPreconditioner {
 
   /// lumped: made with these groups; null: there are no other terms. rest: the system's diagonal and what stands for
   /// its other terms. `cycles`: whether bodies with coarse meshes get V-cycles.
-  void setup(const LinearSystem& A, const MatrixFreeSystem& system, const NodalPart& rest, const LumpedTerms* lumped,
-             bool cycles);
+  void setup(const MatrixFreeSystem& system, const NodalPart& rest, const LumpedTerms* lumped, bool cycles);
   void apply(const PointArray& r, PointArray& z) override;
 
  private:
@@ -63,8 +62,6 @@ class SeveralBodies final : public NodalPreconditioner {
   void apply_to(const NodeGroup& group, const PointArray& r, PointArray& z);
   void subtract_ties(const PointArray& z, PointArray& r);
 
-  const LinearSystem* A_ = nullptr;
-  bool couples_coordinates_ = false;
   std::vector<Part> parts_;  // of the bodies; those of an earlier system behind them
   std::size_t num_parts_ = 0;
   Eigen::VectorXd weight_of_rest_, sum_;

@@ -215,7 +215,7 @@ TEST_F(SizesOfCalls, OfSystemsAndIntegrators) {
        [&](PointArray& wrong) { LoadedBody(body, std::vector<double>(wrong.rows(), 1), {}, {}); }},
       {"LoadedBody::add_product", "dx", kRows, [&](PointArray& wrong) { system.add_product({.mass = 1}, wrong, f); }},
       {"LoadedBody::add_product", "df", kRows, [&](PointArray& wrong) { system.add_product({.mass = 1}, x, wrong); }},
-      {"LoadedBody::project", "field", kRows, [&](PointArray& wrong) { system.project(wrong); }},
+      {"Constraints::project", "field", kRows, [&](PointArray& wrong) { constraints_of(system).project(wrong); }},
       {"linearize", "x", kRows, [&](PointArray& wrong) { system.compute_force(0, wrong, v, f); }},
       {"add_force", "f", kRows, [&](PointArray& wrong) { system.compute_force(0, x, v, wrong); }},
       {"ImplicitEuler::step", "x", kRows, [&](PointArray& wrong) { euler.step(system, solver, 0, kStep, wrong, v); }},

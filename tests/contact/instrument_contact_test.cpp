@@ -209,8 +209,6 @@ class Peeling final : public MechanicalSystem {
     add(1);
     return has_released;
   }
-  void project(Points) const override {}
-  void pin(BlockMatrix&) const override {}
 
   ContactTerms contact;
   int num_tries = 0;

@@ -31,8 +31,6 @@ class Oscillator final : public MechanicalSystem {
     df += (factors.mass - factors.stiffness * stiffness_) * dx;
   }
   void add_blocks(const OperatorFactors&, BlockMatrix&) const override {}
-  void project(Points) const override {}
-  void pin(BlockMatrix&) const override {}
 
  private:
   double stiffness_;

@@ -12,6 +12,7 @@
 #include "hexaplast/solve/newton_raphson.hpp"
 #include "layout/chunked_operator.hpp"
 #include "mesh/lumped_mass.hpp"
+#include "solve/constrained_operator.hpp"
 #include "support/compare.hpp"
 #include "support/random.hpp"
 #include "support/shapes.hpp"
@@ -25,36 +26,23 @@ using support::refuses;
 /// m M + k K of a body, as the kernels see it.
 class BodySystem final : public LinearSystem {
  public:
-  BodySystem(const LoadedBody& body, const OperatorFactors& factors) : body_(body), factors_(factors) {}
-  int num_nodes() const override { return body_.num_nodes(); }
-  void apply(ConstPoints p, Points Ap) const override {
-    Ap.setZero();
-    body_.add_product(factors_, p, Ap);
-    body_.project(Ap);
-  }
-  void assemble(BlockMatrix& A) const override {
-    body_.add_blocks(factors_, A);
-    body_.pin(A);
-  }
-  bool describe(MatrixFreeSystem& system) const override {
-    system.diagonal.setZero(num_nodes(), 3);
-    body_.describe(factors_, system);
-    PointArray free = PointArray::Ones(num_nodes(), 3);
-    body_.project(free);
-    system.free = free.cast<unsigned char>();
-    return true;
-  }
+  BodySystem(const LoadedBody& body, const OperatorFactors& factors)
+      : constraints_(constraints_of(body)), A_(body, factors, constraints_) {}
+  int num_nodes() const override { return A_.num_nodes(); }
+  void apply(ConstPoints p, Points Ap) const override { A_.apply(p, Ap); }
+  void assemble(BlockMatrix& A) const override { A_.assemble(A); }
+  bool describe(MatrixFreeSystem& system) const override { return A_.describe(system); }
 
  private:
-  const LoadedBody& body_;
-  OperatorFactors factors_;
+  Constraints constraints_;
+  ConstrainedOperator A_;
 };
 
 class KernelSolvers : public testing::TestWithParam<std::pair<Precision, Preconditioner>> {
  protected:
   KernelSolvers() {
     body.linearize(X);
-    held.project(b);
+    constraints_of(held).project(b);
   }
 
   static constexpr int kNodes = 9 * 9 * 9;  // large enough for coarse meshes
@@ -77,7 +65,7 @@ TEST(ConjugateGradients, ReportTheTrueResidualOfAMixedBody) {
   const LoadedBody in_double(exact, mass, {0, 1, 2}, {}), in_single(mixed, mass, {0, 1, 2}, {});
   const OperatorFactors factors{.mass = 1, .stiffness = -1e-2};
   PointArray b = support::Random(32).field(mesh.num_nodes(), 1), answer(mesh.num_nodes(), 3), product = answer;
-  in_double.project(b);
+  constraints_of(in_double).project(b);
   for (const double tolerance : {1e-2, 1e-7}) {
     ConjugateGradients cg({.iterations = 2000, .tolerance = tolerance, .threshold = 0});
     const SolveReport report = cg.solve(BodySystem(in_single, factors), b, answer);
@@ -230,7 +218,7 @@ TEST_P(KernelSolvers, TakeTheBendingOfALongBarForStiffness) {
   bar.linearize(rest);
   PointArray load = PointArray::Zero(rest.rows(), 3), x(rest.rows(), 3);
   load.col(2).setConstant(-1e-6);
-  system.project(load);
+  constraints_of(system).project(load);
   PreconditionedConjugateGradients patient(1e-6, 20000, GetParam().second);
   EXPECT_TRUE(patient.solve(BodySystem(system, {.mass = 0, .stiffness = -1}), load, x).converged);
 }
@@ -250,7 +238,7 @@ TEST_P(KernelSolvers, RefuseNegativeCurvature) {
 }
 
 /// Nodes that keep to planes, which are those of no axis.
-class OnObliquePlane final : public LoadedBody {
+class OnObliquePlane final : public LoadedBody, private Projector {
  public:
   OnObliquePlane(Body& body, const std::vector<double>& mass, const Vec3& normal, std::vector<int> nodes)
       : LoadedBody(body, mass, {},
@@ -259,9 +247,7 @@ class OnObliquePlane final : public LoadedBody {
                    }),
         normal_(normal.normalized().transpose()),
         nodes_(std::move(nodes)) {}
-  void project(Points field) const override {
-    for (const int n : nodes_) field.row(n) -= field.row(n).dot(normal_) * normal_;
-  }
+  void constrain(Constraints& constraints) const override { constraints.projector = this; }
   /// How far they are from where their planes began.
   double distance(const PointArray& moved) const {
     double max = 0;
@@ -270,6 +256,10 @@ class OnObliquePlane final : public LoadedBody {
   }
 
  private:
+  void project(Points field) const override {
+    for (const int n : nodes_) field.row(n) -= field.row(n).dot(normal_) * normal_;
+  }
+
   Eigen::RowVector3d normal_;
   std::vector<int> nodes_;
 };

@@ -38,18 +38,18 @@ class Cycle {
     system_.wants_coarse = true;
     body_.describe(-kTimeStep * kTimeStep, system_);
     system_.diagonal = (1000 * nodal_volumes(mesh.positions(), mesh.hexahedra())).replicate(1, 3);
-    system_.free.setOnes(mesh.num_nodes(), 3);
+    system_.constraints.reset(mesh.num_nodes());
     for (int n = 0; n < mesh.num_nodes(); ++n)
       if ((!is_free && mesh.positions()(n, 2) < low + 0.01 * height) || mesh.incident(n).empty())
-        system_.free.row(n).setZero();
-    std::erase_if(blocks_, [&](const NodeBlock& block) { return system_.free(block.node, 0) == 0; });
-    cycle_.setup(part(), {.diagonal = system_.diagonal, .free = system_.free, .blocks = blocks_});
+        system_.constraints.free.row(n).setZero();
+    std::erase_if(blocks_, [&](const NodeBlock& block) { return system_.constraints.free(block.node, 0) == 0; });
+    cycle_.setup(part(), {.diagonal = system_.diagonal, .free = system_.constraints.free, .blocks = blocks_});
   }
   Cycle(const Cycle&) = delete;
 
   int num_levels() const { return static_cast<int>(part().coarse.size()) + 1; }
-  int size() const { return 3 * static_cast<int>(system_.free.rows()); }
-  bool is_free(Eigen::Index i) const { return system_.free(i / 3, i % 3) != 0; }
+  int size() const { return 3 * static_cast<int>(system_.constraints.free.rows()); }
+  bool is_free(Eigen::Index i) const { return system_.constraints.free(i / 3, i % 3) != 0; }
 
   Eigen::VectorXd random(std::uint64_t seed) const {
     support::Random numbers(seed);
@@ -68,7 +68,7 @@ class Cycle {
     PointArray Ap = system_.diagonal.cwiseProduct(nodal);
     body_.add_stiffness_product(-kTimeStep * kTimeStep, nodal, Ap);
     for (const auto& [node, block] : blocks_) Ap.row(node) += nodal.row(node) * block.transpose();
-    return support::stacked(Ap.cwiseProduct(system_.free.cast<double>()));
+    return support::stacked(Ap.cwiseProduct(system_.constraints.free.cast<double>()));
   }
 
  private:

@@ -24,11 +24,8 @@ class GuidedBody final : public LoadedBody {
       : LoadedBody(body, std::vector<double>(body.mesh().num_nodes(), 0.0), {}, std::move(load)),
         held_(std::move(held)) {}
 
-  void project(Points field) const override {
-    for (const Held& held : held_) field(held.node, held.axis) = 0;
-  }
-  void pin(BlockMatrix& A) const override {
-    for (const Held& held : held_) A.pin(held.node, held.axis);
+  void constrain(Constraints& constraints) const override {
+    for (const Held& held : held_) constraints.free(held.node, held.axis) = 0;
   }
 
  private:

@@ -28,7 +28,7 @@ class Ties final : public NodalOperator {
 };
 
 /// diagonal + dt^2 (stiffness of the bodies) + ties, on the nodes of a slab that is held at x = 0.
-class Slab final : public LinearSystem {
+class Slab final : public LinearSystem, public Projector {
  public:
   explicit Slab(HexMesh of) : mesh(std::move(of)), diagonal(PointArray::Constant(mesh.num_nodes(), 3, kNodalMass)) {}
 
@@ -60,9 +60,9 @@ class Slab final : public LinearSystem {
 
   bool describe(MatrixFreeSystem& system) const override {
     system.diagonal = diagonal;
-    system.couples_coordinates = slides;
-    system.free.setOnes(num_nodes(), 3);
-    for (const int n : held) system.free.row(n).setZero();
+    system.constraints.reset(num_nodes());
+    for (const int n : held) system.constraints.free.row(n).setZero();
+    if (slides) system.constraints.projector = this;
     for (const Body& body : bodies) body.describe(-kSlabStep * kSlabStep, system);
     if (!ties.blocks.empty()) system.others.push_back(&ties);
     return true;

@@ -29,8 +29,33 @@ struct CoarseOperator {
   const CoarseMesh* mesh = nullptr;
 };
 
-/// Per node and axis, yes or no.
+/// Per node and axis, yes or no, and some rows of it.
 using NodeMask = Eigen::Matrix<unsigned char, Eigen::Dynamic, 3, Eigen::RowMajor>;
+using NodeMaskRows = Eigen::Ref<NodeMask, 0, Eigen::OuterStride<3>>;
+
+/// A projection of nodal fields that ties degrees of freedom to each other.
+class Projector {
+ public:
+  virtual ~Projector() = default;
+  virtual void project(Points field) const = 0;
+};
+
+/// What constraints leave of a nodal field: P field.
+struct Constraints {
+  NodeMask free;                         ///< num_nodes x 3: 1 where free, 0 where fixed
+  const Projector* projector = nullptr;  ///< what P does beside zeroing entries; null: nothing
+  std::vector<std::array<int, 2>> ties;  ///< of the projector: a node of each of two states that it ties
+
+  /// All is free, as before anything constrains it.
+  void reset(int num_nodes) {
+    free.setOnes(num_nodes, 3);
+    projector = nullptr;
+    ties.clear();
+  }
+  void project(Points field) const;
+  /// Pins what is fixed (BlockMatrix::pin): no matrix has ties.
+  void pin(BlockMatrix& A) const;
+};
 
 /// One body's part of a linear system: factor L, L applied chunk by chunk on slots.
 struct KernelBody {
@@ -96,13 +121,12 @@ struct NodeGroup {
 PointArray irregular_numbers(int num_nodes);
 
 /// A linear system in the form that the kernels solve: A = P (diagonal + sum of factor L over the bodies + F) P, P
-/// zeroing the degrees of freedom that are not free.
+/// being what the constraints leave.
 struct MatrixFreeSystem {
   std::vector<KernelBody> bodies;
-  std::vector<NodalTerm> others;     ///< whose sum is F; empty: nothing else acts
-  PointArray diagonal;               ///< num_nodes x 3
-  NodeMask free;                     ///< num_nodes x 3: 1 where free, 0 where fixed
-  bool couples_coordinates = false;  ///< P does more than zero entries: LinearSystem::project is to be used
+  std::vector<NodalTerm> others;  ///< whose sum is F; empty: nothing else acts
+  PointArray diagonal;            ///< num_nodes x 3
+  Constraints constraints;
 
   bool wants_coarse = false;  ///< asks for the operators on coarser meshes as well
 
@@ -113,11 +137,12 @@ struct MatrixFreeSystem {
   void clear() {
     bodies.clear();
     others.clear();
-    couples_coordinates = false;
     parts.clear();
+    constraints.projector = nullptr;
+    constraints.ties.clear();
   }
   /// A body that has all of the nodes, whatever else acts on them.
-  bool has_one_body() const { return bodies.size() == 1 && parts.empty() && !couples_coordinates; }
+  bool has_one_body() const { return bodies.size() == 1 && parts.empty() && !constraints.projector; }
   bool is_one_body() const { return has_one_body() && others.empty(); }
 
   /// Takes in bodies, other operators and the diagonal of a system over the nodes from `first_node` on: an independent
@@ -134,23 +159,6 @@ struct MatrixFreeSystem {
       others.emplace_back(term.op, term.first_node + first_node,
                           term.num_nodes < 0 ? static_cast<int>(num_nodes) : term.num_nodes);
   }
-
-  /// Finds `free` and couples_coordinates: each axis by itself, with a number of its own at every node, so that no
-  /// coupling is taken for freedom. project(field) makes P field of a field.
-  template <class Project>
-  void find_free(int num_nodes, const Project& project) {
-    begin_free(num_nodes);
-    for (int axis = 0; axis < 3; ++axis) {
-      fill_axis(axis);
-      project(scratch);
-      take_free(axis);
-    }
-  }
-
- private:
-  void begin_free(int num_nodes);
-  void fill_axis(int axis);  // scratch: numbers along one axis
-  void take_free(int axis);  // what their projection has left of them
 };
 
 /// A symmetric positive definite system A x = b over nodal fields, seen by its solvers.
@@ -170,12 +178,9 @@ class LinearSystem {
   virtual void precondition(ConstPoints r, Points z) const { z = r; }
 
   /// Writes the system down for the kernels; false where it does not have that form. `system` arrives cleared
-  /// (MatrixFreeSystem::clear), with what else was in it: diagonal and free are to be set. Allocates nothing when it
-  /// was filled before.
+  /// (MatrixFreeSystem::clear), with what else was in it: diagonal and constraints are to be set. Allocates nothing
+  /// when it was filled before.
   virtual bool describe(MatrixFreeSystem& /*system*/) const { return false; }
-
-  /// field = P field, where MatrixFreeSystem::couples_coordinates.
-  virtual void project(Points /*field*/) const {}
 
   /// Size of the rounding errors in b: a residual as small as this cannot be improved.
   virtual double rounding() const { return 0; }

@@ -39,9 +39,9 @@ enum class Preconditioner {
 
 /// What `prepare` says of a system.
 struct PreparedSystem {
-  bool is_near_inverse = false;      ///< the preconditioner is a cycle, and of all that acts
-  bool couples_coordinates = false;  ///< MatrixFreeSystem::couples_coordinates
-  bool is_concurrent = false;        ///< `approximate` of several solvers may run at the same time
+  bool is_near_inverse = false;       ///< the preconditioner is a cycle, and of all that acts
+  bool is_concurrent = false;         ///< `approximate` of several solvers may run at the same time
+  const Constraints* ties = nullptr;  ///< of A, where they tie degrees of freedom: until the next `prepare`
 };
 
 /// Preconditioned conjugate gradients that end on |r| <= max(tolerance |b|, A.rounding()) alone: for systems of our

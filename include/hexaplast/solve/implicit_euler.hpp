@@ -32,8 +32,8 @@ class MechanicalSystem {
   /// A += m M + b B + k K as blocks.
   virtual void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const = 0;
 
-  /// The same operator for the kernels: bodies, others and what is added to the diagonal of `system`; what is free is
-  /// found from `project`. False where the kernels are not to be used.
+  /// The same operator for the kernels: bodies, others and what is added to the diagonal of `system`. False where the
+  /// kernels are not to be used.
   virtual bool describe(const OperatorFactors& /*factors*/, MatrixFreeSystem& /*system*/) const { return false; }
 
   /// f += those forces of compute_force that are no body's elasticity, df += (b B + k K) dx of the same forces: what
@@ -53,12 +53,18 @@ class MechanicalSystem {
   /// Puts x and v where constraints prescribe them at that time, within a step; the default prescribes nothing.
   virtual void prescribe(double /*time*/, Points /*x*/, Points /*v*/) const {}
 
-  /// Zeroes constrained degrees of freedom of a nodal field.
-  virtual void project(Points field) const = 0;
-
-  /// Pins constrained degrees of freedom (BlockMatrix::pin).
-  virtual void pin(BlockMatrix& A) const = 0;
+  /// What constraints leave free in the step, or the equilibrium, that is being solved. `constraints` arrives reset;
+  /// the default constrains nothing.
+  virtual void constrain(Constraints& /*constraints*/) const {}
 };
+
+/// The same as a value.
+inline Constraints constraints_of(const MechanicalSystem& system) {
+  Constraints constraints;
+  constraints.reset(system.num_nodes());
+  system.constrain(constraints);
+  return constraints;
+}
 
 struct EulerSettings {
   double rayleigh_mass = 0;       ///< [1/s]
@@ -118,12 +124,11 @@ class ImplicitEuler {
     return has_released;
   }
 
-  /// b += h (f + (a h + rK) K v), projected, for a change of f and one of K v; `force` is changed too.
-  template <class Project>
+  /// b += P h (f + (a h + rK) K v), for a change of f and one of K v; `force` is changed too.
   static void add_released(double h, double of_product, PointArray& force, const PointArray& product,
-                           const Project& project, PointArray& b) {
+                           const Constraints& constraints, PointArray& b) {
     force = h * (force + of_product * product);
-    project(force);
+    constraints.project(force);
     b += force;
   }
 
@@ -147,6 +152,7 @@ class ImplicitEuler {
 
   EulerSettings settings_;
   SolverMemory memory_;
+  Constraints constraints_;  // of the present step
   bool measures_energy_ = false;
   StepEnergy energy_;
   PointArray right_hand_side_, velocity_;           // [kg m/s] or [N], and [m/s]: dv, then the new velocity

@@ -113,8 +113,7 @@ class NodalConstraint {
  public:
   virtual ~NodalConstraint() = default;
 
-  virtual void project(Points field) const = 0;  ///< zeroes the constrained degrees of freedom
-  virtual void pin(BlockMatrix& A) const = 0;    ///< BlockMatrix::pin for each of them
+  virtual void fix(NodeMaskRows free) const = 0;  ///< clears the degrees of freedom that it constrains
 
   /// Prescribed motion, applied after init and after every solve, at the time t_n of the step's beginning.
   virtual void project_motion(double /*time*/, Points /*x*/, Points /*v*/) const {}
@@ -129,8 +128,8 @@ class PairConstraint {
   /// Whether it projects motions of one state to those of the other: no matrix has that.
   virtual bool couples() const = 0;
 
-  virtual void project(OfTwo<Points> field) const = 0;
-  virtual void pin(BlockMatrix& A) const = 0;  ///< where it does not couple: nodes of the second state
+  virtual void project(OfTwo<Points> field) const = 0;  ///< where it couples
+  virtual void fix(NodeMaskRows second) const = 0;      ///< where it does not: clears what it constrains
   virtual void project_motion(double time, OfTwo<Points> x, OfTwo<Points> v) const = 0;
 };
 

@@ -61,7 +61,7 @@ class NewtonRaphson {
   NewtonSettings settings_;
   SolverMemory memory_;
   PointArray position_, trial_, velocity_, force_, trial_force_, increment_;
-  std::vector<int> unsupported_;  // nodes on which no stiffness acts
+  Constraints constraints_;  // and nodes on which no stiffness acts
 };
 
 }  // namespace hexaplast

@@ -16,10 +16,10 @@ PointArray loads_at(double time, scene::Scene& scene, scene::MechanicalState& st
 }
 
 PointArray free_directions(scene::Scene& scene, scene::MechanicalState& state) {
-  PointArray is_free = PointArray::Ones(state.num_nodes(), 3);
+  NodeMask is_free = NodeMask::Ones(state.num_nodes(), 3);
   for (const scene::ProjectiveConstraint* constraint : scene.root().all<scene::ProjectiveConstraint>())
-    if (scene::acts_on(*constraint, state)) constraint->project(is_free);
-  return is_free;
+    if (scene::acts_on(*constraint, state)) constraint->fix(is_free);
+  return is_free.cast<double>();
 }
 
 }  // namespace hexaplast::runner

@@ -111,7 +111,7 @@ private:
 /// The system m M + b B + k K of a SOFA node as a system of ours, over all states that move by themselves. The kernels
 /// work on our bodies, lumped masses and what of ours has a diagonal; what else of ours acts, on a state or between
 /// two, is asked for its products beside them, and the rest of SOFA.
-class SofaSystem final : public LinearSystem, private NodalOperator
+class SofaSystem final : public LinearSystem, public Projector, private NodalOperator
 {
 public:
     /// in, out: vectors of SOFA to work with.
@@ -137,7 +137,7 @@ public:
 
     bool describe(MatrixFreeSystem& system) const override
     {
-        system.find_free(num_nodes(), [&](Points field) { project(field); });
+        find_constraints(system.constraints);
         m_mass_of_others = masses_are_lumped() ? 0 : m_A.mparams.mFactor();
         if (m_mass_of_others == 0)
             find_diagonal(system.diagonal);
@@ -213,8 +213,9 @@ public:
                 *pair.field, [&](ConstPoints all) { return pair.rows<ConstPoints>(all); },
                 [&](Points all) { return pair.rows<Points>(all); });
         if (!has_released) return false;
-        ImplicitEuler::add_released(
-            h, ofProduct, force, product, [&](Points field) { project(field); }, b);
+        Constraints constraints;
+        find_constraints(constraints);
+        ImplicitEuler::add_released(h, ofProduct, force, product, constraints, b);
         return true;
     }
 
@@ -280,6 +281,37 @@ private:
         }
         const SofaSystem& m_system;
     };
+
+    /// SOFA's constraints are known by what they do to vectors alone
+    /// (BaseProjectiveConstraintSet::projectResponse): here to one of each axis, with a number of its own at every
+    /// node, so that no tie is taken for freedom.
+    void find_constraints(Constraints& constraints) const
+    {
+        constraints.reset(num_nodes());
+        const PointArray numbers = irregular_numbers(num_nodes());
+        for (int axis = 0; axis < 3; ++axis)
+        {
+            PointArray one = PointArray::Zero(num_nodes(), 3);
+            one.col(axis) = numbers.col(axis);
+            project(one);
+            for (Eigen::Index n = 0; n < one.rows(); ++n)
+                if (one(n, axis) == 0)
+                    constraints.free(n, axis) = 0;
+                else
+                    one(n, axis) -= numbers(n, axis);
+            if (!one.isZero(0)) constraints.projector = this;
+        }
+        for (const States::Entry& entry : m_states.entries())
+        {
+            if (!constraints.projector || !m_states.are_several()) return;
+            PointArray one = PointArray::Zero(num_nodes(), 3);
+            States::rows<Points>(one, entry) = States::rows<ConstPoints>(numbers, entry);
+            project(one);
+            for (const States::Entry& other : m_states.entries())
+                if (&other != &entry && !States::rows<ConstPoints>(one, other).isZero(0))
+                    constraints.ties.push_back({entry.first_node, other.first_node});
+        }
+    }
 
     /// What of ours acts on one state.
     void describe(const States::Entry& entry, const std::vector<BaseForceField*>& fields,
