@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <type_traits>
 #include <vector>
 
 #include "base/blocks.hpp"
@@ -66,14 +67,19 @@ struct SlotScratch {
 template <class T>
 void to_slots(const Partition& partition, ConstPoints field, AlignedVector<T>& slots, double factor = 1);
 
+/// The four numbers of a slot, at once.
+template <class T>
+auto numbers_at(T* slots, int slot) {
+  using Numbers = Eigen::Array<std::remove_const_t<T>, 4, 1>;
+  return Eigen::Map<std::conditional_t<std::is_const_v<T>, const Numbers, Numbers>>(slots +
+                                                                                    4 * static_cast<std::size_t>(slot));
+}
+
 /// The ghosts of a chunk from the nodes that they stand for.
 template <class T>
 void update_ghosts(const Partition& partition, int chunk, T* slots) {
-  for (int slot = partition.first_ghost[chunk]; slot < partition.first_ghost[chunk + 1]; ++slot) {
-    const T* from = slots + 4 * static_cast<std::size_t>(partition.original[slot - partition.num_nodes]);
-    T* to = slots + 4 * static_cast<std::size_t>(slot);
-    for (int i = 0; i < 4; ++i) to[i] = from[i];
-  }
+  for (int slot = partition.first_ghost[chunk]; slot < partition.first_ghost[chunk + 1]; ++slot)
+    numbers_at(slots, slot) = numbers_at(slots, partition.original[slot - partition.num_nodes]);
 }
 
 /// Adds what other chunks gathered in their ghosts to the nodes of a chunk, in a fixed order.
@@ -81,9 +87,7 @@ template <class T>
 void reduce_ghosts(const Partition& partition, int chunk, T* slots) {
   for (int k = partition.first_reduced[chunk]; k < partition.first_reduced[chunk + 1]; ++k) {
     const int ghost = partition.reduced_ghost[k];
-    const T* from = slots + 4 * static_cast<std::size_t>(ghost);
-    T* to = slots + 4 * static_cast<std::size_t>(partition.original[ghost - partition.num_nodes]);
-    for (int i = 0; i < 4; ++i) to[i] += from[i];
+    numbers_at(slots, partition.original[ghost - partition.num_nodes]) += numbers_at(slots, ghost);
   }
 }
 

@@ -62,13 +62,10 @@ template <class From, class To>
 void map_nodes(const NodalMap& map, const Partition& partition, int chunk, const AlignedVector<From>& from,
                AlignedVector<To>& to) {
   for (int slot = partition.first_node[chunk]; slot < partition.first_node[chunk + 1]; ++slot) {
-    float sum[4] = {0, 0, 0, 0};
-    for (int k = map.first[slot]; k < map.first[slot + 1]; ++k) {
-      const From* node = from.data() + 4 * static_cast<std::size_t>(map.column[k]);
-      for (int i = 0; i < 4; ++i) sum[i] += map.weight[k] * static_cast<float>(node[i]);
-    }
-    To* node = to.data() + 4 * static_cast<std::size_t>(slot);
-    for (int i = 0; i < 4; ++i) node[i] = static_cast<To>(sum[i]);
+    Eigen::Array4f sum = Eigen::Array4f::Zero();
+    for (int k = map.first[slot]; k < map.first[slot + 1]; ++k)
+      sum += map.weight[k] * numbers_at(from.data(), map.column[k]).template cast<float>();
+    numbers_at(to.data(), slot) = sum.template cast<To>();
   }
 }
 
