@@ -12,30 +12,37 @@ namespace hexaplast {
 
 namespace {
 
-/// Weights of the samples: what the children weigh in all.
+using Moduli = std::array<float, 2>;  // mu, lambda times volume
+
+/// Of an element or a cell of the finer mesh, all samples together.
+template <class T, class Coef>
+Moduli moduli_of(const ElementOperator<T, Coef>& op, int place) {
+  Moduli sum;
+  for (int which = 0; which < 2; ++which)
+    sum[which] =
+        kCorners *
+        static_cast<float>(op.weight[(static_cast<std::size_t>(place / kBlock) * 2 + which) * kBlock + place % kBlock]);
+  const float of_branches = static_cast<float>(op.kind.branch_modulus) * sum[0];  //                          eq. P14
+  return {sum[0] + of_branches, sum[1] - of_branches * (2.0f / 3)};
+}
+Moduli moduli_of(const CellOperator& op, int place) {
+  Moduli sum = {0, 0};
+  for (int child = 0; child < kCorners; ++child) {
+    sum[0] += op.modulus(place, child, CellOperator::kMu);
+    sum[1] += op.modulus(place, child, CellOperator::kLambda);
+  }
+  return sum;
+}
+
 template <class Finer>
-void gather_weights(const std::vector<std::array<int, kCorners>>& children, const Finer& finer,
-                    ElementOperator<float, float>& op) {
+void gather_moduli(const std::vector<std::array<int, kCorners>>& children, const Finer& finer, CellOperator& op) {
   const std::vector<int>&fine_place = finer.partition().place_of_element, &place = op.partition().place_of_element;
-  const int samples = finer.per_sample ? kCorners : 1;
-  const float each = finer.per_sample ? 1.0f : static_cast<float>(kCorners);
-  const auto branch_modulus = finer.per_sample ? 0.0f : static_cast<float>(finer.kind.branch_modulus);
   parallel_for(static_cast<int>(children.size()), [&](int cell) {
     for (int i = 0; i < kCorners; ++i) {
       const int child = children[cell][i];
-      float sum[2] = {0, 0};
-      for (int which = 0; which < 2; ++which)
-        for (int s = 0; child >= 0 && s < samples; ++s) {
-          const std::size_t at = (static_cast<std::size_t>(fine_place[child] / kBlock) * samples + s) * 2 + which;
-          sum[which] += each * static_cast<float>(finer.weight[at * kBlock + fine_place[child] % kBlock]);
-        }
-      const float of_branches = branch_modulus * sum[0];  //                                                  eq. P14
-      sum[0] += of_branches;
-      sum[1] -= of_branches * (2.0f / 3);
-      for (int which = 0; which < 2; ++which) {
-        const std::size_t at = (static_cast<std::size_t>(place[cell] / kBlock) * kCorners + i) * 2 + which;
-        op.weight[at * kBlock + place[cell] % kBlock] = sum[which];
-      }
+      const auto [mu, lambda] = child < 0 ? Moduli{0, 0} : moduli_of(finer, fine_place[child]);
+      op.modulus(place[cell], i, CellOperator::kMu) = mu;
+      op.modulus(place[cell], i, CellOperator::kLambda) = lambda;
     }
   });
 }
@@ -58,11 +65,11 @@ std::size_t of_child(int place, int child, int count) {
 }
 
 /// Of a cell: the Gm that its children have in the mean, by their weights.                                     eq. P2
-Mat3 mean_of_children(int place, const AlignedVector<float>& mean_plastic, const AlignedVector<float>& weight) {
+Mat3 mean_of_children(int place, const AlignedVector<float>& mean_plastic, const CellOperator& op) {
   Mat3 B = Mat3::Zero();
   double sum = 0;
   for (int i = 0; i < kCorners; ++i) {
-    const double w = static_cast<double>(weight[of_child(place, i, 2)]);
+    const auto w = static_cast<double>(op.modulus(place, i, CellOperator::kMu));
     if (!(w > 0)) continue;
     const Mat3 Gm = load_mean_plastic(mean_plastic.data() + of_child(place, i, kMeanPlastic));
     B += w * Gm * Gm.transpose();
@@ -90,9 +97,6 @@ ElementHierarchy::Level::Level(const CoarseMesh& mesh, RestShape rest_shape)
     : plastic_rest(slot_vector<double>(*mesh.partition)),
       current(slot_vector<double>(*mesh.partition)),
       op(mesh.partition) {
-  op.per_sample = true;
-  op.resize(std::vector<unsigned char>(mesh.partition->num_blocks, 1));
-  std::fill(op.weight.begin(), op.weight.end(), 0.0f);  // of cells that are not there
   if (rest_shape == RestShape::kJoined) return;
   mean_plastic.resize(static_cast<std::size_t>(mesh.partition->num_blocks) * kCorners * kMeanPlastic * kBlock);
   for (int place = 0; place < mesh.partition->num_blocks * kBlock; ++place)
@@ -116,21 +120,21 @@ std::span<const CoarseOperator> ElementHierarchy::update(const Model& model, con
 
   const bool has_flowed = std::ranges::any_of(at.has_flowed, [](unsigned char flowed) { return flowed != 0; });
   const AlignedVector<double>*plastic_rest = &at.plastic_rest, *current = &at.current;
-  const ElementOperator<float, float>* finer = nullptr;
+  const CellOperator* finer = nullptr;
   for (std::size_t k = 0; k < levels_.size(); ++k) {
     const CoarseMesh& mesh = meshes[k];
     Level& level = levels_[k];
     mesh.place(*plastic_rest, level.plastic_rest);
     mesh.place(*current, level.current);
     if (finer)
-      gather_weights(mesh.children, *finer, level.op);
+      gather_moduli(mesh.children, *finer, level.op);
     else
-      std::visit([&](const auto& op) { gather_weights(mesh.children, op, level.op); }, at.op);
+      std::visit([&](const auto& op) { gather_moduli(mesh.children, op, level.op); }, at.op);
     if (has_flowed && finer) {
       const std::vector<int>& place = meshes[k - 1].partition->place_of_element;
       const AlignedVector<float>& of_finer = levels_[k - 1].mean_plastic;
       gather_mean_plastic(
-          mesh, [&](int cell) { return mean_of_children(place[cell], of_finer, finer->weight); }, level.mean_plastic);
+          mesh, [&](int cell) { return mean_of_children(place[cell], of_finer, *finer); }, level.mean_plastic);
     } else if (has_flowed) {
       const auto of_element = [&](int e) -> Mat3 {
         const int place = model.partition->place_of_element[e];
@@ -139,10 +143,8 @@ std::span<const CoarseOperator> ElementHierarchy::update(const Model& model, con
       };
       gather_mean_plastic(mesh, of_element, level.mean_plastic);
     }
-    parallel_for(mesh.partition->num_chunks, [&](int chunk) {
-      linearize_cells(*mesh.partition, level.plastic_rest.data(), level.current.data(),
-                      has_flowed ? level.mean_plastic.data() : nullptr, model.length, chunk, level.op);
-    });
+    level.op.update(level.plastic_rest.data(), level.current.data(), has_flowed ? level.mean_plastic.data() : nullptr,
+                    model.length);
     plastic_rest = &level.plastic_rest;
     current = &level.current;
     finer = &level.op;

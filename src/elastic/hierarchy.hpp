@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 
+#include "elastic/cell_operator.hpp"
 #include "elastic/cycle_operator.hpp"
 #include "layout/chunked_operator.hpp"
 #include "layout/coarse_mesh.hpp"
@@ -13,9 +14,7 @@ namespace hexaplast {
 
 /// The stiffness operator on coarser and coarser meshes, for multigrid.                         theory.md section 9.5
 ///
-/// A cell of a coarse mesh is a hexahedron whose eight samples stand for its eight children: gradients and rotations
-/// are those of the cell, the weights mu V and lambda V, and the Gm of isolated rest shapes, those of the child.
-/// Missing children, removed elements and mixed materials need nothing else.
+/// Missing children, removed elements and mixed materials need no more than the moduli of the cells' children.
 class ElementHierarchy {
  public:
   explicit ElementHierarchy(const Model& model);
@@ -33,7 +32,7 @@ class ElementHierarchy {
 
     AlignedVector<double> plastic_rest, current;  // [m] slots
     AlignedVector<float> mean_plastic;            // Gm of the children, [block][child][kMeanPlastic][cell]; or empty
-    ElementOperator<float, float> op;
+    CellOperator op;
   };
 
   std::optional<CycleOperator> cycle_;
