@@ -52,7 +52,7 @@ void describe_operator(const ElementOperator<T, Coef>& op, int num_elements, Sta
   const Partition& partition = op.partition();
   double general = 0;
   for (const unsigned char is_general : op.is_general) general += is_general != 0;
-  const double fraction = op.per_sample ? 1 : general / partition.num_blocks;
+  const double fraction = general / partition.num_blocks;
   stages.operator_flops = fraction * kGeneralFlops + (1 - fraction) * kBoxFlops;
   // coefficients and corner slots stream through; p is read, Ap read and written
   stages.operator_footprint = op.bytes() + partition.corner.size() * sizeof(int) +

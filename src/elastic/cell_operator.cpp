@@ -56,8 +56,7 @@ HEXAPLAST_NOINLINE std::uint32_t find_gradients(const Partition& partition, cons
       }
     modes(g, gradients[i]);
     if (mean_plastic) {  // each sample has that of its child, a lower triangle
-      const float* Gm =
-          mean_plastic + (static_cast<std::size_t>(block) * kCorners + i) * kMeanPlastic * kBlock + lane;
+      const float* Gm = mean_plastic + (static_cast<std::size_t>(block) * kCorners + i) * kMeanPlastic * kBlock + lane;
       for (auto& mode : gradients[i].at) {
         const V before[3] = {mode[0], mode[1], mode[2]};
         for (int c = 0; c < 3; ++c) {
@@ -186,8 +185,7 @@ void add_cell_diagonals(const Partition& partition, const float* matrices, int c
   using V = Lanes<float>;
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
-      const float* const matrix =
-          matrices + static_cast<std::size_t>(block) * CellOperator::kEntries * kBlock + lane;
+      const float* const matrix = matrices + static_cast<std::size_t>(block) * CellOperator::kEntries * kBlock + lane;
       ModeLanes<V> differing;
       V same[3] = {V(0.0f), V(0.0f), V(0.0f)};
       set_zero(differing);
@@ -221,8 +219,7 @@ CellOperator::CellOperator(std::shared_ptr<const Partition> partition)
       moduli_(static_cast<std::size_t>(partition_->num_blocks) * kCorners * 2 * kBlock),
       matrices_(static_cast<std::size_t>(partition_->num_blocks) * kEntries * kBlock) {}
 
-void CellOperator::update(const double* plastic_rest, const double* current, const float* mean_plastic,
-                          double length) {
+void CellOperator::update(const double* plastic_rest, const double* current, const float* mean_plastic, double length) {
   parallel_for(partition_->num_chunks, [&](int chunk) {
     HWY_DYNAMIC_DISPATCH(update_cells)
     (*partition_, plastic_rest, current, mean_plastic, length, chunk, moduli_.data(), matrices_.data());

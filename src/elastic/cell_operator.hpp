@@ -8,8 +8,9 @@
 
 namespace hexaplast {
 
-/// The stiffness of the cells of a coarse mesh. A cell is a hexahedron whose eight samples stand for its eight children:
-/// gradients and rotations are those of the cell; moduli, and the Gm of isolated rest shapes, those of the child.
+/// The stiffness of the cells of a coarse mesh. A cell is a hexahedron whose eight samples stand for its eight
+/// children: gradients and rotations are those of the cell; moduli, and the Gm of isolated rest shapes, those of the
+/// child.
 ///
 /// Kept is the matrix of each cell over the 21 numbers of its modes (ModeLanes), symmetric, in single precision: cells
 /// are few, and a product is the fastest that way.                                              theory.md section 9.5

@@ -106,94 +106,67 @@ HEXAPLAST_NOINLINE void apply_gradients(const Coef* first, V of_first, const Coe
 ///
 ///   Z_i = dF~_i R_i^T,   dP_i R_i^T = 2 mu sym Z_i + (lambda_f t_i + shared) I,   t_i = tr Z_i              eq. 52, E4
 ///
-/// kUnrolls: the loop over samples is unrolled, which is faster by a quarter and takes the compiler much longer.
-///
 /// With C_i = J_i^-1 G_i R_i^T the rotation, and the G_i of isolated rest shapes, cost nothing on parallelepipeds: Z_i
 /// = (columns at i) C_i. General shapes keep R_i G_i^T in the place of R_i.                                      eq. P5
 ///
 /// For the other laws G_i = R_i cof(S_i) R_i^T stands for I, also in t_i = G_i : Z_i, and beta_i Z_i is added. eq. E20
-template <int kStride, bool kGeneral, Assumed kAssumed, bool kPerSample, bool kHasLaw, bool kUnrolls, class V,
-          class Coef>
+template <int kStride, bool kHasLaw, class V, class Coef>
 HEXAPLAST_INLINE void apply_samples(const Coef* coef, const StiffnessKind& kind, const typename V::Scalar* weight,
                                     V factor, CornerLanes<V>& u) {
   using T = typename V::Scalar;
-  using Places = CoefficientPlaces<kGeneral, kAssumed>;
-  RestLanes<kGeneral, kAssumed, V> rest;
+  using Places = CoefficientPlaces<true, Assumed::kCorner>;
+  RestLanes<true, Assumed::kCorner, V> rest;
   rest.corner_weight = V(static_cast<T>(kind.sampling.corner_weight));
-  if constexpr (kGeneral) load_corners<kStride>(coef + Places::kShared * kStride, rest.h);
-  if constexpr (Places::kHasMean) {
-    load_corners<kStride>(coef + Places::kMean * kStride, rest.mean);
-    for (int k = 0; k < 9; ++k) rest.skew[k / 3][k % 3] = load_as(coef + (Places::kSkew + k) * kStride);
-    rest.dual = load_mat<kStride, V>(coef + Places::kDual * kStride);
-  }
-  ColumnLanes<kGeneral, kAssumed, V> columns;
+  load_corners<kStride>(coef + Places::kShared * kStride, rest.h);
+  load_corners<kStride>(coef + Places::kMean * kStride, rest.mean);
+  for (int k = 0; k < 9; ++k) rest.skew[k / 3][k % 3] = load_as(coef + (Places::kSkew + k) * kStride);
+  rest.dual = load_mat<kStride, V>(coef + Places::kDual * kStride);
+  ColumnLanes<true, Assumed::kCorner, V> columns;
   begin_columns(rest, u, columns);
-  Mat<V> j;
-  if constexpr (Places::kAssumes) j = load_mat<kStride, V>(coef + Places::kDirections * kStride);
-  const auto how = [&] {
-    if constexpr (Places::kAssumes)
-      return AssumedLanes<V>(j, rest.corner_weight);
-    else
-      return nullptr;
-  }();
+  const Mat<V> j = load_mat<kStride, V>(coef + Places::kDirections * kStride);
+  const AssumedLanes<V> how(j, rest.corner_weight);
   finish_columns(rest, u, how, columns);
 
   V mu = factor * load(weight), lambda = factor * load(weight + kStride);
-  V free = lambda;
   CornerLanes<V> together;  // what the element does as a whole
   const Coef* const of_volume = coef + Places::kCount * kStride;
   const Coef* const of_mean = of_volume + kGradientCoefficients * kStride;  // of the corotated law
   const Coef* const of_law = of_mean;                                       // of the others
-  if constexpr (!kPerSample) {
-    free = free_modulus(mu, lambda);
-    const V all(static_cast<T>(kCorners));  // samples weigh an eighth each
-    const V of_ratio = all * (kHasLaw ? lambda - free : lambda);
-    V of_branches(T(0));
-    if constexpr (!kHasLaw) of_branches = V(T(2.0 / 3)) * add_branch_modulus(kind, lambda, mu, free);
-    apply_gradients<kStride>(of_volume, of_ratio, kHasLaw ? nullptr : of_mean, all * -(free + of_branches), u,
-                             together);
-  }
+  V free = free_modulus(mu, lambda);
+  const V all(static_cast<T>(kCorners));  // samples weigh an eighth each
+  const V of_ratio = all * (kHasLaw ? lambda - free : lambda);
+  V of_branches(T(0));
+  if constexpr (!kHasLaw) of_branches = V(T(2.0 / 3)) * add_branch_modulus(kind, lambda, mu, free);
+  apply_gradients<kStride>(of_volume, of_ratio, kHasLaw ? nullptr : of_mean, all * -(free + of_branches), u, together);
 
-  ColumnsTranspose<kGeneral, kAssumed, V> acting;
-  const auto sample = [&](auto i) __attribute__((always_inline)) {
-    if constexpr (kPerSample) {
-      mu = factor * load(weight + 2 * i * kStride);
-      free = factor * load(weight + (2 * i + 1) * kStride);
-    }
+  ColumnsTranspose<true, Assumed::kCorner, V> acting;
+  for (int i = 0; i < kCorners; ++i) {
     const Mat<V> C = load_mat<kStride, V>(coef + (Places::kC + 9 * i) * kStride);
-    Mat<V> Z = transposed_product(columns_at(columns, i), C), R;
-    if constexpr (kGeneral) {
-      R = load_mat<kStride, V>(coef + (Places::kRotation + 9 * i) * kStride);
-      const Mat<V> H = shared_at(columns, i);
-      for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c) Z(r, c) += H(r, 0) * R(c, 0) + H(r, 1) * R(c, 1) + H(r, 2) * R(c, 2);
-    }
+    const Mat<V> R = load_mat<kStride, V>(coef + (Places::kRotation + 9 * i) * kStride), H = shared_at(columns, i);
+    Mat<V> Z = transposed_product(columns_at(columns, i), C);
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) Z(r, c) += H(r, 0) * R(c, 0) + H(r, 1) * R(c, 1) + H(r, 2) * R(c, 2);
     Mat<V> P;  // dP R^T
     if constexpr (kHasLaw)
       P = law_increment<kStride>(of_law + 7 * i * kStride, Z, mu, free);
     else
       P = stress_increment(Z, mu, free);
     acting.add_columns(i, product_transposed(C, P));  // rows
-    if constexpr (kGeneral) acting.add_shared(i, P * R);
-  };
-  if constexpr (kUnrolls)
-    unrolled<kCorners>(sample);
-  else
-    for (int i = 0; i < kCorners; ++i) sample(i);
+    acting.add_shared(i, P * R);
+  }
   acting.take_assumed(rest, how);
   acting.finish(rest, nullptr, One(), u);
-  if constexpr (!kPerSample) add(together, u);
+  add(together, u);
 }
 
 /// u <- L u of elements with a rotation at each sample.
-template <int kStride, bool kGeneral, Assumed kAssumed, bool kPerSample, bool kHasLaw, bool kUnrolls, class V,
-          class Coef>
+template <int kStride, bool kGeneral, bool kHasLaw, class V, class Coef>
 HEXAPLAST_INLINE void apply_stiffness(const Coef* coef, const StiffnessKind& kind, const typename V::Scalar* weight,
                                       V factor, CornerLanes<V>& u) {
-  if constexpr (kAssumed == Assumed::kCorner && !kGeneral)
-    apply_assumed<kStride, kHasLaw>(coef, kind, weight, factor, u);
+  if constexpr (kGeneral)
+    apply_samples<kStride, kHasLaw>(coef, kind, weight, factor, u);
   else
-    apply_samples<kStride, kGeneral, kAssumed, kPerSample, kHasLaw, kUnrolls>(coef, kind, weight, factor, u);
+    apply_assumed<kStride, kHasLaw>(coef, kind, weight, factor, u);
 }
 
 }  // namespace hexaplast::HWY_NAMESPACE

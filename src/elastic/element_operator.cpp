@@ -9,25 +9,21 @@
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
 
-enum class Which { kCorotated, kLaw, kOneRotation, kPerSample };
+enum class Which { kCorotated, kLaw, kOneRotation };
 
 /// Ap += factor L p of the elements of one register.
-template <Which kWhich, bool kGeneral, Assumed kAssumed, class T, class Coef>
+template <Which kWhich, bool kGeneral, class T, class Coef>
 HEXAPLAST_NOINLINE void add_product_of(const ElementOperator<T, Coef>& op, int block, int lane, T factor, const T* p,
                                        T* Ap) {
   using V = Lanes<T>;
-  constexpr int weights = kWhich == Which::kPerSample ? 2 * kCorners * kBlock : 2 * kBlock;
-  const T* weight = op.weight.data() + static_cast<std::size_t>(block) * weights + lane;
-  // assumed strains gain nothing by it, nor does anything on less than thirty-two registers
-  constexpr bool unrolls = kAssumed == Assumed::kNothing && HWY_TARGET <= HWY_AVX3;
+  const T* weight = op.weight.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
   CornerLanes<V> u;
   gather(op.partition(), block, lane, p, u);
   const auto* const coef = stored(op, block) + lane;
   if constexpr (kWhich == Which::kOneRotation)
     apply_one_rotation<kBlock>(coef, op.kind, weight, V(factor), u);
   else
-    apply_stiffness<kBlock, kGeneral, kAssumed, kWhich == Which::kPerSample, kWhich == Which::kLaw, unrolls>(
-        coef, op.kind, weight, V(factor), u);
+    apply_stiffness<kBlock, kGeneral, kWhich == Which::kLaw>(coef, op.kind, weight, V(factor), u);
   scatter_add(u, op.partition(), block, lane, Ap);
 }
 
@@ -38,17 +34,15 @@ void add_product(const ElementOperator<T, Coef>& op, const unsigned char* blocks
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
     if (blocks && !blocks[block]) continue;
     for (int lane = 0; lane < kBlock; lane += Lanes<T>::kCount)
-      if (op.per_sample)
-        add_product_of<Which::kPerSample, true, Assumed::kNothing>(op, block, lane, factor, p, Ap);
-      else if (op.kind.one_rotation)
-        add_product_of<Which::kOneRotation, false, Assumed::kCorner>(op, block, lane, factor, p, Ap);
+      if (op.kind.one_rotation)
+        add_product_of<Which::kOneRotation, false>(op, block, lane, factor, p, Ap);
       else
         for_shape(
             op.is_general[block] != 0, [&]<bool kGeneral>() __attribute__((always_inline)) {
               if (op.kind.has_law())
-                add_product_of<Which::kLaw, kGeneral, Assumed::kCorner>(op, block, lane, factor, p, Ap);
+                add_product_of<Which::kLaw, kGeneral>(op, block, lane, factor, p, Ap);
               else
-                add_product_of<Which::kCorotated, kGeneral, Assumed::kCorner>(op, block, lane, factor, p, Ap);
+                add_product_of<Which::kCorotated, kGeneral>(op, block, lane, factor, p, Ap);
             });
   }
 }
@@ -62,10 +56,9 @@ void add_diagonal(const ElementOperator<T, Coef>& op, const unsigned char* block
   const StiffnessKind& kind = op.kind;
   const V corner_weight(static_cast<T>(kind.sampling.corner_weight)),
       quarter(static_cast<T>((1 - kind.sampling.corner_weight) / 4)), f(factor);
-  const int weights = op.per_sample ? 2 * kCorners * kBlock : 2 * kBlock;
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
     if (blocks && !blocks[block]) continue;
-    const bool has_shared = op.per_sample || op.is_general[block];
+    const bool has_shared = op.is_general[block];
     const int of_shape = num_shape_coefficients(kind, has_shared);
     const int per_sample = kind.one_rotation ? 0 : 9 * kBlock;
     for (int lane = 0; lane < kBlock; lane += V::kCount) {
@@ -73,16 +66,16 @@ void add_diagonal(const ElementOperator<T, Coef>& op, const unsigned char* block
       const auto *rotation = coef + 9 * kCorners * kBlock, *shared = rotation + 9 * kCorners * kBlock;
       const auto *of_volume = coef + of_shape * kBlock,
                  *of_law = of_volume + (kind.has_volume() + kind.has_mean()) * kGradientCoefficients * kBlock;
-      const T* weight = op.weight.data() + static_cast<std::size_t>(block) * weights + lane;
+      const T* weight = op.weight.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
       const V lambda = f * load(weight + kBlock);
+      V mu = f * load(weight), free = free_modulus(mu, lambda);
+      const V of_ratio = V(T(kCorners)) * (kind.has_law() ? lambda - free : lambda);
+      const V of_branches = V(T(2.0 / 3)) * add_branch_modulus(kind, lambda, mu, free);
+      const V of_mean = (kind.has_law() ? V(T(0)) : -(free + of_branches)) * V(T(1.0 / kCorners));
       CornerLanes<V> sum, mean;
       set_zero(sum);
       set_zero(mean);
       for (int i = 0; i < kCorners; ++i) {
-        const T* at = op.per_sample ? weight + 2 * i * kBlock : weight;
-        V mu = f * load(at);
-        V free = op.per_sample ? f * load(at + kBlock) : free_modulus(mu, lambda);
-        if (!op.per_sample) add_branch_modulus(kind, lambda, mu, free);
         const Mat<V> C = load_mat<kBlock, V>(coef + per_sample * i);
         Mat<V> R, G;
         V beta(T(0));
@@ -116,22 +109,16 @@ void add_diagonal(const ElementOperator<T, Coef>& op, const unsigned char* block
           }
         }
       }
-      if (!op.per_sample) {
-        V mu = f * load(weight), free = free_modulus(mu, lambda);
-        const V of_ratio = V(T(kCorners)) * (kind.has_law() ? lambda - free : lambda);
-        const V of_branches = V(T(2.0 / 3)) * add_branch_modulus(kind, lambda, mu, free);
-        const V of_mean = (kind.has_law() ? V(T(0)) : -(free + of_branches)) * V(T(1.0 / kCorners));
-        CornerLanes<V> of_ratio_at;
-        ModeLanes<V> of_ratio_modes;
-        set_zero(of_ratio_modes);
-        add_gradient<kBlock>(V(T(1)), of_volume, of_ratio_modes);
-        modes_transpose(of_ratio_modes, of_ratio_at);
-        for (int a = 0; a < kCorners; ++a)
-          for (int c = 0; c < 3; ++c) {
-            const V b = of_ratio_at.at[a][c];
-            sum.at[a][c] += of_mean * mean.at[a][c] * mean.at[a][c] + of_ratio * b * b;
-          }
-      }
+      CornerLanes<V> of_ratio_at;
+      ModeLanes<V> of_ratio_modes;
+      set_zero(of_ratio_modes);
+      add_gradient<kBlock>(V(T(1)), of_volume, of_ratio_modes);
+      modes_transpose(of_ratio_modes, of_ratio_at);
+      for (int a = 0; a < kCorners; ++a)
+        for (int c = 0; c < 3; ++c) {
+          const V b = of_ratio_at.at[a][c];
+          sum.at[a][c] += of_mean * mean.at[a][c] * mean.at[a][c] + of_ratio * b * b;
+        }
       scatter_add(sum, partition, block, lane, diagonal);
     }
   }

@@ -262,9 +262,9 @@ struct ExactCoefficients {
   }
   HEXAPLAST_NOINLINE void apply(CornerLanes<V>& u) const {
     if (kind.has_law())
-      apply_stiffness<kStride, kGeneral, Assumed::kCorner, false, true, false>(coef, kind, weight, V(1.0), u);
+      apply_stiffness<kStride, kGeneral, true>(coef, kind, weight, V(1.0), u);
     else
-      apply_stiffness<kStride, kGeneral, Assumed::kCorner, false, false, false>(coef, kind, weight, V(1.0), u);
+      apply_stiffness<kStride, kGeneral, false>(coef, kind, weight, V(1.0), u);
   }
 
   StiffnessKind kind;
@@ -342,42 +342,6 @@ double energy_of(const Model& model, const CornerTensors* plastic_inverse, const
   return hn::GetLane(hn::SumOfLanes(V::Tag(), sum.raw()));
 }
 
-void linearize_coarse(const Partition& partition, const double* plastic_rest, const double* current,
-                      const float* mean_plastic, double length, int chunk, ElementOperator<float, float>& op) {
-  using V = Lanes<double>;
-  for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
-    for (int lane = 0; lane < kBlock; lane += V::kCount) {
-      std::uint32_t present = 0;
-      for (int k = 0; k < V::kCount; ++k) present |= (partition.element(block, lane + k) >= 0 ? 1u : 0u) << k;
-      CornerLanes<V> x, u;
-      gather(partition, block, lane, plastic_rest, x);
-      gather(partition, block, lane, current, u);
-      // corners beyond the mesh may lie anywhere: cells that they invert do not help
-      replace_absent(present, x);
-      RestLanes<true, Assumed::kNothing, V> rest;
-      rest_operator(x, op.kind.sampling, rest);
-      present &= bits<double>(rest.min_jacobian > V(0.0));
-      replace_absent(present, x);
-      replace_absent(present, u);
-      float* weight = op.weight.data() + static_cast<std::size_t>(block) * 2 * kCorners * kBlock + lane;
-      for (int k = 0; k < V::kCount; ++k)
-        if (!(present >> k & 1))
-          for (int n = 0; n < 2 * kCorners; ++n) weight[n * kBlock + k] = 0;
-      PlasticLanes<V> plastic;  // each sample has that of its child
-      for (int i = 0; i < kCorners && mean_plastic; ++i)
-        plastic.inverse[i] = load_mean_plastic(
-            mean_plastic + (static_cast<std::size_t>(block) * kCorners + i) * kMeanPlastic * kBlock + lane);
-      ElementLanes<true, Assumed::kNothing, V> element;
-      place_element(x, u, op.kind.sampling, mean_plastic ? &plastic : nullptr, element);
-      decompose(element);
-      const MaterialLanes<V> nothing(Settings(), V(0.0), V(0.0));
-      CoefficientWriter<kBlock, true, Assumed::kNothing, V, float> writer(element, op.kind, V(length),
-                                                                          op.coef.data() + op.offset[block] + lane);
-      for (int i = 0; i < kCorners; ++i) writer.add_sample(i, nothing, {});
-      writer.finish({});
-    }
-}
-
 void linearize_as_simple(const Model& model, const Linearization& at, const unsigned char* blocks, int chunk,
                          ElementOperator<float, Half>& op) {
   using V = Lanes<double>;
@@ -449,7 +413,6 @@ HWY_EXPORT(linearize_double);
 HWY_EXPORT(linearize_float);
 HWY_EXPORT(linearize_half);
 HWY_EXPORT(find_general);
-HWY_EXPORT(linearize_coarse);
 HWY_EXPORT(linearize_as_simple);
 HWY_EXPORT(exact_product);
 HWY_EXPORT(energy_of);
@@ -480,10 +443,6 @@ double block_energy(const Model& model, const CornerTensors* plastic_inverse, co
 void element_matrices(const Model& model, const History& history, const Linearization& at, int block, double factor,
                       ElementMatrix* matrices) {
   HWY_DYNAMIC_DISPATCH(matrices_of)(model, history, at, block, factor, matrices);
-}
-void linearize_cells(const Partition& partition, const double* plastic_rest, const double* current,
-                     const float* mean_plastic, double length, int chunk, ElementOperator<float, float>& op) {
-  HWY_DYNAMIC_DISPATCH(linearize_coarse)(partition, plastic_rest, current, mean_plastic, length, chunk, op);
 }
 void linearize_simple(const Model& model, const Linearization& at, const unsigned char* blocks, int chunk,
                       ElementOperator<float, Half>& op) {

@@ -58,11 +58,6 @@ using ElementMatrix = Eigen::Matrix<double, 3 * kCorners, 3 * kCorners>;
 void element_matrices(const Model& model, const History& history, const Linearization& at, int block, double factor,
                       ElementMatrix* matrices);
 
-/// Coefficients of cells of a coarse mesh; the weights of `op` are there already. mean_plastic: Gm of the children,
-/// [block][child][6][cell], or null: 1.
-void linearize_cells(const Partition& partition, const double* plastic_rest, const double* current,
-                     const float* mean_plastic, double length, int chunk, ElementOperator<float, float>& op);
-
 /// Coefficients with one rotation, as if elements were parallelepipeds, of the blocks of a chunk whose entry in
 /// `blocks` is not 0. `op` is of that kind.
 void linearize_simple(const Model& model, const Linearization& at, const unsigned char* blocks, int chunk,

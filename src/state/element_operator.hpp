@@ -91,7 +91,6 @@ class ElementOperator final : public ChunkedOperator<T> {
   std::size_t bytes() const { return coef.size() * sizeof(Coef) + weight.size() * sizeof(T); }
 
   StiffnessKind kind;
-  bool per_sample = false;                ///< weights differ between the samples of an element
   std::vector<unsigned char> is_general;  ///< per block
   std::vector<std::size_t> offset;        ///< per block: into coef
   AlignedVector<Coef> coef;

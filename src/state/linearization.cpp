@@ -25,7 +25,6 @@ decltype(Linearization::op) operator_of(const Model& model) {
 
 int num_shape_coefficients(const StiffnessKind& kind, bool is_general) {
   if (kind.one_rotation) return OneRotationPlaces::kCount;
-  if (kind.sampling.assumed == Assumed::kNothing) return CoefficientPlaces<true, Assumed::kNothing>::kCount;
   return is_general ? CoefficientPlaces<true, Assumed::kCorner>::kCount
                     : CoefficientPlaces<false, Assumed::kCorner>::kCount;
 }
@@ -46,10 +45,10 @@ void ElementOperator<T, Coef>::resize(const std::vector<unsigned char>& kinds, c
   for (std::size_t block = 0; block < kinds.size(); ++block) {
     offset[block] = size;
     if (has_coefficients && !has_coefficients[block]) continue;
-    size += static_cast<std::size_t>(kBlock) * num_coefficients(kind, kinds[block] || per_sample);
+    size += static_cast<std::size_t>(kBlock) * num_coefficients(kind, kinds[block]);
   }
   coef.resize(size);
-  weight.resize(kinds.size() * kBlock * 2 * (per_sample ? kCorners : 1));
+  weight.resize(kinds.size() * kBlock * 2);
 }
 
 template class ElementOperator<double, double>;
