@@ -276,7 +276,7 @@ void MovingBody::load(std::istream& in) {
     return field.rows() == body.mesh().num_nodes() && field.allFinite();
   };
   if (!has_all(positions) || !has_all(velocities) || !(memory.start.rows() == 0 || has_all(memory.start)) ||
-      !memory.radii.are_sound() || steps < 0 || held.size() != num_nodes || archive.rest() != 0 ||
+      !memory.radii.is_valid() || steps < 0 || held.size() != num_nodes || archive.rest() != 0 ||
       std::ranges::any_of(held, [](unsigned char how) { return how > kPrescribed; }))
     throw InputError("the saved motion is of another body");
   body.load(in);

@@ -5,14 +5,9 @@
 #include <cmath>
 
 #include "hexaplast/base/parallel.hpp"
+#include "solve/constants.hpp"
 
 namespace hexaplast {
-namespace {
-
-// of |b|: the forces of a body at rest are rounding, which is no load to be balanced
-constexpr double kNothingInDouble = 1e-10, kNothingInSingle = 1e-8;
-
-}  // namespace
 
 void BodyResiduals::setup(const MatrixFreeSystem& system, ConstPoints b) {
   system_ = &system;

@@ -9,6 +9,7 @@
 #include "layout/chunked_operator.hpp"
 #include "layout/partition.hpp"
 #include "solve/body_residuals.hpp"
+#include "solve/constants.hpp"
 #include "solve/node_blocks.hpp"
 
 namespace hexaplast {
@@ -56,7 +57,6 @@ class CgSpace {
     static_cast<void>(system), static_cast<void>(b), static_cast<void>(x), static_cast<void>(r);
     return std::numeric_limits<double>::infinity();
   }
-  static constexpr double kDoubleRounding = 1e-13, kSingleRounding = 1e-10;
 };
 
 /// A power of two that brings a number of this size near 1: to scale by it changes no bit, and keeps what is squared in

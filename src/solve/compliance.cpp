@@ -9,15 +9,12 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "solve/column_products.hpp"
+#include "solve/constants.hpp"
 
 namespace hexaplast {
 namespace {
 
-constexpr int kMaxPerRow = 200;        // of one row
-constexpr double kRegularised = 1e-8;  // of the mean of the diagonal, for rows that depend on one another
-constexpr double kNegligible = 0.03;   // of the energy norm of a start, that a solution adds to it
-constexpr double kOfFarInverse = 0.2;  // of the error allowed, where M is far from A: it sees less of smooth errors
-constexpr int kColumns = 8;            // of W, that are multiplied at once
+constexpr int kColumns = 8;  // of W, that are multiplied at once
 
 void require_node(const char* whose, int node, int row, int num_nodes) {
   if (node < 0 || node >= num_nodes)
@@ -70,7 +67,8 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
       field_of(b_, j).row(node) += direction.transpose();
     }
   const int num_solvers = num_threads();
-  while (static_cast<int>(solvers_.size()) < num_solvers) solvers_.emplace_back(1e-3, kMaxPerRow, preconditioner_);
+  while (static_cast<int>(solvers_.size()) < num_solvers)
+    solvers_.emplace_back(1e-3, kMaxIterationsPerRow, preconditioner_);
   bool is_parallel = true;
   const Constraints* ties = nullptr;
   double error = energy_error_;

@@ -9,21 +9,30 @@
 
 #include "hexaplast/base/parallel.hpp"
 #include "layout/coarse_mesh.hpp"
+#include "solve/constants.hpp"
 #include "solve/slot_kernels.hpp"
 
 namespace hexaplast {
 
-namespace {
+bool SpectralRadii::is_valid_for(const SpectralRadii& other) const {
+  return num_levels == other.num_levels && num_solves < kMaxSolvesOfRadii && factor == other.factor &&
+         diagonal == other.diagonal && num_free == other.num_free &&
+         std::abs(stiffness - other.stiffness) <= kMaxChangeOfRadii * other.stiffness;
+}
 
-constexpr int kSmoothing = 2;               // degree of the Chebyshev polynomial before and after a coarse correction
-constexpr double kSmoothedFraction = 0.07;  // of the spectrum's upper end: what the smoother is to reduce
-constexpr int kCoarsestDegree = 10;         // on the coarsest mesh, in place of a direct solution
-constexpr double kCoarsestFraction = 0.02;
-constexpr int kMinLanczosSteps = 6, kMaxLanczosSteps = 14;
-constexpr double kLanczosGrowth = 1.02;  // of the largest eigenvalue in a step: with less, steps end
-constexpr double kIrregular = 8;     // eigenvalue of a mesh in which single elements stand out; regular ones: to 6.2
-constexpr double kRangeEnds = 1e-5;  // of a Lanczos vector: what is left is rounding
-constexpr double kSafety = 1.15;     // Lanczos comes from below: by a tenth at most, but where eigenvalues lie close
+void SpectralRadii::update(int iterations_now) {
+  if (num_levels == 0) return;
+  if (num_solves == 1) iterations = iterations_now;
+  if (iterations_now > kMaxGrowthOfIterations * iterations + 1) num_solves = kMaxSolvesOfRadii;
+}
+
+bool SpectralRadii::is_valid() const {
+  return num_levels >= 0 && num_levels <= kMaxLevels && num_solves >= 0 &&
+         std::all_of(of_level.begin(), of_level.begin() + num_levels,
+                     [](double radius) { return radius > 0 && std::isfinite(radius); });
+}
+
+namespace {
 
 /// Ad = A d on the nodes, ghosts of d included; without blocks.
 template <class T>
@@ -248,7 +257,7 @@ void Multigrid<T>::find_radii(const KernelBody& body, const NodalPart& rest, Spe
                  .diagonal = own_diagonal.sum(),
                  .stiffness = stiffness_of_body.template cast<double>().sum(),
                  .num_free = rest.free.template cast<std::int64_t>().sum()};
-    if (known->serve(of_system)) {
+    if (known->is_valid_for(of_system)) {
       ++known->num_solves;
       are_radii_known_ = true;
       return for_each_radius([&](double& radius, std::size_t level) { radius = known->of_level[level]; });

@@ -9,14 +9,12 @@
 #include "base/irregular_field.hpp"
 #include "base/require.hpp"
 #include "hexaplast/base/parallel.hpp"
+#include "solve/constants.hpp"
 #include "solve/constrained_operator.hpp"
 
 namespace hexaplast {
 
 namespace {
-
-// The initial residual may itself be no more than rounding, which the next ones exceed by a little.
-constexpr double kOfInitial = 2;
 
 /// Holds the nodes on which the stiffness does not act, as those are whose elements are all gone. A displacement
 /// without any regularity moves a force at every other node.

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solve/constants.hpp"
+
 namespace hexaplast {
 
 namespace {
@@ -14,13 +16,6 @@ Mat3 without_negative_part(const Mat3& block) {
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(block);
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
 }
-
-// D where there is none, of the trace of the block
-constexpr double kFractionOfBlock = 1e-3;
-
-// From here on a direction is rigid: a cycle and rigid directions beside it are then as good as both at once to about a
-// hundredth, and the rounding of single precision is less than a thousandth of D.
-constexpr double kRigid = 1e4;
 
 }  // namespace
 

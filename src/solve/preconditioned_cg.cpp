@@ -9,6 +9,7 @@
 #include "base/irregular_field.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "solve/cg_loop.hpp"
+#include "solve/constants.hpp"
 #include "solve/multigrid.hpp"
 #include "solve/several_bodies.hpp"
 
@@ -44,15 +45,10 @@ class Curvature {
   }
 
  private:
-  static constexpr double kNegative = 1e-5;  // products in single precision make no more of it
-
   double rounding_;
   double r_z_ = 0, p_Mp_ = 0;
   double greatest_;  // p.Ap / p.Mp so far
 };
-
-// p.Ap / p.Mp that M^-1 A has at least somewhere: a diagonal has 1, a cycle is made for 1 at the upper end.
-constexpr double kOfPreconditioned = 0.1;
 
 /// p.Ap / r.z of the first direction towards an irregular right-hand side.
 double typical_curvature(CgSpace& space, Eigen::Index num_nodes) {
@@ -166,7 +162,7 @@ struct PreconditionedConjugateGradients::Spaces {
     if (!system.has_one_body()) {
       several.setup(system, rest, system.others.empty() ? nullptr : &lumped, cycles);
       const bool is_single = std::ranges::any_of(system.bodies, [](const KernelBody& b) { return !b.double_operator; });
-      nodal.setup(A, true, &several, is_single ? CgSpace::kSingleRounding : CgSpace::kDoubleRounding, &bodies);
+      nodal.setup(A, true, &several, is_single ? kSingleRounding : kDoubleRounding, &bodies);
       return nodal;
     }
     const KernelBody& body = system.bodies.front();
@@ -208,14 +204,12 @@ struct PreconditionedConjugateGradients::Spaces {
     return std::ranges::any_of(system.bodies, [](const KernelBody& body) { return !body.coarse.empty(); });
   }
 
-  /// Jacobi needs about 4 c dt / h iterations for one per cent, multigrid three that cost as much as twelve: they break
-  /// even near c dt / h = 4. The stiffness on the diagonal over the rest of it is about (1.6 c dt / h)^2. Counted are
-  /// the degrees of freedom that more than half of the stiffness acts on: what holds some nodes is not theirs alone.
+  /// Whether a cycle costs less than Jacobi's iterations. Counted are the degrees of freedom that more than half of the
+  /// stiffness acts on: what holds some nodes is not theirs alone.
   bool is_stiff(const PointArray& diagonal) {
     double stiff = 0, all = 0;
     const auto count = [&]<class T>(const KernelBody& body, const Partition& partition,
                                     const AlignedVector<T>& stiffness) {
-      constexpr double kBreakEven = 40;
       for (int n = 0; n < partition.num_nodes; ++n)
         for (int i = 0; i < 3; ++i) {
           const auto entry =
@@ -267,7 +261,7 @@ SolveReport PreconditionedConjugateGradients::solve_next(const LinearSystem& A, 
                                                          SolverMemory& memory) {
   SpectralRadii radii = memory.radii;
   const SolveReport report = iterate(A, b, nullptr, x, &radii);
-  if (report.preconditioner == PreconditionedBy::kMultigrid) radii.heed(report.iterations);
+  if (report.preconditioner == PreconditionedBy::kMultigrid) radii.update(report.iterations);
   memory.radii = radii;
   return report;
 }
@@ -278,16 +272,6 @@ SolveReport PreconditionedConjugateGradients::solve_from_guess(const LinearSyste
 }
 
 namespace {
-
-// Single precision with half-precision coefficients answers to about 2e-4; beyond this its answers are corrections.
-constexpr double kSingleSuffices = 1e-3;
-constexpr double kCorrection = 3e-3;  // relative residual of each correction
-constexpr double kDoubt = 0.1;        // of the tolerance: rounding that may have hidden that it was not reached
-constexpr int kMaxCorrections = 50;
-
-// What coefficients in half precision, which enter a product twice, leave out of a residual: two rounding units in most
-// bodies, and a few times as much in some that are badly distorted.
-constexpr double kHalfLeavesOut = 0x1p-10;
 
 /// Adds to `report`; ends at a residual of `enough` relative to norm_b. The answer is left in `space`. is_indefinite:
 /// as in iterate_within_range.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -215,39 +214,26 @@ struct SolveReport {
   void add(const SolveReport& again);
 };
 
-/// What multigrid has estimated of a system, and serves the next ones of a sequence, whose spectra are nearly the same.
+/// What multigrid has estimated of a system, valid for the next ones of a sequence, whose spectra are nearly the same.
 struct SpectralRadii {
-  static constexpr int kMaxLevels = 16, kMaxSolves = 8;
-  static constexpr double kMaxChange = 0.1;  ///< of the stiffness
+  static constexpr int kMaxLevels = 16;
 
   int num_levels = 0;                            ///< 0: nothing has been estimated
   std::array<double, kMaxLevels> of_level = {};  ///< of D^-1 A, from the finest mesh on
-  int num_solves = 0;                            ///< that they have served
+  int num_solves = 0;                            ///< that have used them; too many: they are valid no longer
   int iterations = 0;                            ///< of the first of these
   double factor = 0;                             ///< of the system: KernelBody::factor
   double diagonal = 0, stiffness = 0;            ///< of the system: sums of the diagonal, and of that of the body
   std::int64_t num_free = 0;                     ///< of the system: degrees of freedom
 
-  /// Whether they serve another system, of which everything else is given, in place of an estimate.
-  bool serve(const SpectralRadii& other) const {
-    return num_levels == other.num_levels && num_solves < kMaxSolves && factor == other.factor &&
-           diagonal == other.diagonal && num_free == other.num_free &&
-           std::abs(stiffness - other.stiffness) <= kMaxChange * other.stiffness;
-  }
+  /// Whether they are for another system, of which everything else is given, in place of an estimate.
+  bool is_valid_for(const SpectralRadii& other) const;
 
-  /// After a solve: where it took many more iterations than the first one, they serve no longer.
-  void heed(int iterations_now) {
-    if (num_levels == 0) return;
-    if (num_solves == 1) iterations = iterations_now;
-    if (iterations_now > 1.25 * iterations + 1) num_solves = kMaxSolves;
-  }
+  /// After a solve: where it took many more iterations than the first one, they are valid no longer.
+  void update(int iterations_now);
 
-  /// What an archive may hold.
-  bool are_sound() const {
-    return num_levels >= 0 && num_levels <= kMaxLevels && num_solves >= 0 &&
-           std::all_of(of_level.begin(), of_level.begin() + num_levels,
-                       [](double radius) { return radius > 0 && std::isfinite(radius); });
-  }
+  /// Whether an archive may hold them.
+  bool is_valid() const;
   void serialize(Archive& archive) {
     archive(num_levels, of_level, num_solves, iterations, factor, diagonal, stiffness, num_free);
   }
