@@ -69,6 +69,18 @@ HEXAPLAST_INLINE Lanes<T> log(Lanes<T> a) {
   return hn::Log(typename Lanes<T>::Tag(), typename Lanes<T>::Register(a));
 }
 template <class T>
+HEXAPLAST_INLINE Lanes<T> sin(Lanes<T> a) {
+  return hn::Sin(typename Lanes<T>::Tag(), typename Lanes<T>::Register(a));
+}
+template <class T>
+HEXAPLAST_INLINE Lanes<T> cos(Lanes<T> a) {
+  return hn::Cos(typename Lanes<T>::Tag(), typename Lanes<T>::Register(a));
+}
+template <class T>
+HEXAPLAST_INLINE Lanes<T> atan(Lanes<T> a) {
+  return hn::Atan(typename Lanes<T>::Tag(), typename Lanes<T>::Register(a));
+}
+template <class T>
 HEXAPLAST_INLINE Lanes<T> min(Lanes<T> a, Lanes<T> b) {
   return hn::Min(typename Lanes<T>::Register(a), typename Lanes<T>::Register(b));
 }
@@ -91,6 +103,18 @@ struct ScalarOfNumber<Lanes<T>> {
   using type = T;
 };
 
+template <class Mask>
+HEXAPLAST_INLINE Mask both(Mask a, Mask b) {
+  return hn::And(a, b);
+}
+template <class Mask>
+HEXAPLAST_INLINE Mask not_of(Mask a) {
+  return hn::Not(a);
+}
+template <class T, class Mask>
+HEXAPLAST_INLINE bool all_true(Mask mask) {
+  return hn::AllTrue(typename Lanes<T>::Tag(), mask);
+}
 /// One bit per lane.
 template <class T, class Mask>
 HEXAPLAST_INLINE std::uint32_t bits(Mask mask) {
@@ -174,15 +198,6 @@ HEXAPLAST_INLINE Lanes<T> select_bits(std::uint32_t bits_of_a, Lanes<T> a, Lanes
   const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits_of_a), static_cast<std::uint8_t>(bits_of_a >> 8)};
   return hn::IfThenElse(hn::LoadMaskBits(typename Lanes<T>::Tag(), bytes), typename Lanes<T>::Register(a),
                         typename Lanes<T>::Register(b));
-}
-
-/// Calls f with std::integral_constant 0 ... N-1, written out: the compiler is to see constants, not a loop.
-template <int N, class F>
-HEXAPLAST_INLINE void unrolled(const F& f) {
-  [&]<std::size_t... I>(std::index_sequence<I...>) __attribute__((always_inline)) {
-    (f(std::integral_constant<int, static_cast<int>(I)>()), ...);
-  }
-  (std::make_index_sequence<N>());
 }
 
 }  // namespace hexaplast::HWY_NAMESPACE

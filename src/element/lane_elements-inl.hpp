@@ -57,7 +57,7 @@ HEXAPLAST_NOINLINE std::uint32_t find_thin(const CornerLanes<V>& x, const Corner
   } else {
     for (int i = 0; i < kCorners; ++i) lowest = min(lowest, determinant(edges_at(now, i)) / volume);
   }
-  return bits<ScalarOf<V>>(hn::Not(lowest > V(from)));
+  return bits<ScalarOf<V>>(not_of(lowest > V(from)));
 }
 
 /// The directions in which an element cannot show all of the stress of its samples: relieve(normals, sigma) takes that
@@ -159,9 +159,10 @@ HEXAPLAST_NOINLINE void balance_by_axes(std::uint32_t lanes, const Sym<V>& q, co
 /// q + A at a sample. V: lanes of double.                                                                eq. P14, P15
 template <class V>
 HEXAPLAST_INLINE Mat<V> balanced_stress(const Sym<V>& q, const PolarLanes<V>& polar) {
-  const std::uint32_t bounded = polar.doubtful | bits<double>(hn::Not(determinant(polar.S) > V(0.0)));
+  const std::uint32_t bounded = polar.doubtful | bits<double>(not_of(determinant(polar.S) > V(0.0)));
   Mat<V> balanced = in_balance(q, polar.S);
-  if (HWY_UNLIKELY(bounded != 0)) balance_by_axes(bounded, q, polar.S, balanced);
+  if (bounded != 0) [[unlikely]]
+    balance_by_axes(bounded, q, polar.S, balanced);
   return balanced;
 }
 

@@ -253,7 +253,8 @@ template <class V>
 HEXAPLAST_INLINE void replace_absent(std::uint32_t present, CornerLanes<V>& x) {
   using T = typename V::Scalar;
   constexpr std::uint32_t kAll = (1u << V::kCount) - 1;
-  if (HWY_LIKELY((present & kAll) == kAll)) return;
+  if ((present & kAll) == kAll) [[likely]]
+    return;
   for (int a = 0; a < kCorners; ++a)
     for (int i = 0; i < 3; ++i) x.at[a][i] = select_bits(present, x.at[a][i], V(T(kCornerSign[a][i] > 0 ? 1 : 0)));
 }

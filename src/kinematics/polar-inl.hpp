@@ -36,7 +36,7 @@ struct PolarLanes {
 /// processor waiting.
 template <int kCount, class V>
 HEXAPLAST_INLINE void polars(const Mat<V>* given, PolarLanes<V>* out) {
-  using T = typename V::Scalar;
+  using T = ScalarOf<V>;
   constexpr int kSteps = 4;
   constexpr T kSmallest = sizeof(T) == 8 ? T(1e-290) : T(1e-30);     // entries are brought to 1, unless all are smaller
   constexpr T kMinDenominator = sizeof(T) == 8 ? T(2e-3) : T(2e-2);  // of I^3
@@ -78,8 +78,8 @@ HEXAPLAST_INLINE void polars(const Mat<V>* given, PolarLanes<V>* out) {
     const V cube = I * I * I;
     // written so that NaN is doubtful
     const auto fine =
-        hn::And(n2 > V(T(0.5)), hn::And(denominator > V(kMinDenominator) * cube, abs(step) < V(kConverged) * I));
-    out[m].doubtful = bits<T>(hn::Not(fine));
+        both(n2 > V(T(0.5)), both(denominator > V(kMinDenominator) * cube, abs(step) < V(kConverged) * I));
+    out[m].doubtful = bits<T>(not_of(fine));
 
     const Mat<V> FtF = transposed_product(F[m], F[m]), FFtF = F[m] * FtF;
     const V inverse = V(T(1)) / denominator, linear = I * I - II;
@@ -143,7 +143,8 @@ template <int kCount, class V>
 HEXAPLAST_NOINLINE void safe_polars(const Mat<V>* F, PolarLanes<V>* out) {
   polars<kCount>(F, out);
   for (int m = 0; m < kCount; ++m)
-    if (HWY_UNLIKELY(out[m].doubtful != 0)) polar_by_svd(F[m], out[m]);
+    if (out[m].doubtful != 0) [[unlikely]]
+      polar_by_svd(F[m], out[m]);
 }
 /// Of single matrices by the singular value decomposition.
 template <int kCount, std::same_as<double> N>
