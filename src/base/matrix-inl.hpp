@@ -39,6 +39,21 @@ HEXAPLAST_INLINE Mat<N> matrix(const Sym<N>& S) {
   return {{{S.xx, S.xy, S.zx}, {S.xy, S.yy, S.yz}, {S.zx, S.yz, S.zz}}};
 }
 
+/// The lanes of which the bits are set from A, the others from B.
+template <class N>
+HEXAPLAST_INLINE Mat<N> select_bits(std::uint32_t bits_of_A, const Mat<N>& A, const Mat<N>& B) {
+  Mat<N> C;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) C(i, j) = select_bits(bits_of_A, A(i, j), B(i, j));
+  return C;
+}
+
+template <class N>
+HEXAPLAST_INLINE Sym<N> select_bits(std::uint32_t bits_of_A, const Sym<N>& A, const Sym<N>& B) {
+  return {select_bits(bits_of_A, A.xx, B.xx), select_bits(bits_of_A, A.yy, B.yy), select_bits(bits_of_A, A.zz, B.zz),
+          select_bits(bits_of_A, A.yz, B.yz), select_bits(bits_of_A, A.zx, B.zx), select_bits(bits_of_A, A.xy, B.xy)};
+}
+
 template <class N>
 HEXAPLAST_INLINE Mat<N> operator+(const Mat<N>& A, const Mat<N>& B) {
   Mat<N> C;

@@ -92,6 +92,12 @@ HEXAPLAST_INLINE std::uint32_t bits(bool condition) {
   return condition ? 1 : 0;
 }
 
+/// a where the bit is set, b elsewhere.
+template <std::floating_point T>
+HEXAPLAST_INLINE T select_bits(std::uint32_t bit_of_a, T a, T b) {
+  return bit_of_a != 0 ? a : b;
+}
+
 /// Calls f with std::integral_constant 0 ... N-1, written out: the compiler is to see constants, not a loop.
 template <int N, class F>
 HEXAPLAST_INLINE void unrolled(const F& f) {

@@ -8,6 +8,7 @@
 #endif
 
 #include "base/corner_tensors.hpp"
+#include "base/tensors-inl.hpp"
 #include "base/transpose-inl.hpp"
 #include "element/element-inl.hpp"
 #include "element/isolated-inl.hpp"
@@ -133,27 +134,9 @@ HEXAPLAST_INLINE const BranchLanes<V>* load_branches(const Partition& partition,
   return load_branches(LaneElements<V>(partition, block, lane).number, branches, mu, lambda, to);
 }
 
-/// bounded_balance of the lanes of which the bits are set.
 template <class V>
-HEXAPLAST_NOINLINE void balance_by_axes(std::uint32_t lanes, const Sym<V>& q, const Sym<V>& S, Mat<V>& balanced) {
-  alignas(64) double of_q[9][V::kCount], of_S[9][V::kCount], found[9][V::kCount];
-  const Mat<V> all_q = matrix(q), all_S = matrix(S);
-  for (int k = 0; k < 9; ++k) {
-    store(all_q.m[k / 3][k % 3], of_q[k]);
-    store(all_S.m[k / 3][k % 3], of_S[k]);
-    store(balanced.m[k / 3][k % 3], found[k]);
-  }
-  for (int lane = 0; lane < V::kCount; ++lane) {
-    if (!(lanes >> lane & 1)) continue;
-    Mat3 one_q, one_S;
-    for (int k = 0; k < 9; ++k) {
-      one_q(k / 3, k % 3) = of_q[k][lane];
-      one_S(k / 3, k % 3) = of_S[k][lane];
-    }
-    const Mat3 one = bounded_balance(one_q, one_S);
-    for (int k = 0; k < 9; ++k) found[k][lane] = one(k / 3, k % 3);
-  }
-  for (int k = 0; k < 9; ++k) balanced.m[k / 3][k % 3] = load(found[k]);
+HEXAPLAST_NOINLINE Mat<V> balance_by_axes(const Sym<V>& q, const Sym<V>& S) {
+  return bounded_balance(q, S);
 }
 
 /// q + A at a sample. V: lanes of double.                                                                eq. P14, P15
@@ -162,7 +145,7 @@ HEXAPLAST_INLINE Mat<V> balanced_stress(const Sym<V>& q, const PolarLanes<V>& po
   const std::uint32_t bounded = polar.doubtful | bits<double>(not_of(determinant(polar.S) > V(0.0)));
   Mat<V> balanced = in_balance(q, polar.S);
   if (bounded != 0) [[unlikely]]
-    balance_by_axes(bounded, q, polar.S, balanced);
+    balanced = select_bits(bounded, balance_by_axes(q, polar.S), balanced);
   return balanced;
 }
 

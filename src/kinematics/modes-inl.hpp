@@ -7,7 +7,8 @@
 #define HEXAPLAST_KINEMATICS_MODES_INL
 #endif
 
-#include "base/tensors-inl.hpp"
+#include "base/lanes-inl.hpp"
+#include "base/matrix-inl.hpp"
 #include "layout/corners-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();

@@ -10,7 +10,8 @@
 #include <cmath>
 #include <concepts>
 
-#include "base/tensors-inl.hpp"
+#include "base/lanes-inl.hpp"
+#include "base/matrix-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
@@ -49,12 +50,26 @@ HEXAPLAST_INLINE RotationVector<V> rotation_log(const Mat<V>& R) {
 }
 template <std::same_as<double> N>
 HEXAPLAST_INLINE RotationVector<N> rotation_log(const Mat<N>& R) {
-  const Eigen::Quaterniond q(to_eigen(R));
-  const double sine = q.vec().norm();
+  N v[3], w;  // the quaternion (v, w), its largest component first
+  const N trace = R(0, 0) + R(1, 1) + R(2, 2);
+  if (trace > 0) {
+    const N root = std::sqrt(trace + 1);
+    w = 0.5 * root;
+    for (int i = 0; i < 3; ++i) v[i] = 0.5 / root * (R((i + 2) % 3, (i + 1) % 3) - R((i + 1) % 3, (i + 2) % 3));
+  } else {
+    int i = R(1, 1) > R(0, 0) ? 1 : 0;
+    if (R(2, 2) > R(i, i)) i = 2;
+    const int k = (i + 1) % 3, l = (i + 2) % 3;
+    const N root = std::sqrt(R(i, i) - R(k, k) - R(l, l) + 1), scale = 0.5 / root;
+    v[i] = 0.5 * root;
+    v[k] = scale * (R(k, i) + R(i, k));
+    v[l] = scale * (R(l, i) + R(i, l));
+    w = scale * (R(l, k) - R(k, l));
+  }
+  const N sine = std::sqrt(dot(v, v));
   if (sine == 0) return {{0, 0, 0}, 0};
-  const double angle = 2 * std::atan2(sine, std::abs(q.w()));
-  const Vec3 w = std::copysign(angle / sine, q.w()) * q.vec();
-  return {{w[0], w[1], w[2]}, angle};
+  const N angle = 2 * std::atan2(sine, std::abs(w)), stretch = std::copysign(angle / sine, w);
+  return {{stretch * v[0], stretch * v[1], stretch * v[2]}, angle};
 }
 
 /// exp(fraction w) - 1.                                                                                          eq. 26

@@ -7,11 +7,10 @@
 #define HEXAPLAST_PLASTIC_POINT_FLOW_INL
 #endif
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <concepts>
 
-#include "base/tensors-inl.hpp"
+#include "base/svd-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
@@ -29,6 +28,20 @@ HEXAPLAST_INLINE N hardened(N threshold, N hardening, N fraction, N value) {
   // select: a threshold of infinity times a fraction of zero is no number
   return select(fraction > N(0.0), max(N(0.0), threshold + hardening * fraction * value), threshold);
 }
+
+/// log S minus its mean, in the axes (rows) of a stretch that is positive definite.
+template <std::same_as<double> N>
+struct LogStretches {
+  HEXAPLAST_INLINE explicit LogStretches(const Sym<N>& S) {
+    const SvdOf<N> svd = signed_svd(matrix(S));
+    const N log[3] = {std::log(svd.d[0]), std::log(svd.d[1]), std::log(svd.d[2])},
+            mean = (log[0] + log[1] + log[2]) / 3;
+    for (int k = 0; k < 3; ++k) deviatoric[k] = log[k] - mean;
+    axes = svd.V;
+  }
+  N deviatoric[3];
+  Mat<N> axes;
+};
 
 /// How many terms of a power series leave out less than rounding, by the size of its argument.
 struct SeriesLength {
@@ -136,12 +149,14 @@ HEXAPLAST_INLINE Mat<V> stretch_power(const Sym<V>& S, V fraction, Mat<V>& log, 
 }
 template <std::same_as<double> N>
 HEXAPLAST_INLINE Mat<N> stretch_power(const Sym<N>& S, N fraction, Mat<N>& log, std::uint32_t& /*fails*/) {
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(to_eigen(matrix(S)));
-  const Mat3& V = eigen.eigenvectors();
-  const Vec3 log_stretch = eigen.eigenvalues().array().log();
-  const Vec3 flowed = fraction * (log_stretch.array() - log_stretch.mean());
-  log = entries(V * flowed.asDiagonal() * V.transpose());
-  return entries(V * Vec3(flowed.array().expm1()).asDiagonal() * V.transpose());
+  const LogStretches<N> of(S);
+  N flowed[3], power[3];
+  for (int k = 0; k < 3; ++k) {
+    flowed[k] = fraction * of.deviatoric[k];
+    power[k] = std::expm1(flowed[k]);
+  }
+  log = matrix(along_axes(flowed, of.axes));
+  return matrix(along_axes(power, of.axes));
 }
 
 /// S^p - 1 of a corner of stretch S and stress sigma, of which the given fraction flows. Adds the plastic strain [-],
