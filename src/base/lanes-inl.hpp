@@ -8,16 +8,12 @@
 #define HEXAPLAST_BASE_LANES_INL
 #endif
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
+#include "base/number-inl.hpp"
+
+#ifndef HEXAPLAST_ONE_NUMBER
 #include <cstdint>
-#include <type_traits>
-#include <utility>
 
 #include "base/blocks.hpp"
-#include "base/number-inl.hpp"
 #include "hwy/contrib/math/math-inl.h"
 #include "hwy/highway.h"
 
@@ -138,8 +134,10 @@ template <class T>
 HEXAPLAST_INLINE Lanes<T> load_as(const T* from) {
   return load(from);
 }
-HEXAPLAST_INLINE Lanes<float> load_as(const hwy::float16_t* from) {
-  const hn::Rebind<hwy::float16_t, Lanes<float>::Tag> half;
+/// A half of lanes as it is stored.
+using StoredHalf = hwy::float16_t;
+HEXAPLAST_INLINE Lanes<float> load_as(const StoredHalf* from) {
+  const hn::Rebind<StoredHalf, Lanes<float>::Tag> half;
   return hn::PromoteTo(Lanes<float>::Tag(), hn::Load(half, from));
 }
 
@@ -156,9 +154,9 @@ HEXAPLAST_INLINE void store_as(Lanes<double> a, float* to) {
   const hn::Rebind<float, Lanes<double>::Tag> d;
   hn::Store(hn::DemoteTo(d, Lanes<double>::Register(a)), d, to);
 }
-HEXAPLAST_INLINE void store_as(Lanes<double> a, hwy::float16_t* to) {
+HEXAPLAST_INLINE void store_as(Lanes<double> a, StoredHalf* to) {
   const hn::Rebind<float, Lanes<double>::Tag> single;
-  const hn::Rebind<hwy::float16_t, Lanes<double>::Tag> half;
+  const hn::Rebind<StoredHalf, Lanes<double>::Tag> half;
   hn::Store(hn::DemoteTo(half, hn::DemoteTo(single, Lanes<double>::Register(a))), half, to);
 }
 // Lanes of doubles beside lanes of T: a register of T has the elements of kParts<T> registers of doubles.
@@ -202,5 +200,6 @@ HEXAPLAST_INLINE Lanes<T> select_bits(std::uint32_t bits_of_a, Lanes<T> a, Lanes
 
 }  // namespace hexaplast::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
+#endif
 
 #endif

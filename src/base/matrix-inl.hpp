@@ -10,6 +10,7 @@
 #endif
 
 #include "base/number-inl.hpp"
+#include "hexaplast/base/corners.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
@@ -137,6 +138,25 @@ HEXAPLAST_INLINE Mat<N> reciprocal(const Mat<N>& rows, N& det) {
   const N inverse = N(1) / det;
   for (int k = 0; k < 9; ++k) C.m[k / 3][k % 3] *= inverse;
   return C;
+}
+
+/// Vectors at the corners of an element.
+template <class N>
+struct CornerLanes {
+  N at[kCorners][3];
+};
+
+// Nested loops over few entries each: the compiler writes them out, one loop over all of them it may not.
+template <class N>
+HEXAPLAST_INLINE void set_zero(CornerLanes<N>& corners) {
+  for (auto& corner : corners.at)
+    for (N& entry : corner) entry = N(ScalarOf<N>(0));
+}
+/// to += corners
+template <class N>
+HEXAPLAST_INLINE void add(const CornerLanes<N>& corners, CornerLanes<N>& to) {
+  for (int a = 0; a < kCorners; ++a)
+    for (int i = 0; i < 3; ++i) to.at[a][i] += corners.at[a][i];
 }
 
 }  // namespace hexaplast::HWY_NAMESPACE

@@ -98,6 +98,42 @@ HEXAPLAST_INLINE T select_bits(std::uint32_t bit_of_a, T a, T b) {
   return bit_of_a != 0 ? a : b;
 }
 
+#ifdef HEXAPLAST_ONE_NUMBER
+// Stored numbers, where there are no lanes to load.
+template <std::floating_point T>
+HEXAPLAST_INLINE T load(const T* from) {
+  return *from;
+}
+template <std::floating_point T>
+HEXAPLAST_INLINE T load_as(const T* from) {
+  return *from;
+}
+template <std::floating_point T>
+HEXAPLAST_INLINE void store_as(T a, T* to) {
+  *to = a;
+}
+/// Bits of a 16-bit floating point number.
+struct StoredHalf {
+  std::uint16_t bits;
+};
+HEXAPLAST_INLINE float load_as(const StoredHalf* from) {
+#ifdef __CUDA_ARCH__
+  float a;
+  asm("cvt.f32.f16 %0, %1;" : "=f"(a) : "h"(from->bits));
+  return a;
+#else
+  return static_cast<float>(__builtin_bit_cast(_Float16, from->bits));
+#endif
+}
+HEXAPLAST_INLINE void store_as(float a, StoredHalf* to) {
+#ifdef __CUDA_ARCH__
+  asm("cvt.rn.f16.f32 %0, %1;" : "=h"(to->bits) : "f"(a));
+#else
+  to->bits = __builtin_bit_cast(std::uint16_t, static_cast<_Float16>(a));
+#endif
+}
+#endif
+
 /// Calls f with std::integral_constant 0 ... N-1, written out: the compiler is to see constants, not a loop.
 template <int N, class F>
 HEXAPLAST_INLINE void unrolled(const F& f) {

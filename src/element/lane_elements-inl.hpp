@@ -13,6 +13,7 @@
 #include "element/element-inl.hpp"
 #include "element/isolated-inl.hpp"
 #include "element/relaxation-inl.hpp"
+#include "layout/corners-inl.hpp"
 #include "layout/partition.hpp"
 #include "material/relaxation.hpp"
 

@@ -11,7 +11,6 @@
 #include <array>
 
 #include "base/svd-inl.hpp"
-#include "hexaplast/base/corners.hpp"
 #include "material/law-inl.hpp"
 #include "material/relaxation.hpp"
 

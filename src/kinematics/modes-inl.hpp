@@ -9,7 +9,6 @@
 
 #include "base/lanes-inl.hpp"
 #include "base/matrix-inl.hpp"
-#include "layout/corners-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {

@@ -17,6 +17,7 @@
 #include "plastic/point_flow-inl.hpp"
 #include "plastic/point_flow.hpp"
 #include "plastic/rest_shape-inl.hpp"
+#include "plastic/rest_shape.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {

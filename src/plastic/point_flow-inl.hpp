@@ -168,7 +168,7 @@ HEXAPLAST_INLINE Mat<N> stretch_increment(const Sym<N>& S, const Sym<N>& sigma, 
   Mat<N> log;
   const Mat<N> increment = stretch_power(S, fraction, log, fails);
   dissipated += dot(matrix(sigma), log);
-  strain += N(std::sqrt(2.0 / 3.0)) * sqrt(dot(log, log));
+  strain += N(0.81649658092772603) * sqrt(dot(log, log));
   return increment;
 }
 
