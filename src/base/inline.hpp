@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// How formulas are compiled: into their callers, and for a device too where the compiler knows one.
+// How formulas are compiled: into their callers, and for a device too where the compiler knows one. There a call would
+// put its arguments on a stack.
 #pragma once
 
-#ifdef __CUDACC__
+#if defined(__CUDACC__) || defined(__CUDA__)
 #define HEXAPLAST_DEVICE __attribute__((host)) __attribute__((device))
+#define HEXAPLAST_INLINE HEXAPLAST_DEVICE inline __attribute__((always_inline))
+#define HEXAPLAST_NOINLINE HEXAPLAST_INLINE
 #else
 #define HEXAPLAST_DEVICE
+#define HEXAPLAST_INLINE inline __attribute__((always_inline))
+#define HEXAPLAST_NOINLINE __attribute__((noinline))
 #endif
 
-#define HEXAPLAST_INLINE HEXAPLAST_DEVICE inline __attribute__((always_inline))
-#ifdef __CUDACC__
-#define HEXAPLAST_NOINLINE HEXAPLAST_DEVICE inline  // a call would put its arguments on a stack
+// A table of numbers at namespace scope that device code may index with a variable.
+#ifdef __CUDA_ARCH__
+#define HEXAPLAST_TABLE __attribute__((device)) constexpr
 #else
-#define HEXAPLAST_NOINLINE __attribute__((noinline))
+#define HEXAPLAST_TABLE inline constexpr
 #endif

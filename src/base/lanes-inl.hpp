@@ -8,16 +8,12 @@
 #define HEXAPLAST_BASE_LANES_INL
 #endif
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
+#include "base/number-inl.hpp"
+
+#ifndef HEXAPLAST_ONE_NUMBER
 #include <cstdint>
-#include <type_traits>
-#include <utility>
 
 #include "base/blocks.hpp"
-#include "base/number-inl.hpp"
 #include "hwy/contrib/math/math-inl.h"
 #include "hwy/highway.h"
 
@@ -69,6 +65,18 @@ HEXAPLAST_INLINE Lanes<T> log(Lanes<T> a) {
   return hn::Log(typename Lanes<T>::Tag(), typename Lanes<T>::Register(a));
 }
 template <class T>
+HEXAPLAST_INLINE Lanes<T> sin(Lanes<T> a) {
+  return hn::Sin(typename Lanes<T>::Tag(), typename Lanes<T>::Register(a));
+}
+template <class T>
+HEXAPLAST_INLINE Lanes<T> cos(Lanes<T> a) {
+  return hn::Cos(typename Lanes<T>::Tag(), typename Lanes<T>::Register(a));
+}
+template <class T>
+HEXAPLAST_INLINE Lanes<T> atan(Lanes<T> a) {
+  return hn::Atan(typename Lanes<T>::Tag(), typename Lanes<T>::Register(a));
+}
+template <class T>
 HEXAPLAST_INLINE Lanes<T> min(Lanes<T> a, Lanes<T> b) {
   return hn::Min(typename Lanes<T>::Register(a), typename Lanes<T>::Register(b));
 }
@@ -91,6 +99,18 @@ struct ScalarOfNumber<Lanes<T>> {
   using type = T;
 };
 
+template <class Mask>
+HEXAPLAST_INLINE Mask both(Mask a, Mask b) {
+  return hn::And(a, b);
+}
+template <class Mask>
+HEXAPLAST_INLINE Mask not_of(Mask a) {
+  return hn::Not(a);
+}
+template <class T, class Mask>
+HEXAPLAST_INLINE bool all_true(Mask mask) {
+  return hn::AllTrue(typename Lanes<T>::Tag(), mask);
+}
 /// One bit per lane.
 template <class T, class Mask>
 HEXAPLAST_INLINE std::uint32_t bits(Mask mask) {
@@ -114,8 +134,10 @@ template <class T>
 HEXAPLAST_INLINE Lanes<T> load_as(const T* from) {
   return load(from);
 }
-HEXAPLAST_INLINE Lanes<float> load_as(const hwy::float16_t* from) {
-  const hn::Rebind<hwy::float16_t, Lanes<float>::Tag> half;
+/// A half of lanes as it is stored.
+using StoredHalf = hwy::float16_t;
+HEXAPLAST_INLINE Lanes<float> load_as(const StoredHalf* from) {
+  const hn::Rebind<StoredHalf, Lanes<float>::Tag> half;
   return hn::PromoteTo(Lanes<float>::Tag(), hn::Load(half, from));
 }
 
@@ -132,9 +154,9 @@ HEXAPLAST_INLINE void store_as(Lanes<double> a, float* to) {
   const hn::Rebind<float, Lanes<double>::Tag> d;
   hn::Store(hn::DemoteTo(d, Lanes<double>::Register(a)), d, to);
 }
-HEXAPLAST_INLINE void store_as(Lanes<double> a, hwy::float16_t* to) {
+HEXAPLAST_INLINE void store_as(Lanes<double> a, StoredHalf* to) {
   const hn::Rebind<float, Lanes<double>::Tag> single;
-  const hn::Rebind<hwy::float16_t, Lanes<double>::Tag> half;
+  const hn::Rebind<StoredHalf, Lanes<double>::Tag> half;
   hn::Store(hn::DemoteTo(half, hn::DemoteTo(single, Lanes<double>::Register(a))), half, to);
 }
 // Lanes of doubles beside lanes of T: a register of T has the elements of kParts<T> registers of doubles.
@@ -176,16 +198,8 @@ HEXAPLAST_INLINE Lanes<T> select_bits(std::uint32_t bits_of_a, Lanes<T> a, Lanes
                         typename Lanes<T>::Register(b));
 }
 
-/// Calls f with std::integral_constant 0 ... N-1, written out: the compiler is to see constants, not a loop.
-template <int N, class F>
-HEXAPLAST_INLINE void unrolled(const F& f) {
-  [&]<std::size_t... I>(std::index_sequence<I...>) __attribute__((always_inline)) {
-    (f(std::integral_constant<int, static_cast<int>(I)>()), ...);
-  }
-  (std::make_index_sequence<N>());
-}
-
 }  // namespace hexaplast::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
+#endif
 
 #endif

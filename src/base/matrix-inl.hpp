@@ -10,6 +10,7 @@
 #endif
 
 #include "base/number-inl.hpp"
+#include "hexaplast/base/corners.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
@@ -37,6 +38,21 @@ HEXAPLAST_INLINE void assign(const Mat<N>& from, Mat<N>& to) {
 template <class N>
 HEXAPLAST_INLINE Mat<N> matrix(const Sym<N>& S) {
   return {{{S.xx, S.xy, S.zx}, {S.xy, S.yy, S.yz}, {S.zx, S.yz, S.zz}}};
+}
+
+/// The lanes of which the bits are set from A, the others from B.
+template <class N>
+HEXAPLAST_INLINE Mat<N> select_bits(std::uint32_t bits_of_A, const Mat<N>& A, const Mat<N>& B) {
+  Mat<N> C;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) C(i, j) = select_bits(bits_of_A, A(i, j), B(i, j));
+  return C;
+}
+
+template <class N>
+HEXAPLAST_INLINE Sym<N> select_bits(std::uint32_t bits_of_A, const Sym<N>& A, const Sym<N>& B) {
+  return {select_bits(bits_of_A, A.xx, B.xx), select_bits(bits_of_A, A.yy, B.yy), select_bits(bits_of_A, A.zz, B.zz),
+          select_bits(bits_of_A, A.yz, B.yz), select_bits(bits_of_A, A.zx, B.zx), select_bits(bits_of_A, A.xy, B.xy)};
 }
 
 template <class N>
@@ -122,6 +138,25 @@ HEXAPLAST_INLINE Mat<N> reciprocal(const Mat<N>& rows, N& det) {
   const N inverse = N(1) / det;
   for (int k = 0; k < 9; ++k) C.m[k / 3][k % 3] *= inverse;
   return C;
+}
+
+/// Vectors at the corners of an element.
+template <class N>
+struct CornerLanes {
+  N at[kCorners][3];
+};
+
+// Nested loops over few entries each: the compiler writes them out, one loop over all of them it may not.
+template <class N>
+HEXAPLAST_INLINE void set_zero(CornerLanes<N>& corners) {
+  for (auto& corner : corners.at)
+    for (N& entry : corner) entry = N(ScalarOf<N>(0));
+}
+/// to += corners
+template <class N>
+HEXAPLAST_INLINE void add(const CornerLanes<N>& corners, CornerLanes<N>& to) {
+  for (int a = 0; a < kCorners; ++a)
+    for (int i = 0; i < 3; ++i) to.at[a][i] += corners.at[a][i];
 }
 
 }  // namespace hexaplast::HWY_NAMESPACE

@@ -10,6 +10,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <utility>
 
 #include "base/inline.hpp"
 
@@ -32,13 +37,111 @@ struct ScalarOfNumber {
 template <class N>
 using ScalarOf = typename ScalarOfNumber<N>::type;
 
-HEXAPLAST_INLINE double sqrt(double a) { return std::sqrt(a); }
-HEXAPLAST_INLINE double abs(double a) { return std::abs(a); }
-HEXAPLAST_INLINE double log(double a) { return std::log(a); }
-HEXAPLAST_INLINE double min(double a, double b) { return std::min(a, b); }
-HEXAPLAST_INLINE double max(double a, double b) { return std::max(a, b); }
-HEXAPLAST_INLINE double select(bool condition, double a, double b) { return condition ? a : b; }
-HEXAPLAST_INLINE bool any_positive(double a) { return a > 0; }
+template <std::floating_point T>
+HEXAPLAST_INLINE T sqrt(T a) {
+  return std::sqrt(a);
+}
+template <std::floating_point T>
+HEXAPLAST_INLINE T abs(T a) {
+  return std::abs(a);
+}
+template <std::floating_point T>
+HEXAPLAST_INLINE T log(T a) {
+  return std::log(a);
+}
+template <std::floating_point T>
+HEXAPLAST_INLINE T sin(T a) {
+  return std::sin(a);
+}
+template <std::floating_point T>
+HEXAPLAST_INLINE T cos(T a) {
+  return std::cos(a);
+}
+template <std::floating_point T>
+HEXAPLAST_INLINE T atan(T a) {
+  return std::atan(a);
+}
+template <std::floating_point T>
+HEXAPLAST_INLINE T min(T a, T b) {
+  return b < a ? b : a;
+}
+template <std::floating_point T>
+HEXAPLAST_INLINE T max(T a, T b) {
+  return a < b ? b : a;
+}
+/// a where the condition holds, b elsewhere.
+template <std::floating_point T>
+HEXAPLAST_INLINE T select(bool condition, T a, T b) {
+  return condition ? a : b;
+}
+template <std::floating_point T>
+HEXAPLAST_INLINE bool any_positive(T a) {
+  return a > 0;
+}
+
+// Conditions are masks where a formula has lanes.
+HEXAPLAST_INLINE bool both(bool a, bool b) { return a && b; }
+HEXAPLAST_INLINE bool not_of(bool a) { return !a; }
+template <class T>
+HEXAPLAST_INLINE bool all_true(bool condition) {
+  return condition;
+}
+/// One bit per lane.
+template <class T>
+HEXAPLAST_INLINE std::uint32_t bits(bool condition) {
+  return condition ? 1 : 0;
+}
+
+/// a where the bit is set, b elsewhere.
+template <std::floating_point T>
+HEXAPLAST_INLINE T select_bits(std::uint32_t bit_of_a, T a, T b) {
+  return bit_of_a != 0 ? a : b;
+}
+
+#ifdef HEXAPLAST_ONE_NUMBER
+// Stored numbers, where there are no lanes to load.
+template <std::floating_point T>
+HEXAPLAST_INLINE T load(const T* from) {
+  return *from;
+}
+template <std::floating_point T>
+HEXAPLAST_INLINE T load_as(const T* from) {
+  return *from;
+}
+template <std::floating_point T>
+HEXAPLAST_INLINE void store_as(T a, T* to) {
+  *to = a;
+}
+/// Bits of a 16-bit floating point number.
+struct StoredHalf {
+  std::uint16_t bits;
+};
+HEXAPLAST_INLINE float load_as(const StoredHalf* from) {
+#ifdef __CUDA_ARCH__
+  float a;
+  asm("cvt.f32.f16 %0, %1;" : "=f"(a) : "h"(from->bits));
+  return a;
+#else
+  return static_cast<float>(__builtin_bit_cast(_Float16, from->bits));
+#endif
+}
+HEXAPLAST_INLINE void store_as(float a, StoredHalf* to) {
+#ifdef __CUDA_ARCH__
+  asm("cvt.rn.f16.f32 %0, %1;" : "=h"(to->bits) : "f"(a));
+#else
+  to->bits = __builtin_bit_cast(std::uint16_t, static_cast<_Float16>(a));
+#endif
+}
+#endif
+
+/// Calls f with std::integral_constant 0 ... N-1, written out: the compiler is to see constants, not a loop.
+template <int N, class F>
+HEXAPLAST_INLINE void unrolled(const F& f) {
+  [&]<std::size_t... I>(std::index_sequence<I...>) __attribute__((always_inline)) {
+    (f(std::integral_constant<int, static_cast<int>(I)>()), ...);
+  }
+  (std::make_index_sequence<N>());
+}
 
 }  // namespace hexaplast::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -48,9 +48,9 @@ HEXAPLAST_INLINE void apply_sample(const Coef* C, V mu, V free, Mat<V>& columns)
 
 /// u <- L u
 template <int kStride, bool kHasLaw, class V, class Coef>
-HEXAPLAST_INLINE void apply_assumed(const Coef* coef, const StiffnessKind& kind, const typename V::Scalar* weight,
-                                    V factor, CornerLanes<V>& u) {
-  using T = typename V::Scalar;
+HEXAPLAST_INLINE void apply_assumed(const Coef* coef, const StiffnessKind& kind, const ScalarOf<V>* weight, V factor,
+                                    CornerLanes<V>& u) {
+  using T = ScalarOf<V>;
   using Places = CoefficientPlaces<false, Assumed::kCorner>;
   const Coef* const of_volume = coef + Places::kCount * kStride;
   const Coef* const of_mean = of_volume + kGradientCoefficients * kStride;  // of the corotated law

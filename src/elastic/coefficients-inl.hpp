@@ -15,14 +15,14 @@
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
 
-/// The type that Highway knows a stored coefficient by.
+/// The type that lanes load a stored coefficient as.
 template <class Coef>
 struct Stored {
   using type = Coef;
 };
 template <>
 struct Stored<Half> {
-  using type = hwy::float16_t;
+  using type = StoredHalf;
 };
 
 template <class T, class Coef>
@@ -59,7 +59,7 @@ HEXAPLAST_INLINE void store_corners(const CornerLanes<V>& corners, V scale, Coef
 /// What grows with the stretch, within the numbers that a half can be.
 template <class Coef, class V>
 HEXAPLAST_INLINE V bounded(V a) {
-  if constexpr (!std::is_same_v<Coef, hwy::float16_t>) return a;
+  if constexpr (!std::is_same_v<Coef, StoredHalf>) return a;
   constexpr double kLargest = 3e4;
   return min(max(a, V(-kLargest)), V(kLargest));
 }

@@ -5,6 +5,7 @@
 #include "hwy/foreach_target.h"
 //
 #include "elastic/element_kernels-inl.hpp"
+#include "layout/corners-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {

@@ -371,7 +371,7 @@ void linearize_as_simple(const Model& model, const Linearization& at, const unsi
       add_branch_modulus(op.kind, lambda, of_shape, of_dilatation);
       ModeStiffness<V> stiffness(j, op.kind.sampling.corner_weight, of_shape, of_dilatation);
       store_one_rotation<kBlock>(element.rest, j, stiffness, of_volume, V(model.length),
-                                 const_cast<hwy::float16_t*>(stored(op, block)) + lane);
+                                 const_cast<StoredHalf*>(stored(op, block)) + lane);
     }
 }
 

@@ -9,7 +9,6 @@
 #endif
 
 #include "base/matrix-inl.hpp"
-#include "hexaplast/base/corners.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {

@@ -8,10 +8,12 @@
 #endif
 
 #include "base/corner_tensors.hpp"
+#include "base/tensors-inl.hpp"
 #include "base/transpose-inl.hpp"
 #include "element/element-inl.hpp"
 #include "element/isolated-inl.hpp"
 #include "element/relaxation-inl.hpp"
+#include "layout/corners-inl.hpp"
 #include "layout/partition.hpp"
 #include "material/relaxation.hpp"
 
@@ -57,7 +59,7 @@ HEXAPLAST_NOINLINE std::uint32_t find_thin(const CornerLanes<V>& x, const Corner
   } else {
     for (int i = 0; i < kCorners; ++i) lowest = min(lowest, determinant(edges_at(now, i)) / volume);
   }
-  return bits<ScalarOf<V>>(hn::Not(lowest > V(from)));
+  return bits<ScalarOf<V>>(not_of(lowest > V(from)));
 }
 
 /// The directions in which an element cannot show all of the stress of its samples: relieve(normals, sigma) takes that
@@ -133,35 +135,18 @@ HEXAPLAST_INLINE const BranchLanes<V>* load_branches(const Partition& partition,
   return load_branches(LaneElements<V>(partition, block, lane).number, branches, mu, lambda, to);
 }
 
-/// bounded_balance of the lanes of which the bits are set.
 template <class V>
-HEXAPLAST_NOINLINE void balance_by_axes(std::uint32_t lanes, const Sym<V>& q, const Sym<V>& S, Mat<V>& balanced) {
-  alignas(64) double of_q[9][V::kCount], of_S[9][V::kCount], found[9][V::kCount];
-  const Mat<V> all_q = matrix(q), all_S = matrix(S);
-  for (int k = 0; k < 9; ++k) {
-    store(all_q.m[k / 3][k % 3], of_q[k]);
-    store(all_S.m[k / 3][k % 3], of_S[k]);
-    store(balanced.m[k / 3][k % 3], found[k]);
-  }
-  for (int lane = 0; lane < V::kCount; ++lane) {
-    if (!(lanes >> lane & 1)) continue;
-    Mat3 one_q, one_S;
-    for (int k = 0; k < 9; ++k) {
-      one_q(k / 3, k % 3) = of_q[k][lane];
-      one_S(k / 3, k % 3) = of_S[k][lane];
-    }
-    const Mat3 one = bounded_balance(one_q, one_S);
-    for (int k = 0; k < 9; ++k) found[k][lane] = one(k / 3, k % 3);
-  }
-  for (int k = 0; k < 9; ++k) balanced.m[k / 3][k % 3] = load(found[k]);
+HEXAPLAST_NOINLINE Mat<V> balance_by_axes(const Sym<V>& q, const Sym<V>& S) {
+  return bounded_balance(q, S);
 }
 
 /// q + A at a sample. V: lanes of double.                                                                eq. P14, P15
 template <class V>
 HEXAPLAST_INLINE Mat<V> balanced_stress(const Sym<V>& q, const PolarLanes<V>& polar) {
-  const std::uint32_t bounded = polar.doubtful | bits<double>(hn::Not(determinant(polar.S) > V(0.0)));
+  const std::uint32_t bounded = polar.doubtful | bits<double>(not_of(determinant(polar.S) > V(0.0)));
   Mat<V> balanced = in_balance(q, polar.S);
-  if (HWY_UNLIKELY(bounded != 0)) balance_by_axes(bounded, q, polar.S, balanced);
+  if (bounded != 0) [[unlikely]]
+    balanced = select_bits(bounded, balance_by_axes(q, polar.S), balanced);
   return balanced;
 }
 

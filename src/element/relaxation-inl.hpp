@@ -10,8 +10,7 @@
 
 #include <array>
 
-#include "base/matrix-inl.hpp"
-#include "hexaplast/base/corners.hpp"
+#include "base/svd-inl.hpp"
 #include "material/law-inl.hpp"
 #include "material/relaxation.hpp"
 
@@ -137,6 +136,25 @@ HEXAPLAST_INLINE Mat<N> in_balance(const Sym<N>& q, const Sym<N>& S) {
   N w[3];
   for (int k = 0; k < 3; ++k) w[k] = inverse * dot(cof.m[k], v);
   return {{{q.xx, q.xy - w[2], q.zx + w[1]}, {q.xy + w[2], q.yy, q.yz - w[0]}, {q.zx - w[1], q.yz + w[0], q.zz}}};
+}
+
+/// The same everywhere. Where stretches are opposite, as they may be in inverted samples, A has no bound: both are
+/// scaled down there.                                                                                  eq. P14, P15
+template <class N>
+HEXAPLAST_INLINE Mat<N> bounded_balance(const Sym<N>& q, const Sym<N>& S) {
+  constexpr double kSmallest = 0.1;  // of (s_a + s_b)/|s_a - s_b|; above 1 where nothing is inverted
+  const N none(0.0), shift = N(2.0) * sqrt(squared_norm(S));
+  // the axes are those of S + shift, which has the same and is positive
+  const SvdOf<N> svd = signed_svd(matrix(Sym<N>{S.xx + shift, S.yy + shift, S.zz + shift, S.yz, S.zx, S.xy}));
+  Mat<N> H = product_transposed(svd.V * matrix(q), svd.V);
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) {
+      if (a == b) continue;
+      const N s_a = svd.d[a] - shift, s_b = svd.d[b] - shift;
+      const N divisor = max(s_a + s_b, N(kSmallest) * abs(s_a - s_b));
+      H(a, b) *= select(divisor > none, N(2.0) * s_a / divisor, N(1.0));  // 1 + (s_a - s_b)/(s_a + s_b)
+    }
+  return transposed_product(svd.V, H * svd.V);
 }
 
 /// Of a single element.

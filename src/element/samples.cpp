@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "element/samples.hpp"
 
+#include "base/tensors-inl.hpp"
 #include "element/element-inl.hpp"
 #include "element/isolated-inl.hpp"
 #include "element/relaxation-inl.hpp"

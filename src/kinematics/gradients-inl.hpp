@@ -10,17 +10,16 @@
 
 #include "kinematics/polar-inl.hpp"
 #include "kinematics/sampling.hpp"
-#include "layout/corners-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
 
 /// Edges of direction d run from corner kEdgeFrom[d][m] to kEdgeTo[d][m]; edge kEdgeAt[a][d] is the one at corner a.
 /// Edges m and m ^ 1, and m and m ^ 2, share a face: they differ in the sign of the first, or second, other direction.
-inline constexpr int kEdgeFrom[3][4] = {{0, 3, 4, 7}, {0, 1, 4, 5}, {0, 1, 3, 2}};
-inline constexpr int kEdgeTo[3][4] = {{1, 2, 5, 6}, {3, 2, 7, 6}, {4, 5, 7, 6}};
-inline constexpr int kEdgeAt[kCorners][3] = {{0, 0, 0}, {0, 1, 1}, {1, 1, 3}, {1, 0, 2},
-                                             {2, 2, 0}, {2, 3, 1}, {3, 3, 3}, {3, 2, 2}};
+HEXAPLAST_TABLE int kEdgeFrom[3][4] = {{0, 3, 4, 7}, {0, 1, 4, 5}, {0, 1, 3, 2}};
+HEXAPLAST_TABLE int kEdgeTo[3][4] = {{1, 2, 5, 6}, {3, 2, 7, 6}, {4, 5, 7, 6}};
+HEXAPLAST_TABLE int kEdgeAt[kCorners][3] = {{0, 0, 0}, {0, 1, 1}, {1, 1, 3}, {1, 0, 2},
+                                            {2, 2, 0}, {2, 3, 1}, {3, 3, 3}, {3, 2, 2}};
 
 /// Edge vectors, whole (not half): [direction][edge][component].
 template <class N>
@@ -146,7 +145,7 @@ HEXAPLAST_INLINE Mat<N> outer_sum(const CornerLanes<N>& x, const CornerLanes<N>&
 // directions, l the third one: k for j, j for k.
 
 /// The other two directions, in the order in which the number of an edge counts them.
-inline constexpr int kOther[3][2] = {{1, 2}, {0, 2}, {0, 1}};
+HEXAPLAST_TABLE int kOther[3][2] = {{1, 2}, {0, 2}, {0, 1}};
 /// Sign of the coordinate `which` of the other two at edge m.
 constexpr int edge_sign(int m, int which) { return (m >> which & 1) != 0 ? 1 : -1; }
 
@@ -246,16 +245,6 @@ HEXAPLAST_INLINE Mat<N> centre_gradient(const CornerLanes<N>& x, const CornerLan
   edges(u, current);
   edges(x, plastic_rest);
   return transposed_product(mean_edges(current), reciprocal(mean_edges(plastic_rest), det));
-}
-
-/// Corners of elements that are not there become those of the unit cube, so that everything computed of them is finite.
-template <class V>
-HEXAPLAST_INLINE void replace_absent(std::uint32_t present, CornerLanes<V>& x) {
-  using T = typename V::Scalar;
-  constexpr std::uint32_t kAll = (1u << V::kCount) - 1;
-  if (HWY_LIKELY((present & kAll) == kAll)) return;
-  for (int a = 0; a < kCorners; ++a)
-    for (int i = 0; i < 3; ++i) x.at[a][i] = select_bits(present, x.at[a][i], V(T(kCornerSign[a][i] > 0 ? 1 : 0)));
 }
 
 }  // namespace hexaplast::HWY_NAMESPACE

@@ -7,8 +7,8 @@
 #define HEXAPLAST_KINEMATICS_MODES_INL
 #endif
 
-#include "base/tensors-inl.hpp"
-#include "layout/corners-inl.hpp"
+#include "base/lanes-inl.hpp"
+#include "base/matrix-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {

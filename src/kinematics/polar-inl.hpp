@@ -9,8 +9,7 @@
 
 #include <concepts>
 
-#include "base/tensors-inl.hpp"
-#include "kinematics/polar.hpp"
+#include "base/svd-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
@@ -36,7 +35,7 @@ struct PolarLanes {
 /// processor waiting.
 template <int kCount, class V>
 HEXAPLAST_INLINE void polars(const Mat<V>* given, PolarLanes<V>* out) {
-  using T = typename V::Scalar;
+  using T = ScalarOf<V>;
   constexpr int kSteps = 4;
   constexpr T kSmallest = sizeof(T) == 8 ? T(1e-290) : T(1e-30);     // entries are brought to 1, unless all are smaller
   constexpr T kMinDenominator = sizeof(T) == 8 ? T(2e-3) : T(2e-2);  // of I^3
@@ -78,8 +77,8 @@ HEXAPLAST_INLINE void polars(const Mat<V>* given, PolarLanes<V>* out) {
     const V cube = I * I * I;
     // written so that NaN is doubtful
     const auto fine =
-        hn::And(n2 > V(T(0.5)), hn::And(denominator > V(kMinDenominator) * cube, abs(step) < V(kConverged) * I));
-    out[m].doubtful = bits<T>(hn::Not(fine));
+        both(n2 > V(T(0.5)), both(denominator > V(kMinDenominator) * cube, abs(step) < V(kConverged) * I));
+    out[m].doubtful = bits<T>(not_of(fine));
 
     const Mat<V> FtF = transposed_product(F[m], F[m]), FFtF = F[m] * FtF;
     const V inverse = V(T(1)) / denominator, linear = I * I - II;
@@ -112,46 +111,28 @@ HEXAPLAST_INLINE PolarLanes<V> polar(const Mat<V>& F) {
   return out[0];
 }
 
-/// The lanes that the closed form leaves open, by the singular value decomposition.
-template <class V>
-HEXAPLAST_NOINLINE void polar_by_svd(const Mat<V>& F, PolarLanes<V>& polar) {
-  using T = typename V::Scalar;
-  constexpr int kCount = V::kCount;
-  alignas(64) T f[9][kCount], r[9][kCount], s[6][kCount];
-  Sym<V>& S = polar.S;
-  V* const sym[6] = {&S.xx, &S.yy, &S.zz, &S.yz, &S.zx, &S.xy};
-  for (int k = 0; k < 9; ++k) {
-    store(F.m[k / 3][k % 3], f[k]);
-    store(polar.R.m[k / 3][k % 3], r[k]);
-  }
-  for (int k = 0; k < 6; ++k) store(*sym[k], s[k]);
-  for (int lane = 0; lane < kCount; ++lane) {
-    if (!(polar.doubtful >> lane & 1)) continue;
-    Mat3 one;
-    for (int k = 0; k < 9; ++k) one(k / 3, k % 3) = f[k][lane];
-    const Polar found = hexaplast::polar(one);
-    for (int k = 0; k < 9; ++k) r[k][lane] = static_cast<T>(found.R(k / 3, k % 3));
-    const Mat3& U = found.S;
-    const double numbers[6] = {U(0, 0), U(1, 1), U(2, 2), U(1, 2), U(2, 0), U(0, 1)};
-    for (int k = 0; k < 6; ++k) s[k][lane] = static_cast<T>(numbers[k]);
-  }
-  for (int k = 0; k < 9; ++k) polar.R.m[k / 3][k % 3] = load(r[k]);
-  for (int k = 0; k < 6; ++k) *sym[k] = load(s[k]);
+/// By the singular value decomposition: R = U V^T, S = V diag(d) V^T.                                           eq. 6
+template <class N>
+HEXAPLAST_NOINLINE PolarLanes<N> polar_by_svd(const Mat<N>& F) {
+  const SvdOf<N> svd = signed_svd(F);
+  return {transposed_product(svd.U, svd.V), along_axes(svd.d, svd.V), 0};
 }
 
+/// By the closed form, and where that leaves the rotation open by the singular value decomposition.
 template <int kCount, class V>
 HEXAPLAST_NOINLINE void safe_polars(const Mat<V>* F, PolarLanes<V>* out) {
   polars<kCount>(F, out);
   for (int m = 0; m < kCount; ++m)
-    if (HWY_UNLIKELY(out[m].doubtful != 0)) polar_by_svd(F[m], out[m]);
+    if (const std::uint32_t open = out[m].doubtful; open != 0) [[unlikely]] {
+      const PolarLanes<V> found = polar_by_svd(F[m]);
+      out[m].R = select_bits(open, found.R, out[m].R);
+      out[m].S = select_bits(open, found.S, out[m].S);
+    }
 }
 /// Of single matrices by the singular value decomposition.
 template <int kCount, std::same_as<double> N>
 HEXAPLAST_INLINE void safe_polars(const Mat<N>* F, PolarLanes<N>* out) {
-  for (int m = 0; m < kCount; ++m) {
-    const Polar found = hexaplast::polar(to_eigen(F[m]));
-    out[m] = {entries(found.R), symmetric_entries(found.S), 0};
-  }
+  for (int m = 0; m < kCount; ++m) out[m] = polar_by_svd(F[m]);
 }
 template <class V>
 HEXAPLAST_INLINE PolarLanes<V> safe_polar(const Mat<V>& F) {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "kinematics/polar.hpp"
 
-#include <Eigen/SVD>
-#include <limits>
-
+#include "base/svd-inl.hpp"
+#include "base/tensors-inl.hpp"
 #include "kinematics/rotation-inl.hpp"
 
 namespace hexaplast {
@@ -11,21 +10,8 @@ namespace hexaplast {
 namespace scalar = HWY_NAMESPACE;  // the formulas, here of doubles
 
 SignedSvd signed_svd(const Mat3& F) {
-  if (!F.allFinite()) {
-    const double nan = std::numeric_limits<double>::quiet_NaN();
-    return {Mat3::Constant(nan), Vec3::Constant(nan), Mat3::Constant(nan)};
-  }
-  const Eigen::JacobiSVD<Mat3> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  SignedSvd out{svd.matrixU(), svd.singularValues(), svd.matrixV()};
-
-  // carry reflections on the smallest stretch, so that U and V are rotations
-  for (Mat3* Q : {&out.U, &out.V}) {
-    if (Q->determinant() < 0) {
-      Q->col(2) *= -1;
-      out.d[2] *= -1;
-    }
-  }
-  return out;
+  const scalar::SvdOf<double> found = scalar::signed_svd(scalar::entries(F));
+  return {to_eigen(found.U).transpose(), Vec3::Map(found.d), to_eigen(found.V).transpose()};
 }
 
 Polar polar(const SignedSvd& F) { return {F.U * F.V.transpose(), F.V * F.d.asDiagonal() * F.V.transpose()}; }

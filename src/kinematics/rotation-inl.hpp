@@ -10,8 +10,8 @@
 #include <cmath>
 #include <concepts>
 
-#include "base/tensors-inl.hpp"
-#include "hwy/contrib/math/math-inl.h"
+#include "base/lanes-inl.hpp"
+#include "base/matrix-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
@@ -28,8 +28,7 @@ struct RotationVector {
 // tests/elastic/kernels_test.cpp compares the two.
 template <class V>
 HEXAPLAST_INLINE RotationVector<V> rotation_log(const Mat<V>& R) {
-  using T = typename V::Scalar;
-  const typename V::Tag d;
+  using T = ScalarOf<V>;
   constexpr T kTiny = sizeof(T) == 8 ? T(1e-150) : T(1e-18);  // its square is above the smallest number
   const V cosine = V(0.5) * (R(0, 0) + R(1, 1) + R(2, 2) - V(1.0));
   RotationVector<V> out;
@@ -38,13 +37,12 @@ HEXAPLAST_INLINE RotationVector<V> rotation_log(const Mat<V>& R) {
   out.axis_angle[2] = V(0.5) * (R(1, 0) - R(0, 1));
   const V sine = sqrt(out.axis_angle[0] * out.axis_angle[0] + out.axis_angle[1] * out.axis_angle[1] +
                       out.axis_angle[2] * out.axis_angle[2]);
-  out.near_half_turn = bits<T>(hn::Not(cosine > V(-0.9)));
+  out.near_half_turn = bits<T>(not_of(cosine > V(-0.9)));
 
   // atan2 with the quotient kept below 1
   const auto steep = sine > abs(cosine);
   const V quotient = select(steep, cosine, sine) / select(steep, sine, max(abs(cosine), V(kTiny)));
-  const V arc(hn::Atan(d, quotient.raw()));
-  const V half_turn(3.14159265358979323846);
+  const V arc = atan(quotient), half_turn(3.14159265358979323846);
   out.angle = select(steep, V(0.5) * half_turn - arc, select(cosine < V(0.0), half_turn - arc, arc));
   const V stretch = select(sine > V(kTiny), out.angle / max(sine, V(kTiny)), V(1.0));
   for (V& component : out.axis_angle) component *= stretch;
@@ -52,31 +50,32 @@ HEXAPLAST_INLINE RotationVector<V> rotation_log(const Mat<V>& R) {
 }
 template <std::same_as<double> N>
 HEXAPLAST_INLINE RotationVector<N> rotation_log(const Mat<N>& R) {
-  const Eigen::Quaterniond q(to_eigen(R));
-  const double sine = q.vec().norm();
+  N v[3], w;  // the quaternion (v, w), its largest component first
+  const N trace = R(0, 0) + R(1, 1) + R(2, 2);
+  if (trace > 0) {
+    const N root = std::sqrt(trace + 1);
+    w = 0.5 * root;
+    for (int i = 0; i < 3; ++i) v[i] = 0.5 / root * (R((i + 2) % 3, (i + 1) % 3) - R((i + 1) % 3, (i + 2) % 3));
+  } else {
+    int i = R(1, 1) > R(0, 0) ? 1 : 0;
+    if (R(2, 2) > R(i, i)) i = 2;
+    const int k = (i + 1) % 3, l = (i + 2) % 3;
+    const N root = std::sqrt(R(i, i) - R(k, k) - R(l, l) + 1), scale = 0.5 / root;
+    v[i] = 0.5 * root;
+    v[k] = scale * (R(k, i) + R(i, k));
+    v[l] = scale * (R(l, i) + R(i, l));
+    w = scale * (R(l, k) - R(k, l));
+  }
+  const N sine = std::sqrt(dot(v, v));
   if (sine == 0) return {{0, 0, 0}, 0};
-  const double angle = 2 * std::atan2(sine, std::abs(q.w()));
-  const Vec3 w = std::copysign(angle / sine, q.w()) * q.vec();
-  return {{w[0], w[1], w[2]}, angle};
-}
-
-HEXAPLAST_INLINE void sine_and_cosine(double angle, double& sine, double& cosine) {
-  sine = std::sin(angle);
-  cosine = std::cos(angle);
-}
-template <class T>
-HEXAPLAST_INLINE void sine_and_cosine(Lanes<T> angle, Lanes<T>& sine, Lanes<T>& cosine) {
-  const typename Lanes<T>::Tag d;
-  sine = hn::Sin(d, angle.raw());
-  cosine = hn::Cos(d, angle.raw());
+  const N angle = 2 * std::atan2(sine, std::abs(w)), stretch = std::copysign(angle / sine, w);
+  return {{stretch * v[0], stretch * v[1], stretch * v[2]}, angle};
 }
 
 /// exp(fraction w) - 1.                                                                                          eq. 26
 template <class N>
 HEXAPLAST_INLINE Mat<N> rotation_expm1(const RotationVector<N>& w, N fraction) {
-  const N half = N(0.5) * fraction * w.angle, small(1e-8);
-  N sine, cosine;
-  sine_and_cosine(half, sine, cosine);
+  const N half = N(0.5) * fraction * w.angle, small(1e-8), sine = sin(half), cosine = cos(half);
   // q = (cos, axis sin): the axis is w / angle, and sin / half -> 1
   const N ratio = N(0.5) * fraction * select(half > small, sine / max(half, small), N(1.0));
   const N x = ratio * w.axis_angle[0], y = ratio * w.axis_angle[1], z = ratio * w.axis_angle[2];

@@ -8,6 +8,7 @@
 #include <cassert>
 
 #include "kinematics/polar-inl.hpp"
+#include "kinematics/polar.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {

@@ -9,29 +9,22 @@
 #endif
 
 #include "base/lanes-inl.hpp"
+#include "base/matrix-inl.hpp"
 #include "hexaplast/base/types.hpp"
 #include "layout/partition.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
 
-/// Corner values of one element per lane.
+/// Corners of elements that are not there become those of the unit cube, so that everything computed of them is finite.
 template <class V>
-struct CornerLanes {
-  V at[kCorners][3];
-};
-
-// Nested loops over few entries each: the compiler writes them out, one loop over all of them it may not.
-template <class V>
-HEXAPLAST_INLINE void set_zero(CornerLanes<V>& corners) {
-  for (auto& corner : corners.at)
-    for (V& entry : corner) entry = V(ScalarOf<V>(0));
-}
-/// to += corners
-template <class V>
-HEXAPLAST_INLINE void add(const CornerLanes<V>& corners, CornerLanes<V>& to) {
+HEXAPLAST_INLINE void replace_absent(std::uint32_t present, CornerLanes<V>& x) {
+  using T = typename V::Scalar;
+  constexpr std::uint32_t kAll = (1u << V::kCount) - 1;
+  if ((present & kAll) == kAll) [[likely]]
+    return;
   for (int a = 0; a < kCorners; ++a)
-    for (int i = 0; i < 3; ++i) to.at[a][i] += corners.at[a][i];
+    for (int i = 0; i < 3; ++i) x.at[a][i] = select_bits(present, x.at[a][i], V(T(kCornerSign[a][i] > 0 ? 1 : 0)));
 }
 
 #if HWY_TARGET == HWY_SCALAR

@@ -9,7 +9,8 @@
 
 #include <numbers>
 
-#include "base/tensors-inl.hpp"
+#include "base/lanes-inl.hpp"
+#include "base/matrix-inl.hpp"
 #include "hexaplast/material/material.hpp"
 
 HWY_BEFORE_NAMESPACE();

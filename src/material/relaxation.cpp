@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "material/relaxation.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <cmath>
 
 namespace hexaplast {
@@ -38,20 +36,6 @@ double Branches::modulus() const {
   double sum = 0;
   for (const BranchStep& step : steps) sum += step.modulus * step.response;
   return sum;
-}
-
-Mat3 bounded_balance(const Mat3& q, const Mat3& S) {
-  constexpr double kSmallest = 0.1;  // of (s_a + s_b)/|s_a - s_b|; above 1 where nothing is inverted
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(S);
-  const Mat3& axes = eigen.eigenvectors();
-  const Vec3& s = eigen.eigenvalues();
-  Mat3 H = axes.transpose() * q * axes;
-  for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b) {
-      const double divisor = std::max(s[a] + s[b], kSmallest * std::abs(s[a] - s[b]));
-      if (a != b && divisor > 0) H(a, b) *= 2 * s[a] / divisor;  // 1 + (s_a - s_b)/(s_a + s_b)
-    }
-  return axes * H * axes.transpose();
 }
 
 }  // namespace hexaplast

@@ -35,8 +35,4 @@ struct Branches {
   double modulus() const;  ///< [-] mu_b over mu: sum of g z
 };
 
-/// q + A, with which q's moments are in balance. Where stretches are opposite, as they may be in inverted samples, A
-/// has no bound: both are scaled down there.                                                            eq. P14, P15
-Mat3 bounded_balance(const Mat3& q, const Mat3& S);
-
 }  // namespace hexaplast

@@ -7,7 +7,8 @@
 #define HEXAPLAST_MATERIAL_STRESS_NORM_INL
 #endif
 
-#include "base/tensors-inl.hpp"
+#include "base/lanes-inl.hpp"
+#include "base/matrix-inl.hpp"
 #include "hexaplast/material/material.hpp"
 
 HWY_BEFORE_NAMESPACE();

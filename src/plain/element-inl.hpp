@@ -254,7 +254,7 @@ struct ElementState {
 /// q + A of a single sample.                                                                            eq. P14, P15
 template <std::same_as<double> N>
 HEXAPLAST_INLINE Mat<N> balanced_stress(const Sym<N>& q, const PolarLanes<N>& polar) {
-  return entries(bounded_balance(to_eigen(matrix(q)), to_eigen(matrix(polar.S))));
+  return bounded_balance(q, polar.S);
 }
 
 /// One hexahedron at one set of current positions, or one in each lane.

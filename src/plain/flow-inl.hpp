@@ -17,19 +17,10 @@
 #include "plastic/point_flow-inl.hpp"
 #include "plastic/point_flow.hpp"
 #include "plastic/rest_shape-inl.hpp"
+#include "plastic/rest_shape.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
-
-/// A bit per lane that holds.
-template <class V, class Mask>
-HEXAPLAST_INLINE std::uint32_t lanes_where(Mask mask) {
-  return bits<double>(mask);
-}
-template <std::same_as<double> N>
-HEXAPLAST_INLINE std::uint32_t lanes_where(bool condition) {
-  return condition ? 1 : 0;
-}
 
 /// The stress norm. Lanes have a bound of the spectral one only.                                               eq. 20
 template <class V>
@@ -96,17 +87,18 @@ HEXAPLAST_NOINLINE void flow_stretch(const Element<N>& element, const Settings& 
     flow.fraction[i] = flow_fraction(norm, history.yield_stress[i], rate, norm);  //                           eq. 21
     const N gamma = flow.fraction[i];
     if (settings.yield_norm == YieldNorm::kSpectral)  // of which lanes have a bound
-      flow.fails |= lanes_where<N>(gamma > N(0.0));
+      flow.fails |= bits<double>(gamma > N(0.0));
     // an overflow, which the caller refuses
-    const std::uint32_t infinite = ~lanes_where<N>(norm < N(std::numeric_limits<double>::infinity()));
-    if (HWY_UNLIKELY((infinite & lanes_where<N>(rate > N(0.0))) != 0)) flow.dissipated += where_flows(rate, norm);
+    const std::uint32_t infinite = ~bits<double>(norm < N(std::numeric_limits<double>::infinity()));
+    if ((infinite & bits<double>(rate > N(0.0))) != 0) [[unlikely]]
+      flow.dissipated += where_flows(rate, norm);
     if (!any_positive(gamma)) continue;
 
     N strain(0.0), work(0.0);
     std::uint32_t fails = 0;
     flow.stretch[i] = where_flows(
         gamma, stretch_increment(S, dissipating(settings.law, S, sigma), gamma, strain, work, fails));  //      eq. 22
-    flow.fails |= fails & lanes_where<N>(gamma > N(0.0));
+    flow.fails |= fails & bits<double>(gamma > N(0.0));
     flow.dissipated += N(1.0 / kCorners) * element.volume() * where_flows(gamma, work);
     history.plastic_strain[i] += where_flows(gamma, strain);
     history.yield_stress[i] = hardened(history.yield_stress[i], rule.hardening, gamma, norm);  //              eq. 23
@@ -141,7 +133,7 @@ HEXAPLAST_NOINLINE void flow_rotation(const Element<N>& element, const Mat<N>& R
     flow.rotation_fraction[i] = eta;
     if (!any_positive(eta)) continue;
     flow.rotation[i] = where_flows(eta, rotation_expm1(turn, eta));  //                                         eq. 26
-    flow.fails |= fails & lanes_where<N>(eta > N(0.0));
+    flow.fails |= fails & bits<double>(eta > N(0.0));
     history.rotation_yield[i] = hardened(history.rotation_yield[i], rule.hardening, eta, phi);
   }
 }
@@ -213,8 +205,8 @@ HEXAPLAST_NOINLINE void flow_element(const Element<N>& element, const CornerLane
     min_ratio = min(min_ratio, element.jacobian(i) / initial.jacobian[i]);
   }
   const N least = min(min_det, min_ratio), may_flow = select(least < threshold, none, one);
-  flow.inverted = lanes_where<N>(min_det < none);
-  flow.skipped = lanes_where<N>(least < threshold);
+  flow.inverted = bits<double>(min_det < none);
+  flow.skipped = bits<double>(least < threshold);
 
   const CornerLanes<N> before = history.rest_shape;
   if (rule.stretches) flow_stretch(element, settings, rule, may_flow, history, flow);
@@ -224,7 +216,7 @@ HEXAPLAST_NOINLINE void flow_element(const Element<N>& element, const CornerLane
   }
   N flowing = none;
   for (int i = 0; i < kCorners; ++i) flowing = max(flowing, max(flow.fraction[i], flow.rotation_fraction[i]));
-  flow.yielded = lanes_where<N>(flowing > none);
+  flow.yielded = bits<double>(flowing > none);
   if (flow.yielded != 0) {
     deform_rest_shape(settings, tracks_stretch, flow, history);
     for (int i = 0; i < kCorners; ++i)  // what did not flow keeps its bits
@@ -233,8 +225,8 @@ HEXAPLAST_NOINLINE void flow_element(const Element<N>& element, const CornerLane
   }
 
   CornerLanes<N>& y = history.rest_shape;
-  flow.repaired = lanes_where<N>(min_ratio < threshold);
-  if (HWY_UNLIKELY(flow.repaired != 0)) {  // back towards the initial shape                                    eq. 29
+  flow.repaired = bits<double>(min_ratio < threshold);
+  if (flow.repaired != 0) [[unlikely]] {  // back towards the initial shape                                    eq. 29
     const Mat<N> R = safe_polar(outer_sum(y, initial.shape)).R;
     const N step = select(min_ratio < threshold, N(std::min(1.0, kRepairRate * rule.dt)), none);
     for (int i = 0; i < kCorners; ++i) {

@@ -12,9 +12,12 @@
 #include "plain/plain.hpp"
 #include "plastic/fracture.hpp"
 #include "plastic/isolated_flow.hpp"
+#include "plastic/rest_shape-inl.hpp"
 #include "plastic/rest_shape.hpp"
 
 namespace hexaplast::plain {
+
+namespace scalar = HWY_NAMESPACE;  // the formulas, here of doubles
 
 namespace {
 
@@ -71,10 +74,10 @@ class Step {
       const ElementOutcome& outcome = outcomes_[e];
       if (model_.can_flow() && !(next.is_finite(e) && std::isfinite(outcome.dissipated)))
         throw NumericalError(fmt::format("the plastic history of hexahedron {} is not finite", e));
-      changed_[e] = outcome.yielded || outcome.repaired || outcome.volume_error >= kVolumeAtRest;
+      changed_[e] = outcome.yielded || outcome.repaired || outcome.volume_error >= scalar::kVolumeAtRest;
       report.inverted += outcome.inverted;
       report.skipped += outcome.skipped;
-      if (model_.can_flow() && outcome.volume_error >= kVolumeAtRest)
+      if (model_.can_flow() && outcome.volume_error >= scalar::kVolumeAtRest)
         report.worst_volume_error = std::max(report.worst_volume_error, outcome.volume_error);
     }
   }

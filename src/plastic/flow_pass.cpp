@@ -169,9 +169,9 @@ HEXAPLAST_NOINLINE std::uint32_t flow_isolated_samples(
   const V guard(static_cast<T>(settings.inversion_threshold)), none(T(0));
   V flowing(none), fraction[kCorners], norm[kCorners], strain[kCorners];
   for (int i = 0; i < kCorners; ++i) {
-    fails |= bits<T>(hn::Not(determinant(element.F[i]) > guard));
+    fails |= bits<T>(not_of(determinant(element.F[i]) > guard));
     norm[i] = stress_norm_bound(relieved[i], settings.yield_norm);
-    fails |= bits<T>(hn::Not(norm[i] < V(std::numeric_limits<T>::infinity())));
+    fails |= bits<T>(not_of(norm[i] < V(std::numeric_limits<T>::infinity())));
     fraction[i] = isolated_flow_fraction(norm[i], yield_stress[i], rate);
     flowing = max(flowing, fraction[i]);
     if (any_positive(fraction[i])) {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "plastic/fracture.hpp"
 
-#include <Eigen/SVD>
 #include <cmath>
+
+#include "kinematics/polar.hpp"
 
 namespace hexaplast {
 
@@ -17,7 +18,7 @@ bool is_broken(const Model& model, const History& before, const History& next, i
     const Mat3 Fp = next.plastic_inverse.empty() ? next.plastic_stretch[element][i]
                                                  : Mat3(next.plastic_inverse[element][i].inverse());
     if (Fp.norm() < material.fracture_stretch) continue;  // no singular value is above the norm
-    if (Eigen::JacobiSVD<Mat3>(Fp).singularValues()[0] > material.fracture_stretch) return true;
+    if (signed_svd(Fp).d[0] > material.fracture_stretch) return true;
   }
   return false;
 }

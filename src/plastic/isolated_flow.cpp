@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "plastic/isolated_flow.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +9,7 @@
 #include "element/isolated-inl.hpp"
 #include "element/relaxation-inl.hpp"
 #include "mesh/trilinear.hpp"
+#include "plastic/point_flow-inl.hpp"
 #include "plastic/point_flow.hpp"
 
 namespace hexaplast {
@@ -17,12 +17,6 @@ namespace hexaplast {
 namespace scalar = HWY_NAMESPACE;  // the formulas, here of doubles
 
 namespace {
-
-Mat3 deviatoric_log(const Mat3& S) {
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(S);
-  const Vec3 log = eigen.eigenvalues().array().log();
-  return eigen.eigenvectors() * Vec3(log.array() - log.mean()).asDiagonal() * eigen.eigenvectors().transpose();
-}
 
 void branch_stretches(const ElementSamples& samples, scalar::Sym<double> (&B)[kCorners]) {
   scalar::branch_stretches([&](int i) { return scalar::symmetric_entries(samples.polar[i].S); }, B);
@@ -73,11 +67,12 @@ IsolatedStep isolated_flow(const ElementSamples& samples, const IsolatedStress& 
   for (int i = 0; i < kCorners; ++i) {
     normals[i] = scalar::entries(stress.normals[i]);
     M[i] = {};
-    if (step.fraction[i] > 0)
-      M[i] = scalar::flow_direction(
-          scalar::symmetric_entries(deviatoric_log(samples.polar[i].S) + samples.branch_stress[i] / (2 * mu)),
-          scalar::symmetric_entries(stress.relieved[i]), scalar::symmetric_entries(stress.whole[i]), mu,
-          step.fraction[i]);
+    if (step.fraction[i] == 0) continue;
+    const scalar::LogStretches<double> log(scalar::symmetric_entries(samples.polar[i].S));
+    M[i] = scalar::flow_direction(scalar::sum(along_axes(log.deviatoric, log.axes), 0.5 / mu,
+                                              scalar::symmetric_entries(samples.branch_stress[i])),
+                                  scalar::symmetric_entries(stress.relieved[i]),
+                                  scalar::symmetric_entries(stress.whole[i]), mu, step.fraction[i]);
   }
   scalar::relieve(normals, M);  //                                                                           eq. P11
   for (int i = 0; i < kCorners; ++i) {

@@ -7,11 +7,10 @@
 #define HEXAPLAST_PLASTIC_POINT_FLOW_INL
 #endif
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <concepts>
 
-#include "base/tensors-inl.hpp"
+#include "base/svd-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
@@ -30,6 +29,20 @@ HEXAPLAST_INLINE N hardened(N threshold, N hardening, N fraction, N value) {
   return select(fraction > N(0.0), max(N(0.0), threshold + hardening * fraction * value), threshold);
 }
 
+/// log S minus its mean, in the axes (rows) of a stretch that is positive definite.
+template <std::same_as<double> N>
+struct LogStretches {
+  HEXAPLAST_INLINE explicit LogStretches(const Sym<N>& S) {
+    const SvdOf<N> svd = signed_svd(matrix(S));
+    const N log[3] = {std::log(svd.d[0]), std::log(svd.d[1]), std::log(svd.d[2])},
+            mean = (log[0] + log[1] + log[2]) / 3;
+    for (int k = 0; k < 3; ++k) deviatoric[k] = log[k] - mean;
+    axes = svd.V;
+  }
+  N deviatoric[3];
+  Mat<N> axes;
+};
+
 /// How many terms of a power series leave out less than rounding, by the size of its argument.
 struct SeriesLength {
   double size;  ///< the largest for which the terms suffice
@@ -39,7 +52,7 @@ struct SeriesLength {
 template <class V, std::size_t kLengths>
 HEXAPLAST_INLINE int terms_for(V size, const SeriesLength (&lengths)[kLengths]) {
   for (const SeriesLength& length : lengths)  // NaN in one lane takes all terms: those beside it are right
-    if (hn::AllTrue(typename V::Tag(), size < V(static_cast<typename V::Scalar>(length.size)))) return length.terms;
+    if (all_true<ScalarOf<V>>(size < V(static_cast<ScalarOf<V>>(length.size)))) return length.terms;
   return lengths[kLengths - 1].terms;
 }
 
@@ -50,7 +63,7 @@ HEXAPLAST_INLINE int terms_for(V size, const SeriesLength (&lengths)[kLengths]) 
 /// Powers of Z^2 beyond the second are taken down by its characteristic equation: three numbers per term.
 template <class V>
 HEXAPLAST_INLINE Mat<V> deviatoric_log(const Sym<V>& S, std::uint32_t& fails) {
-  using T = typename V::Scalar;
+  using T = ScalarOf<V>;
   // x^n / (2 n + 1) is below 2e-17, and in single precision below 1e-8
   static constexpr SeriesLength kDouble[] = {{1e-4, 4}, {2.5e-3, 6}, {0.012, 8}, {0.07, 13}, {0.2, 22}, {0.45, 44}};
   static constexpr SeriesLength kSingle[] = {{2e-4, 2}, {4e-3, 3}, {0.017, 4}, {0.07, 6}, {0.17, 9}, {0.45, 20}};
@@ -63,7 +76,7 @@ HEXAPLAST_INLINE Mat<V> deviatoric_log(const Sym<V>& S, std::uint32_t& fails) {
   const Mat<V> Z = minus * reciprocal(plus, det);  // the reciprocal of a symmetric matrix is its inverse
   const Mat<V> W = Z * Z, WW = W * W;
   const V size = sqrt(sqrt(dot(WW, WW)));
-  fails |= bits<T>(hn::Not(hn::And(size<V(kLargest), m> V(0.0))));
+  fails |= bits<T>(not_of(both(size<V(kLargest), m> V(0.0))));
 
   const V i1 = W(0, 0) + W(1, 1) + W(2, 2);
   const V i2 = V(0.5) * (i1 * i1 - dot(W, W));
@@ -90,12 +103,12 @@ HEXAPLAST_INLINE Mat<V> deviatoric_log(const Sym<V>& S, std::uint32_t& fails) {
 /// Terms of exp M for |M|^2 = size; fails: bit per lane, the series does not suffice.
 template <class V>
 HEXAPLAST_INLINE int exponential_terms(V size, std::uint32_t& fails) {
-  using T = typename V::Scalar;
+  using T = ScalarOf<V>;
   // the first term left out is below 2e-16, those after it 2e-17; in single precision below 1e-8
   static constexpr SeriesLength kDouble[] = {{1e-5, 5}, {4e-4, 7}, {3e-3, 8}, {0.02, 10}, {0.5, 15}, {3, 24}};
   static constexpr SeriesLength kSingle[] = {{1e-5, 2}, {1e-4, 3}, {3e-3, 4}, {0.02, 6}, {0.5, 9}, {3, 14}};
   constexpr const SeriesLength(&kLengths)[6] = sizeof(T) == 8 ? kDouble : kSingle;
-  fails |= bits<T>(hn::Not(size < V(static_cast<T>(kLengths[5].size))));
+  fails |= bits<T>(not_of(size < V(static_cast<T>(kLengths[5].size))));
   return terms_for(size, kLengths);
 }
 
@@ -136,12 +149,14 @@ HEXAPLAST_INLINE Mat<V> stretch_power(const Sym<V>& S, V fraction, Mat<V>& log, 
 }
 template <std::same_as<double> N>
 HEXAPLAST_INLINE Mat<N> stretch_power(const Sym<N>& S, N fraction, Mat<N>& log, std::uint32_t& /*fails*/) {
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(to_eigen(matrix(S)));
-  const Mat3& V = eigen.eigenvectors();
-  const Vec3 log_stretch = eigen.eigenvalues().array().log();
-  const Vec3 flowed = fraction * (log_stretch.array() - log_stretch.mean());
-  log = entries(V * flowed.asDiagonal() * V.transpose());
-  return entries(V * Vec3(flowed.array().expm1()).asDiagonal() * V.transpose());
+  const LogStretches<N> of(S);
+  N flowed[3], power[3];
+  for (int k = 0; k < 3; ++k) {
+    flowed[k] = fraction * of.deviatoric[k];
+    power[k] = std::expm1(flowed[k]);
+  }
+  log = matrix(along_axes(flowed, of.axes));
+  return matrix(along_axes(power, of.axes));
 }
 
 /// S^p - 1 of a corner of stretch S and stress sigma, of which the given fraction flows. Adds the plastic strain [-],
@@ -153,7 +168,7 @@ HEXAPLAST_INLINE Mat<N> stretch_increment(const Sym<N>& S, const Sym<N>& sigma, 
   Mat<N> log;
   const Mat<N> increment = stretch_power(S, fraction, log, fails);
   dissipated += dot(matrix(sigma), log);
-  strain += N(std::sqrt(2.0 / 3.0)) * sqrt(dot(log, log));
+  strain += N(0.81649658092772603) * sqrt(dot(log, log));
   return increment;
 }
 

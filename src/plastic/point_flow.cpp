@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "base/tensors-inl.hpp"
 #include "material/law-inl.hpp"
 #include "material/stress_norm-inl.hpp"
 #include "plastic/point_flow-inl.hpp"

@@ -8,10 +8,14 @@
 #endif
 
 #include "base/lanes-inl.hpp"
-#include "plastic/rest_shape.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
+
+inline constexpr double kVolumeAtRest = 1e-12;  ///< a relative volume error below is rounding
+
+// lengths may not change more by restitution in one step, whatever beta
+inline constexpr double kMinScale = 0.5, kGreatestScale = 2.0;
 
 /// The factor of the lengths of a rest shape: 1 + c dt (1 - beta) within [1/2, 2], and 1 where beta is 1 but for
 /// rounding.                                                                                                   eq. 28

@@ -8,12 +8,7 @@ namespace hexaplast {
 /// What happens to the isolated rest shape y of one element: eight rows about their own mean [m].  theory.md
 /// section 5.3
 
-inline constexpr double kVolumeAtRest = 1e-12;  ///< a relative volume error below is rounding
-
 inline constexpr double kRepairRate = 5;  ///< [1/s] a jammed shape is back within a few tenths of a second
-
-// lengths may not change more by restitution in one step, whatever beta
-inline constexpr double kMinScale = 0.5, kGreatestScale = 2.0;
 
 /// The rotation R that minimises sum_i |R from_i - to_i|^2; both about their own means.
 Mat3 fit_rotation(const ElementPoints& from, const ElementPoints& to);

@@ -3,7 +3,12 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <string>
 
 #include "support/compare.hpp"
 #include "support/golden.hpp"
@@ -60,6 +65,61 @@ TEST(Polar, HoldsForAMillionGradientsAndIsEigensWhereItIsUnique) {
     ASSERT_LE((R - U * eigen.matrixV().transpose()).cwiseAbs().maxCoeff(), 1e-10) << F;
   }
   EXPECT_GT(num_unique, 500000);
+}
+
+/// What a decomposition misses, each relative: U diag(d) V^T - F, U^T U - 1, V^T V - 1.
+std::array<double, 3> errors(const Mat3& U, const Vec3& d, const Mat3& V, const Mat3& F) {
+  const double scale = support::max_abs(F);
+  return {support::max_abs(U * (d / scale).asDiagonal() * V.transpose() - F / scale),
+          support::max_abs(U.transpose() * U - Mat3::Identity()),
+          support::max_abs(V.transpose() * V - Mat3::Identity())};
+}
+
+TEST(SignedSvd, IsNoLessAccurateThanEigens) {
+  Random random(19);
+  const auto with = [&](double a, double b, double c) {
+    return Mat3(random.rotation() * Vec3(a, b, c).asDiagonal() * random.rotation());
+  };
+  const auto number = [&] { return random.uniform(0, 1); };
+  const std::map<std::string, std::function<Mat3()>> kinds{
+      {"any", [&] { return random.matrix(1); }},
+      {"inverted", [&] { return with(1, number(), -number()); }},
+      {"of rank two", [&] { return with(1, number(), 0); }},
+      {"of rank one", [&] { return with(1, 0, 0); }},
+      {"nearly a line", [&] { return with(1, 1e-13 * number(), 1e-13 * number()); }},
+      {"nearly equal stretches", [&] { return with(1, 1 - 1e-9 * number(), 1 - 1e-12 * number()); }},
+      {"opposite stretches", [&] { return with(1, 0.5, -0.5); }},
+      {"tiny", [&] { return Mat3(1e-300 * random.matrix(1)); }},
+      {"huge", [&] { return Mat3(1e300 * random.matrix(1)); }},
+      {"columns of different size", [&] { return Mat3(random.matrix(1) * Vec3(1, 1e-6, 1e6).asDiagonal()); }},
+      {"of integers", [&] { return Mat3((3 * random.matrix(1)).array().round()); }}};
+  for (const auto& [name, draw] : kinds) {
+    std::array<double, 3> ours{}, eigens{};
+    for (int k = 0; k < 5000; ++k) {
+      const Mat3 F = draw();
+      if (F.isZero(0)) continue;
+      const SignedSvd svd = signed_svd(F);
+      const Eigen::JacobiSVD<Mat3> eigen(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
+      const auto our = errors(svd.U, svd.d, svd.V, F),
+                 its = errors(eigen.matrixU(), eigen.singularValues(), eigen.matrixV(), F);
+      for (int n = 0; n < 3; ++n) {
+        ours[n] = std::max(ours[n], our[n]);
+        eigens[n] = std::max(eigens[n], its[n]);
+      }
+      ASSERT_LE((svd.d.cwiseAbs() - eigen.singularValues()).cwiseAbs().maxCoeff(), 1e-14 * eigen.singularValues()[0])
+          << name << '\n'
+          << F;
+    }
+    for (int n = 0; n < 3; ++n) EXPECT_LE(ours[n], std::max(1.5 * eigens[n], 2e-15)) << name << ", error " << n;
+  }
+}
+
+TEST(Polar, TurnsNothingWhereNothingIsLeft) {
+  EXPECT_EQ(polar(Mat3(Mat3::Zero())).R, Mat3::Identity());
+  EXPECT_LE(support::max_abs(polar(Mat3(Vec3(2, 0, 0).asDiagonal())).R - Mat3::Identity()), 1e-15);
+  Mat3 F = Mat3::Identity();
+  F(1, 2) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(polar(F).R.array().isNaN().all() && polar(F).S.array().isNaN().all());
 }
 
 TEST(RotationLog, GoesThereAndBack) {
