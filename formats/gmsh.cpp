@@ -97,7 +97,7 @@ class GmshFile {
     const std::string version(source_.word());
     is_version_4_ = version == "4.1";
     if (!is_version_4_ && version != "2" && version != "2.0" && version != "2.1" && version != "2.2")
-      source_.refuse(fmt::format("version '{}' of the format, must be 2.0 to 2.2 or 4.1", version.substr(0, 20)));
+      source_.refuse(fmt::format("version '{}' of the format, must be 2.0 to 2.2 or 4.1", excerpt(version)));
     source_.is_binary = source_.integer("the file type", 0, 1) == 1;
     source_.integer("the size of numbers", 8, 8);
     source_.line();

@@ -16,15 +16,6 @@ namespace hexaplast {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n\v\f";
-constexpr std::size_t kLongestWord = 40;  // bytes of a file that a message repeats
-
-/// Part of a file as it may stand in a message.
-std::string quoted(std::string_view word) {
-  std::string shown(word.substr(0, kLongestWord));
-  for (char& c : shown)
-    if (c < ' ' || c > '~') c = '?';
-  return "'" + shown + (word.size() > kLongestWord ? "...'" : "'");
-}
 
 /// "hexahedra of 20 nodes (VTK type 25)"
 std::string name_of_vtk_cell(int kind) {
@@ -130,13 +121,13 @@ std::string_view MeshSource::expected_word(std::string_view what) {
 
 void MeshSource::expect(std::string_view wanted) {
   const std::string_view found = expected_word(wanted);
-  if (found != wanted) refuse(fmt::format("{} stands where {} is expected", quoted(found), wanted));
+  if (found != wanted) refuse(fmt::format("'{}' stands where {} is expected", excerpt(found), wanted));
 }
 
 double MeshSource::real(const char* what) {
   const std::string_view text = expected_word(what);
   double number = 0;
-  if (!read_number(text, number)) refuse(fmt::format("{} is not {}: must be a finite number", quoted(text), what));
+  if (!read_number(text, number)) refuse(fmt::format("'{}' is not {}: must be a finite number", excerpt(text), what));
   return number;
 }
 
@@ -144,7 +135,7 @@ std::int64_t MeshSource::integer(const char* what, std::int64_t min, std::int64_
   const std::string_view text = expected_word(what);
   std::int64_t number = 0;
   if (!read_number(text, number) || number < min || number > max)
-    refuse(fmt::format("{} is not {}: must be a whole number in [{}, {}]", quoted(text), what, min, max));
+    refuse(fmt::format("'{}' is not {}: must be a whole number in [{}, {}]", excerpt(text), what, min, max));
   return number;
 }
 

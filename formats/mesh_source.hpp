@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "formats/readable_file.hpp"
+#include "formats/text.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
 
 namespace hexaplast {

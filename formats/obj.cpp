@@ -16,7 +16,7 @@ int corner(const MeshSource& source, std::string_view word, std::int64_t num_ver
   const bool is_number = read_number(text, number);
   const std::int64_t node = number > 0 ? number - 1 : num_vertices + number;
   if (!is_number || number == 0 || node < 0 || node >= num_vertices)
-    source.refuse(fmt::format("'{}' is none of the {} vertices so far", text.substr(0, 40), num_vertices));
+    source.refuse(fmt::format("'{}' is none of the {} vertices so far", excerpt(text), num_vertices));
   return static_cast<int>(node);
 }
 
@@ -35,7 +35,7 @@ ImportedMesh parse_obj(std::string_view content, const std::string& name) {
         const std::string_view word = words.word();
         double number = 0;
         if (!read_number(word, number))
-          source.refuse(fmt::format("'{}' is not a coordinate: must be a finite number", word.substr(0, 40)));
+          source.refuse(fmt::format("'{}' is not a coordinate: must be a finite number", excerpt(word)));
         vertices.push_back(number);
       }
     } else if (kind == "f" || kind == "l") {

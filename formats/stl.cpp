@@ -50,7 +50,7 @@ void expect_word(MeshSource& source, std::string_view wanted) {
   const std::string_view word = source.word();
   if (!is_word(word, wanted))
     source.refuse(word.empty() ? fmt::format("the file ends where '{}' must stand", wanted)
-                               : fmt::format("'{}', must be '{}'", word.substr(0, 40), wanted));
+                               : fmt::format("'{}', must be '{}'", excerpt(word), wanted));
 }
 
 /// Where the size is that of as many triangles as the file says.
@@ -99,7 +99,7 @@ ImportedMesh parse_text_stl(std::string_view content, const std::string& name) {
       continue;
     }
     if (!is_inside || !is_word(word, "facet"))
-      source.refuse(fmt::format("'{}', must be {}", word.substr(0, 40),
+      source.refuse(fmt::format("'{}', must be {}", excerpt(word),
                                 is_inside ? "'facet' or 'endsolid'" : "'solid', or the end of the file"));
     expect_word(source, "normal");
     for (int d = 0; d < 3; ++d) source.word();  // need not be numbers where a triangle has no normal

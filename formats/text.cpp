@@ -63,6 +63,11 @@ std::string printable(std::string_view text) { return shown_but(text, "\n\t"); }
 
 std::string printable_line(std::string_view text) { return shown_but(text, ""); }
 
+std::string excerpt(std::string_view text) {
+  constexpr std::size_t kLongest = 40;  // [byte]
+  return printable_line(text.substr(0, kLongest)) + (text.size() > kLongest ? "..." : "");
+}
+
 bool is_numbered(std::string_view name, std::string_view prefix, std::string_view suffix) {
   if (!name.starts_with(prefix) || !name.ends_with(suffix) || name.size() <= prefix.size() + suffix.size())
     return false;

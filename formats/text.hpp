@@ -22,6 +22,9 @@ std::string printable(std::string_view text);
 /// The same of what stands in one line, such as the name of a file: line ends and tabs too.
 std::string printable_line(std::string_view text);
 
+/// The beginning of a text as printable_line, "..." where more of it follows: what a message repeats of a file.
+std::string excerpt(std::string_view text);
+
 /// Whether a file name is prefix, digits, suffix.
 bool is_numbered(std::string_view name, std::string_view prefix, std::string_view suffix);
 

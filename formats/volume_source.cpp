@@ -9,7 +9,6 @@
 #include <cstring>
 #include <limits>
 
-#include "formats/text.hpp"
 #include "hexaplast/base/error.hpp"
 
 namespace hexaplast {
@@ -18,13 +17,7 @@ namespace {
 constexpr double kMaxInflation = 1032;       // no byte of zlib's stands for more than this many
 constexpr std::size_t kBuffer = 1 << 16;     // [byte]
 constexpr std::size_t kMaxHeader = 1 << 20;  // [byte] of a text header
-constexpr std::size_t kLongestValue = 60;    // bytes of a file that a message repeats
 constexpr int kGzipOrZlib = MAX_WBITS + 32;  // for zlib: the header tells which of the two it is
-
-std::string quoted_value(std::string_view value) {
-  const bool is_long = value.size() > kLongestValue;
-  return fmt::format("'{}{}'", printable_line(value.substr(0, kLongestValue)), is_long ? "..." : "");
-}
 
 /// What make() returns. Its refusals begin with the name.
 template <class Make>
@@ -161,7 +154,7 @@ std::string_view TextHeader::rest() const {
 void TextHeader::add(std::string_view field, std::string_view value) {
   const auto [found, is_new] = values_.try_emplace(in_small_letters(field), Value{std::string(value), line_});
   if (!is_new)
-    refuse_line(fmt::format("{} is given again, the first time in line {}", quoted_value(field), found->second.line));
+    refuse_line(fmt::format("'{}' is given again, the first time in line {}", excerpt(field), found->second.line));
 }
 
 const std::string* TextHeader::find(const std::string& field) const {
@@ -215,7 +208,7 @@ void TextHeader::refuse(const std::string& field, const std::string& what) const
   const auto found = values_.find(in_small_letters(field));
   if (found == values_.end()) throw InputError(fmt::format("{}: {}: {}", name_, field, what));
   const auto& [text, line] = found->second;
-  throw InputError(fmt::format("{}:{}: {} {}: {}", name_, line, field, quoted_value(text), what));
+  throw InputError(fmt::format("{}:{}: {} '{}': {}", name_, line, field, excerpt(text), what));
 }
 
 void TextHeader::refuse_word(const std::string& field, const std::vector<std::string>& known) const {

@@ -36,7 +36,7 @@ class LegacyVtkFile {
       else if (section == "METADATA")
         skip_metadata();
       else
-        source_.refuse(fmt::format("section '{}' is not known", section.substr(0, 20)));
+        source_.refuse(fmt::format("section '{}' is not known", excerpt(section)));
     }
     if (!has_points_) source_.refuse("the file ends without POINTS");
     if (!has_cells_) source_.refuse("the file ends without CELLS");
@@ -172,7 +172,7 @@ class LegacyVtkFile {
                                                                {"unsigned_char", {1}}};
     const std::string_view name = source_.word();
     if (const auto known = kTypes.find(name); known != kTypes.end()) return known->second;
-    source_.refuse(fmt::format("type '{}' {}", name.substr(0, 20), otherwise));
+    source_.refuse(fmt::format("type '{}' {}", excerpt(name), otherwise));
   }
 
   /// Binary numbers begin on the next line, and must be there in full.
@@ -198,15 +198,11 @@ class LegacyVtkFile {
       types_;  // cell e has the entries from offsets_[e] to offsets_[e + 1]
 };
 
-bool is_xml(std::string_view content) {
-  const std::size_t first = content.find_first_not_of(" \t\r\n");
-  return first != content.npos && content[first] == '<';
-}
-
 }  // namespace
 
 ImportedMesh parse_vtk(std::string_view content, const std::string& name) {
-  return is_xml(content) ? parse_vtu(content, name) : LegacyVtkFile(content, name).read();
+  const bool is_xml = without_blanks(content).starts_with('<');
+  return is_xml ? parse_vtu(content, name) : LegacyVtkFile(content, name).read();
 }
 
 ImportedMesh read_vtk(const std::filesystem::path& file) { return parse_vtk(whole_file(file), file.string()); }

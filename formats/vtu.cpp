@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <fmt/format.h>
-#include <tinyxml2.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -21,8 +20,6 @@
 namespace hexaplast {
 namespace {
 
-using tinyxml2::XMLElement;
-
 constexpr std::int64_t kMaxComponents = 4096;  // of a data array
 constexpr std::size_t kMaxGrowth = 1032;       // no byte of zlib's stands for more than this many
 
@@ -31,50 +28,35 @@ constexpr std::size_t kMaxGrowth = 1032;       // no byte of zlib's stands for m
 constexpr std::size_t kMaxBytesPerByte = 16;
 constexpr std::size_t kBytesOfAnyFile = 24'000'000;  // [byte]
 
-std::string attribute(const XMLElement& element, const char* name) {
-  const char* value = element.Attribute(name);
-  return value ? value : "";
-}
-std::string_view content_of(const XMLElement& element) { return element.GetText() ? element.GetText() : ""; }
-
 class VtuFile {
  public:
   VtuFile(std::string_view content, std::string name) : content_(content), name_(std::move(name)) {}
 
   ImportedState read(bool with_data) {
     reads_data_ = with_data;
-    // raw appended bytes are no XML: what is parsed ends before them
-    std::string_view xml = content_;
-    std::string before_appended;
-    const std::size_t appended = content_.find("<AppendedData");
-    if (appended != content_.npos) {
-      before_appended = std::string(content_.substr(0, appended)) + "</VTKFile>";
-      xml = before_appended;
-      const std::size_t marker = content_.find('_', appended);
-      const std::size_t end = content_.rfind("</AppendedData>");
-      if (marker == content_.npos || end == content_.npos || end < marker)
-        refuse_line(0, "AppendedData must hold '_', its data, and an end");
-      appended_ = content_.substr(marker + 1, end - marker - 1);
-      appended_is_raw_ = content_.substr(appended, marker - appended).find("base64") == content_.npos;
-    }
-
-    tinyxml2::XMLDocument document;
+    XmlDocument document;
     try {
-      parse_xml(xml, kXmlOfPrograms, document);
+      document = parse_xml(content_, {}, "AppendedData");
     } catch (const XmlError& error) {
       refuse_line(error.line(), error.what());
     }
-    const XMLElement* root = document.RootElement();
-    if (!root || std::string_view(root->Name()) != "VTKFile") refuse_line(1, "the root element must be VTKFile");
-    if (attribute(*root, "type") != "UnstructuredGrid")
-      refuse(*root, fmt::format("type '{}', must be UnstructuredGrid", attribute(*root, "type")));
-    read_conventions(*root);
+    const XmlElement& root = document.root;
+    if (root.name != "VTKFile") refuse_line(1, "the root element must be VTKFile");
+    if (root.attribute("type") != "UnstructuredGrid")
+      refuse(root, fmt::format("type '{}', must be UnstructuredGrid", root.attribute("type")));
+    if (const XmlElement* appended = root.child("AppendedData")) {
+      const std::size_t marker = appended->content.find('_'), end = appended->content.rfind("</AppendedData>");
+      if (marker == content_.npos || end == content_.npos || end < marker)
+        refuse(*appended, "must hold '_', its data, and an end");
+      appended_ = appended->content.substr(marker + 1, end - marker - 1);
+      appended_is_raw_ = appended->attribute("encoding") != "base64";
+    }
+    read_conventions(root);
 
-    const XMLElement* grid = root->FirstChildElement("UnstructuredGrid");
-    if (!grid) refuse(*root, "holds no UnstructuredGrid");
-    if (!grid->FirstChildElement("Piece")) refuse(*grid, "holds no Piece");
-    for (const XMLElement* piece = grid->FirstChildElement("Piece"); piece; piece = piece->NextSiblingElement("Piece"))
-      add_piece(*piece);
+    const XmlElement& grid = child(root, "UnstructuredGrid");
+    child(grid, "Piece");  // one at least
+    for (const XmlElement& piece : grid.children)
+      if (piece.name == "Piece") add_piece(piece);
     const std::vector<int> number = merge_copies(state_.mesh);
     std::vector<int> cells(state_.mesh.hexahedra.size());
     for (std::size_t e = number.size(); e-- > 0;) cells[number[e]] = state_.hexahedron_cells[e];
@@ -84,9 +66,9 @@ class VtuFile {
   }
 
  private:
-  void read_conventions(const XMLElement& root) {
-    const std::string order = attribute(root, "byte_order"), header = attribute(root, "header_type"),
-                      compressor = attribute(root, "compressor");
+  void read_conventions(const XmlElement& root) {
+    const std::string_view order = root.attribute("byte_order"), header = root.attribute("header_type"),
+                           compressor = root.attribute("compressor");
     if (order != "LittleEndian" && order != "BigEndian")
       refuse(root, fmt::format("byte_order '{}', must be LittleEndian or BigEndian", order));
     swaps_bytes_ = (order == "LittleEndian") != (std::endian::native == std::endian::little);
@@ -98,55 +80,53 @@ class VtuFile {
       refuse(root, fmt::format("compressor '{}', must be vtkZLibDataCompressor or none", compressor));
   }
 
-  void add_piece(const XMLElement& piece) {
+  void add_piece(const XmlElement& piece) {
     const std::size_t num_points = counted(piece, "NumberOfPoints"), num_cells = counted(piece, "NumberOfCells");
     const std::size_t before = coordinates_.size() / 3;
     if (before + num_points > static_cast<std::size_t>(std::numeric_limits<int>::max()))
       refuse(piece, "more points than can be numbered");
 
-    const XMLElement* points = child(piece, "Points").FirstChildElement("DataArray");
-    if (!points) refuse(piece, "holds no array of points");
-    std::vector<double> x = numbers<double>(*points, 3 * num_points);
+    const XmlElement& points = child(child(piece, "Points"), "DataArray");
+    std::vector<double> x = numbers<double>(points, 3 * num_points);
     for (const double number : x)
       if (!std::isfinite(number))
-        refuse(*points, fmt::format("{} is not a coordinate: must be a finite number", number));
+        refuse(points, fmt::format("{} is not a coordinate: must be a finite number", number));
     if (before == 0)
       coordinates_ = std::move(x);
     else
       coordinates_.insert(coordinates_.end(), x.begin(), x.end());
     if (num_cells > 0) add_cells(child(piece, "Cells"), num_points, num_cells, static_cast<std::int64_t>(before));
     if (!reads_data_) return;
-    if (piece.PreviousSiblingElement("Piece"))
-      refuse(piece, "data of several pieces are not read: must be the only one");
+    if (std::exchange(has_data_, true)) refuse(piece, "data of several pieces are not read: must be the only one");
     add_data(piece, "PointData", num_points, state_.point_data);
     add_data(piece, "CellData", num_cells, state_.cell_data);
   }
 
-  void add_data(const XMLElement& piece, const char* group, std::size_t count, std::vector<ImportedArray>& arrays) {
-    const XMLElement* data = piece.FirstChildElement(group);
+  void add_data(const XmlElement& piece, const char* group, std::size_t count, std::vector<ImportedArray>& arrays) {
+    const XmlElement* data = piece.child(group);
     if (!data) return;
-    for (const XMLElement* at = data->FirstChildElement("DataArray"); at; at = at->NextSiblingElement("DataArray")) {
-      if (attribute(*at, "type") == "String") continue;
-      ImportedArray array{attribute(*at, "Name"), 1, {}};
-      const std::string components = attribute(*at, "NumberOfComponents");
+    for (const XmlElement& at : data->children) {
+      if (at.name != "DataArray" || at.attribute("type") == "String") continue;
+      ImportedArray array{std::string(at.attribute("Name")), 1, {}};
+      const std::string_view components = at.attribute("NumberOfComponents");
       if (std::int64_t number = 1; !components.empty()) {
         if (!read_number(components, number) || number < 1 || number > kMaxComponents)
-          refuse(*at, fmt::format("NumberOfComponents '{}', must lie in [1, {}]", components, kMaxComponents));
+          refuse(at, fmt::format("NumberOfComponents '{}', must lie in [1, {}]", components, kMaxComponents));
         array.num_components = static_cast<int>(number);
       }
       const std::size_t size = count * static_cast<std::size_t>(array.num_components);
-      if (array_type(*at).is_real) {
-        array.values = numbers<double>(*at, size);
+      if (array_type(at).is_real) {
+        array.values = numbers<double>(at, size);
       } else {
-        const std::vector<std::int64_t> whole = numbers<std::int64_t>(*at, size);
+        const std::vector<std::int64_t> whole = numbers<std::int64_t>(at, size);
         array.values.assign(whole.begin(), whole.end());
       }
       arrays.push_back(std::move(array));
     }
   }
 
-  void add_cells(const XMLElement& cells, std::size_t num_points, std::size_t num_cells, std::int64_t first_point) {
-    const XMLElement &ends_at = array(cells, "offsets"), &types_at = array(cells, "types");
+  void add_cells(const XmlElement& cells, std::size_t num_points, std::size_t num_cells, std::int64_t first_point) {
+    const XmlElement &ends_at = array(cells, "offsets"), &types_at = array(cells, "types");
     const std::vector<std::int64_t> ends = numbers<std::int64_t>(ends_at, num_cells);
     const std::vector<std::int64_t> types = numbers<std::int64_t>(types_at, num_cells);
     // what a cell has is known before its points are read: they are not unpacked for cells that cannot be
@@ -158,7 +138,7 @@ class VtuFile {
         refuse(types_at, fmt::format("cell {} is of type {} and has {} points", e, types[e], ends[e] - begin));
     }
 
-    const XMLElement& nodes_at = array(cells, "connectivity");
+    const XmlElement& nodes_at = array(cells, "connectivity");
     std::vector<std::int64_t> nodes = numbers<std::int64_t>(nodes_at, static_cast<std::size_t>(ends.back()));
     for (std::int64_t& node : nodes) {
       if (node < 0 || node >= static_cast<std::int64_t>(num_points))
@@ -180,9 +160,9 @@ class VtuFile {
 
   /// All numbers of an array, of which there must be `count`.
   template <class Number>
-  std::vector<Number> numbers(const XMLElement& at, std::size_t count) {
+  std::vector<Number> numbers(const XmlElement& at, std::size_t count) {
     num_numbers_ += std::min(count, std::numeric_limits<std::size_t>::max() - num_numbers_);
-    const std::string format = attribute(at, "format");
+    const std::string_view format = at.attribute("format");
     if (format == "ascii") return numbers_of_text<Number>(at, count);
 
     const NumberType type = array_type(at);
@@ -192,12 +172,12 @@ class VtuFile {
     std::string bytes;
     if (format == "appended") {
       std::int64_t offset = 0;
-      if (!read_number(attribute(at, "offset"), offset) || offset < 0 ||
+      if (!read_number(at.attribute("offset"), offset) || offset < 0 ||
           static_cast<std::size_t>(offset) > appended_.size())
-        refuse(at, fmt::format("offset '{}', must lie in [0, {}]", attribute(at, "offset"), appended_.size()));
+        refuse(at, fmt::format("offset '{}', must lie in [0, {}]", at.attribute("offset"), appended_.size()));
       bytes = decoded(at, appended_.substr(static_cast<std::size_t>(offset)), appended_is_raw_, size);
     } else if (format == "binary") {
-      bytes = decoded(at, without_blanks(content_of(at)), false, size);
+      bytes = decoded(at, without_blanks(at.content), false, size);
     } else {
       refuse(at, fmt::format("format '{}', must be ascii, binary or appended", format));
     }
@@ -205,22 +185,22 @@ class VtuFile {
   }
 
   template <class Number>
-  std::vector<Number> numbers_of_text(const XMLElement& at, std::size_t count) {
-    MeshSource text(content_of(at), name_);
+  std::vector<Number> numbers_of_text(const XmlElement& at, std::size_t count) {
+    MeshSource text(at.content, name_);
     take(at, text.remaining());
     if (count > (text.remaining() + 1) / 2) refuse(at, fmt::format("holds less than {} numbers", count));
     std::vector<Number> all(count);
     for (Number& number : all) {
       const std::string_view word = text.word();
       if (word.empty()) refuse(at, fmt::format("holds less than {} numbers", count));
-      if (!read_value(word, number)) refuse(at, fmt::format("'{}' is not a number of this kind", word.substr(0, 40)));
+      if (!read_value(word, number)) refuse(at, fmt::format("'{}' is not a number of this kind", excerpt(word)));
     }
     if (!text.word().empty()) refuse(at, fmt::format("holds more than {} numbers", count));
     return all;
   }
 
   template <class Number>
-  std::vector<Number> numbers_of_bytes(const XMLElement& at, std::string_view bytes, const NumberType& type) {
+  std::vector<Number> numbers_of_bytes(const XmlElement& at, std::string_view bytes, const NumberType& type) {
     if (type.is_real != std::is_floating_point_v<Number>) refuse(at, "real numbers and whole numbers are mixed up");
     std::vector<Number> all(bytes.size() / type.bytes);
     MeshSource source(bytes, name_);
@@ -230,7 +210,7 @@ class VtuFile {
   }
 
   /// The `size` bytes that data stand for.
-  std::string decoded(const XMLElement& at, std::string_view data, bool is_raw, std::size_t size) {
+  std::string decoded(const XmlElement& at, std::string_view data, bool is_raw, std::size_t size) {
     if (!is_compressed_) {
       const std::string head = part(at, data, is_raw, 0, header_bytes_);
       if (header(head, 0) != size) refuse(at, fmt::format("{} bytes, must be {}", header(head, 0), size));
@@ -280,7 +260,7 @@ class VtuFile {
 
   // Every byte of the file belongs to one array: many that name the same ones would multiply them. And few compressed
   // bytes must not become many numbers.
-  void take(const XMLElement& at, std::size_t bytes) {
+  void take(const XmlElement& at, std::size_t bytes) {
     if (bytes > content_.size() - num_taken_) refuse(at, "takes bytes that belong to other arrays");
     num_taken_ += bytes;
     const std::size_t max = (kBytesOfAnyFile + kMaxBytesPerByte * num_taken_) / sizeof(double);
@@ -291,7 +271,7 @@ class VtuFile {
 
   /// `size` bytes of data: raw from byte `begin` on; in base64 those of the part that begins where the base64 of the
   /// first `begin` bytes ends, each part being padded.
-  std::string part(const XMLElement& at, std::string_view data, bool is_raw, std::size_t begin, std::size_t size) {
+  std::string part(const XmlElement& at, std::string_view data, bool is_raw, std::size_t begin, std::size_t size) {
     const auto cut = [&](std::size_t from, std::size_t length) {
       if (from > data.size() || length > data.size() - from)
         refuse(at, "the file ends in the middle of the data, or they are shorter than their header says");
@@ -304,7 +284,7 @@ class VtuFile {
     return bytes;
   }
 
-  std::string decoded(const XMLElement& at, std::string_view text) const {
+  std::string decoded(const XmlElement& at, std::string_view text) const {
     std::optional<std::string> bytes = from_base64(text);
     if (!bytes) refuse(at, "holds something that is not base64");
     return std::move(*bytes);
@@ -318,45 +298,45 @@ class VtuFile {
   // Elements
   // -----------------------------------------------------------------------------------------------------------------
 
-  std::size_t counted(const XMLElement& element, const char* name) const {
+  std::size_t counted(const XmlElement& element, const char* name) const {
     std::int64_t number = 0;
-    if (!read_number(attribute(element, name), number) || number < 0)
-      refuse(element, fmt::format("{} '{}', must be a whole number >= 0", name, attribute(element, name)));
+    if (!read_number(element.attribute(name), number) || number < 0)
+      refuse(element, fmt::format("{} '{}', must be a whole number >= 0", name, element.attribute(name)));
     if (static_cast<std::uint64_t>(number) / kMaxGrowth > content_.size())
       refuse(element, fmt::format("{} is {}, more than the file has room for", name, number));
     return static_cast<std::size_t>(number);
   }
 
-  const XMLElement& child(const XMLElement& element, const char* name) const {
-    const XMLElement* found = element.FirstChildElement(name);
+  const XmlElement& child(const XmlElement& element, const char* name) const {
+    const XmlElement* found = element.child(name);
     if (!found) refuse(element, fmt::format("holds no {}", name));
     return *found;
   }
 
-  const XMLElement& array(const XMLElement& cells, const char* name) const {
-    for (const XMLElement* at = cells.FirstChildElement("DataArray"); at; at = at->NextSiblingElement("DataArray"))
-      if (attribute(*at, "Name") == name) return *at;
+  const XmlElement& array(const XmlElement& cells, const char* name) const {
+    for (const XmlElement& at : cells.children)
+      if (at.name == "DataArray" && at.attribute("Name") == name) return at;
     refuse(cells, fmt::format("holds no array '{}'", name));
   }
 
-  NumberType array_type(const XMLElement& at) const {
-    const std::string type = attribute(at, "type");
-    static const std::map<std::string, NumberType> kTypes{{"Float64", {8, true, true}},
-                                                          {"Float32", {4, true, true}},
-                                                          {"Int64", {8, true}},
-                                                          {"Int32", {4, true}},
-                                                          {"Int16", {2, true}},
-                                                          {"Int8", {1, true}},
-                                                          {"UInt64", {8}},
-                                                          {"UInt32", {4}},
-                                                          {"UInt16", {2}},
-                                                          {"UInt8", {1}}};
+  NumberType array_type(const XmlElement& at) const {
+    const std::string_view type = at.attribute("type");
+    static const std::map<std::string_view, NumberType> kTypes{{"Float64", {8, true, true}},
+                                                               {"Float32", {4, true, true}},
+                                                               {"Int64", {8, true}},
+                                                               {"Int32", {4, true}},
+                                                               {"Int16", {2, true}},
+                                                               {"Int8", {1, true}},
+                                                               {"UInt64", {8}},
+                                                               {"UInt32", {4}},
+                                                               {"UInt16", {2}},
+                                                               {"UInt8", {1}}};
     if (const auto known = kTypes.find(type); known != kTypes.end()) return known->second;
     refuse(at, fmt::format("type '{}' of numbers is not known", type));
   }
 
-  [[noreturn]] void refuse(const XMLElement& element, const std::string& what) const {
-    refuse_line(element.GetLineNum(), fmt::format("{}: {}", element.Name(), what));
+  [[noreturn]] void refuse(const XmlElement& element, const std::string& what) const {
+    refuse_line(element.line, fmt::format("{}: {}", element.name, what));
   }
   [[noreturn]] void refuse_line(int line, const std::string& what) const {
     throw InputError(fmt::format("{}:{}: {}", name_, line, what));
@@ -368,7 +348,7 @@ class VtuFile {
   std::vector<double> coordinates_;  // [m] of all points so far
   std::size_t num_numbers_ = 0;      // of all arrays so far
   std::size_t num_taken_ = 0;        // [byte] by them
-  bool reads_data_ = false;
+  bool reads_data_ = false, has_data_ = false;
   std::string_view appended_;
   bool appended_is_raw_ = true;
   bool swaps_bytes_ = false, is_compressed_ = false;

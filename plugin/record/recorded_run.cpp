@@ -2,7 +2,6 @@
 #include "record/recorded_run.hpp"
 
 #include <fmt/format.h>
-#include <tinyxml2.h>
 
 #include <algorithm>
 #include <charconv>
@@ -39,35 +38,30 @@ std::vector<RecordedRun::Entry> entries_of(const fs::path& pvd) {
   const auto refuse = [&](int line, const std::string& what) {
     throw InputError(fmt::format("{}:{}: {}", pvd.string(), line, what));
   };
-  tinyxml2::XMLDocument document;
+  const std::string text = whole_file(pvd);
+  XmlDocument document;
   try {
-    parse_xml(whole_file(pvd), kXmlOfPrograms, document);
+    document = parse_xml(text);
   } catch (const XmlError& error) {
     refuse(error.line(), error.what());
   }
-  const tinyxml2::XMLElement* root = document.RootElement();
-  const tinyxml2::XMLElement* collection = root ? root->FirstChildElement("Collection") : nullptr;
+  const XmlElement* collection = document.root.child("Collection");
   if (!collection) refuse(1, "must be a VTKFile with a Collection");
 
   // all of it is looked at before any of it is kept
   std::vector<double> times;
-  for (const auto* at = collection->FirstChildElement("DataSet"); at; at = at->NextSiblingElement("DataSet")) {
-    const char* time = at->Attribute("timestep");
-    if (!at->Attribute("file")) refuse(at->GetLineNum(), "DataSet names no file");
-    if (!time) refuse(at->GetLineNum(), "DataSet has no timestep");
-    const std::string_view number(time);
+  for (const XmlElement& at : collection->children) {
+    const std::string_view number = at.attribute("timestep");
+    if (at.attribute("file").empty()) refuse(at.line, "DataSet names no file");
     const auto [end, status] = std::from_chars(number.data(), number.data() + number.size(), times.emplace_back());
     if (status != std::errc() || end != number.data() + number.size() || !std::isfinite(times.back()))
-      refuse(at->GetLineNum(), fmt::format("DataSet.timestep '{}', must be a finite number", number));
+      refuse(at.line, fmt::format("DataSet.timestep '{}', must be a finite number", number));
   }
-  std::vector<RecordedRun::Entry> entries;
-  const auto* at = collection->FirstChildElement("DataSet");
-  for (const double time : times) {
-    RecordedRun::Entry& entry = entries.emplace_back();
-    entry.time = time;
-    entry.file = pvd.parent_path() / at->Attribute("file");
-    entry.step = number_at_end(entry.file.stem().string());
-    at = at->NextSiblingElement("DataSet");
+  std::vector<RecordedRun::Entry> entries(times.size());
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    entries[k].time = times[k];
+    entries[k].file = pvd.parent_path() / collection->children[k].attribute("file");
+    entries[k].step = number_at_end(entries[k].file.stem().string());
   }
   if (entries.empty()) throw InputError(fmt::format("{}: names no state", pvd.string()));
   return entries;

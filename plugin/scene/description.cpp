@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "scene/description.hpp"
 
-#include <tinyxml2.h>
-
 #include <sstream>
 #include <vector>
 
@@ -32,15 +30,12 @@ std::vector<std::string> paragraphs_of(const std::string& text) {
 }  // namespace
 
 std::optional<Description> description_of(const std::filesystem::path& file) {
-  tinyxml2::XMLDocument document;
+  std::string comment;
   try {
-    parse_xml(whole_file(file), kXmlOfPrograms, document);
+    comment = parse_xml(whole_file(file)).comment;
   } catch (const InputError&) {
     return std::nullopt;
   }
-  std::string comment;
-  for (const tinyxml2::XMLNode* node = document.FirstChild(); node && !node->ToElement(); node = node->NextSibling())
-    if (node->ToComment()) comment = node->Value();
   const std::vector<std::string> paragraphs = paragraphs_of(comment);
   if (paragraphs.size() < 2 || paragraphs[1].empty() || paragraphs[0].size() > kLongestHeading ||
       paragraphs[1].size() > kLongestParagraph)

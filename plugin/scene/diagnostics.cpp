@@ -24,11 +24,7 @@ std::string format(const Message& message) {
 }
 
 std::string format_error(const Place& place, const std::string& text, const std::string& hint) {
-  Message message;
-  message.place = place;
-  message.text = text;
-  message.hint = hint;
-  return format(message);
+  return format({.place = place, .text = text, .hint = hint});
 }
 
 void Diagnostics::add(Message message) {

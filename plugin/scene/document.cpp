@@ -2,10 +2,8 @@
 #include "scene/document.hpp"
 
 #include <fmt/format.h>
-#include <tinyxml2.h>
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 
 #include "formats/readable_file.hpp"
@@ -23,7 +21,7 @@ namespace fs = std::filesystem;
   throw SceneError(format_error(place, what));
 }
 
-constexpr XmlLimits kXmlOfScenes{.elements = 10'000, .attributes_of_one = 1000, .attributes = 100'000};
+constexpr XmlLimits kXmlOfScenes{.elements = 10'000, .attributes = 100'000};
 
 /// Parses files and carries out their includes.
 class Importer {
@@ -33,24 +31,14 @@ class Importer {
 
   /// `origin`: the file as messages name it, and where it is included.
   Element import(std::string_view text, const fs::path& file, const Place& origin) {
-    tinyxml2::XMLDocument document;
+    XmlDocument document;
     try {
-      num_elements_ += parse_xml(text, kXmlOfScenes, document);
+      document = parse_xml(text, kXmlOfScenes);
     } catch (const XmlError& error) {
       refuse_file(origin, error.line(), error.what());
     }
-    if (num_elements_ > kXmlOfScenes.elements)
-      refuse_file(origin, 1, fmt::format("more than {} elements with those of included files", kXmlOfScenes.elements));
-    const tinyxml2::XMLElement* root = document.RootElement();
-    if (!root) refuse_file(origin, 1, "the file holds no element, must hold one <Node>");
-    for (const tinyxml2::XMLNode* node = document.FirstChild(); node; node = node->NextSibling()) {
-      const bool is_harmless = node == root || node->ToComment() || node->ToDeclaration();
-      if (!is_harmless)
-        refuse_file(origin, node->GetLineNum(), "content outside the root element, must be one <Node> alone");
-    }
-
     open_files_.push_back({origin, fs::weakly_canonical(file)});
-    Element element = convert(*root);
+    Element element = convert(document.root);
     open_files_.pop_back();
     return element;
   }
@@ -67,21 +55,20 @@ class Importer {
     return here;
   }
 
-  Element convert(const tinyxml2::XMLElement& from) {
-    Element element{.tag = from.Name(), .place = place(from.GetLineNum()), .attributes = {}, .children = {}};
-    for (const tinyxml2::XMLAttribute* attribute = from.FirstAttribute(); attribute; attribute = attribute->Next())
-      element.attributes.push_back({attribute->Name(), attribute->Value(), place(attribute->GetLineNum())});
-    for (const tinyxml2::XMLNode* child = from.FirstChild(); child; child = child->NextSibling()) {
-      if (const tinyxml2::XMLElement* inner = child->ToElement()) {
-        Element converted = convert(*inner);
-        if (converted.tag == "include") {
-          include(converted, element);
-        } else {
-          element.children.push_back(std::move(converted));
-        }
-      } else if (!child->ToComment() && !element.text) {
-        element.text = place(child->GetLineNum());
-      }
+  Element convert(XmlElement& from) {
+    if (++num_elements_ > kXmlOfScenes.elements)
+      refuse_file(open_files_.back().origin, from.line,
+                  fmt::format("more than {} elements with those of included files", kXmlOfScenes.elements));
+    Element element{.tag = std::move(from.name), .place = place(from.line), .attributes = {}, .children = {}};
+    for (XmlAttribute& attribute : from.attributes)
+      element.attributes.push_back({std::move(attribute.name), std::move(attribute.value), place(attribute.line)});
+    if (from.text_line > 0) element.text = place(from.text_line);
+    for (XmlElement& child : from.children) {
+      Element converted = convert(child);
+      if (converted.tag == "include")
+        include(converted, element);
+      else
+        element.children.push_back(std::move(converted));
     }
     return element;
   }
@@ -149,12 +136,14 @@ class Importer {
   std::uintmax_t num_bytes_ = 0;
 };
 
-void print(const Element& element, tinyxml2::XMLPrinter& printer) {
-  printer.OpenElement(element.tag.c_str());
+std::string text_of(const Element& element, const std::string& margin) {
+  std::string text = fmt::format("{}<{}", margin, element.tag);
   for (const ElementAttribute& attribute : element.attributes)
-    printer.PushAttribute(attribute.name.c_str(), attribute.value.c_str());
-  for (const Element& child : element.children) print(child, printer);
-  printer.CloseElement();
+    text += fmt::format(" {}=\"{}\"", attribute.name, escaped(attribute.value));
+  if (element.children.empty()) return text + "/>\n";
+  text += ">\n";
+  for (const Element& child : element.children) text += text_of(child, margin + "  ");
+  return text + fmt::format("{}</{}>\n", margin, element.tag);
 }
 
 }  // namespace
@@ -170,12 +159,7 @@ std::string read_scene_file(const fs::path& file) {
   const std::uintmax_t size = fs::file_size(file, failure);
   if (size > kLargestSceneFile)
     throw InputError(fmt::format("{} bytes, a scene has at most {}", size, kLargestSceneFile));
-
-  std::string text(size, '\0');
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(text.data(), static_cast<std::streamsize>(size));
-  if (!stream) throw InputError("cannot be read");
-  return text;
+  return whole_file(file);
 }
 
 Element read_document(std::string_view text, const fs::path& file, Diagnostics& diagnostics, InputFiles* inputs,
@@ -184,11 +168,7 @@ Element read_document(std::string_view text, const fs::path& file, Diagnostics& 
 }
 
 std::string write_document(const Element& root, const std::string& comment) {
-  tinyxml2::XMLPrinter printer;
-  printer.PushHeader(false, true);
-  printer.PushComment(comment.c_str());
-  print(root, printer);
-  return printer.CStr();
+  return fmt::format("<?xml version=\"1.0\"?>\n<!--{}-->\n{}", comment, text_of(root, ""));
 }
 
 }  // namespace hexaplast::scene

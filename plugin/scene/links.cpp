@@ -99,6 +99,13 @@ bool are_compatible(const attributes::Attribute& from, const attributes::Attribu
   return kind(from.type) == kind(to.type) && same_groups;
 }
 
+void refuse_link(Diagnostics& diagnostics, const Data& data, const std::string& link, const std::string& problem,
+                 std::string hint = {}) {
+  diagnostics.error(data.place(),
+                    fmt::format("{}.{}: link '{}' {}", data.owner().class_name(), data.attribute().name, link, problem),
+                    std::move(hint));
+}
+
 /// Connects links with what they lead to.
 class Resolver {
  public:
@@ -136,10 +143,7 @@ class Resolver {
 
  private:
   void refuse(const Data& data, const std::string& problem, std::string hint = {}) {
-    diagnostics_.error(
-        data.place(),
-        fmt::format("{}.{}: link '{}' {}", data.owner().class_name(), data.attribute().name, data.link(), problem),
-        std::move(hint));
+    refuse_link(diagnostics_, data, data.link(), problem, std::move(hint));
   }
 
   static bool is_unknown(const Object& target) { return target.description().category == kUnknown; }
@@ -150,11 +154,10 @@ class Resolver {
       return;
     }
     const Place& other_end = source.owner().place();
-    diagnostics_.error(data.place(), fmt::format("{}: link '{}' leads to {} ({}:{}), which holds {}, must hold {}",
-                                                 fmt::format("{}.{}", data.owner().class_name(), data.attribute().name),
-                                                 link, describe(source), other_end.file, other_end.line,
-                                                 attributes::describe(source.attribute().type),
-                                                 attributes::describe(data.attribute().type)));
+    refuse_link(diagnostics_, data, link,
+                fmt::format("leads to {} ({}:{}), which holds {}, must hold {}", describe(source), other_end.file,
+                            other_end.line, attributes::describe(source.attribute().type),
+                            attributes::describe(data.attribute().type)));
   }
 
   // src="@loader": every attribute that the loader has too and that is not given follows the loader's, but for those
@@ -269,9 +272,7 @@ void resolve_links(Node& root, Diagnostics& diagnostics) {
     if (!data.link().empty() && !data.source()) resolve_link(data, diagnostics);
   });
   for_each_data(root, [&](Data& data) {
-    if (!runs_in_a_circle(data)) return;
-    diagnostics.error(data.place(), fmt::format("{}.{}: link '{}' leads back to itself", data.owner().class_name(),
-                                                data.attribute().name, data.link()));
+    if (runs_in_a_circle(data)) refuse_link(diagnostics, data, data.link(), "leads back to itself");
   });
 }
 

@@ -180,20 +180,16 @@ Value read_value(const Attribute& attribute, std::string_view text) {
 }
 
 std::string write_value(const Value& value) {
-  struct Writer {
-    std::string operator()(std::monostate) const { return ""; }
-    std::string operator()(bool is) const { return is ? "true" : "false"; }
-    std::string operator()(std::int64_t number) const { return fmt::format("{}", number); }
-    std::string operator()(double number) const { return fmt::format("{}", number); }
-    std::string operator()(const std::string& text) const { return text; }
-    std::string operator()(const std::vector<std::int64_t>& numbers) const {
-      return fmt::format("{}", fmt::join(numbers, " "));
-    }
-    std::string operator()(const std::vector<double>& numbers) const {
-      return fmt::format("{}", fmt::join(numbers, " "));
-    }
+  const auto write = [](const auto& content) {
+    using Content = std::decay_t<decltype(content)>;
+    if constexpr (std::is_same_v<Content, std::monostate>)
+      return std::string();
+    else if constexpr (std::is_arithmetic_v<Content> || std::is_same_v<Content, std::string>)
+      return fmt::format("{}", content);
+    else
+      return fmt::format("{}", fmt::join(content, " "));
   };
-  return std::visit(Writer(), value);
+  return std::visit(write, value);
 }
 
 void check_value(const Attribute& attribute, const Value& value) {

@@ -2,9 +2,10 @@
 #include "page/chart.hpp"
 
 #include <gtest/gtest.h>
-#include <tinyxml2.h>
 
 #include <sstream>
+
+#include "formats/xml.hpp"
 
 namespace hexaplast::output {
 namespace {
@@ -17,14 +18,12 @@ struct Heights {
 Heights heights_of(const Panel& panel, const PanelFrame& frame) {
   SvgText svg;
   svg.panel(frame, panel);
-  tinyxml2::XMLDocument document;
-  EXPECT_EQ(document.Parse(("<svg>" + svg.text() + "</svg>").c_str()), tinyxml2::XML_SUCCESS);
+  const XmlElement root = parse_xml("<svg>" + svg.text() + "</svg>").root;
   Heights heights;
-  const tinyxml2::XMLElement& root = *document.RootElement();
-  for (auto line = root.FirstChildElement("line"); line; line = line->NextSiblingElement("line"))
-    if (line->DoubleAttribute("y1") == line->DoubleAttribute("y2"))
-      heights.ticks.push_back(frame.top + frame.height - line->DoubleAttribute("y1"));
-  std::istringstream words(root.FirstChildElement("polyline")->Attribute("points"));
+  for (const XmlElement& line : root.children)
+    if (line.name == "line" && line.attribute("y1") == line.attribute("y2"))
+      heights.ticks.push_back(frame.top + frame.height - std::stod(std::string(line.attribute("y1"))));
+  std::istringstream words(std::string(root.child("polyline")->attribute("points")));
   for (double x, y; words >> x && words.ignore() && words >> y;) heights.points.push_back(frame.top + frame.height - y);
   return heights;
 }

@@ -2,11 +2,10 @@
 // The report and the manifest of a run: what they say is what the run's other files say.
 #include "page/report.hpp"
 
-#include <tinyxml2.h>
-
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "formats/xml.hpp"
 #include "page/html.hpp"
 #include "picture/ink.hpp"
 #include "record/history_table.hpp"
@@ -149,14 +148,9 @@ TEST(Report, ChartsAreWellFormedXmlWithOneLinePerCurve) {
   ASSERT_GE(figures.size(), 7u);
   ASSERT_EQ(figures.size(), charts.size());
   for (std::size_t k = 0; k < figures.size(); ++k) {
-    tinyxml2::XMLDocument svg;
-    const std::string text = pieces(figures[k], "<svg", "</svg>", true).at(0);
-    ASSERT_EQ(svg.Parse(text.c_str()), tinyxml2::XML_SUCCESS) << svg.ErrorStr();
-    std::size_t lines = 0;
-    for (const auto* line = svg.RootElement()->FirstChildElement("polyline"); line;
-         line = line->NextSiblingElement("polyline"))
-      ++lines;
-    EXPECT_EQ(lines, charts[k].at("series").at(0).at("curves").size());
+    const XmlElement svg = parse_xml(pieces(figures[k], "<svg", "</svg>", true).at(0)).root;
+    EXPECT_EQ(std::ranges::count(svg.children, "polyline", &XmlElement::name),
+              charts[k].at("series").at(0).at("curves").size());
   }
 }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The tables of a run: every number can be read back with its last bit.
-#include <tinyxml2.h>
 
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "body_state.hpp"
+#include "formats/xml.hpp"
 #include "page/plot.hpp"
 #include "picture/axis.hpp"
 #include "support/output.hpp"
@@ -223,25 +223,25 @@ TEST(Summary, LargestPlasticStrainIsOfWhatIsLeft) {
 TEST(PlotFile, NamesTheCurvesOfEachPanelAndKeepsAnyTitleOnThePage) {
   const Recorded run(plan(6, 100), 6);
   const fs::path plot = run.scratch / "run/plot.svg";
-  tinyxml2::XMLDocument document;
-  const auto write = [&](const std::string& title) {
+  std::string text;
+  const auto written = [&](const std::string& title) {
     output::write_plot(plot, run.scratch / "run/history.csv", title, 1);
-    ASSERT_EQ(document.LoadFile(plot.c_str()), tinyxml2::XML_SUCCESS) << document.ErrorStr();
+    text = content(plot);
+    return parse_xml(text).root;
   };
-  write("pull & <hold> \"50 %\" \x01 {}");
-  EXPECT_STREQ(document.RootElement()->Name(), "svg");
-  EXPECT_STREQ(document.RootElement()->FirstChildElement("text")->GetText(), "pull & <hold> \"50 %\"  {}");
-  write(std::string(200, 'w'));
-  std::multiset<std::string> words;
-  for (const auto* text = document.RootElement()->FirstChildElement("text"); text;
-       text = text->NextSiblingElement("text"))
-    words.insert(text->GetText());
+  XmlElement svg = written("pull & <hold> \"50 %\" \x01 {}");
+  EXPECT_EQ(svg.name, "svg");
+  EXPECT_EQ(svg.child("text")->content, "pull &amp; &lt;hold&gt; &quot;50 %&quot;  {}");
+  svg = written(std::string(200, 'w'));
+  std::multiset<std::string_view> words;
+  for (const XmlElement& at : svg.children)
+    if (at.name == "text") words.insert(at.content);
   EXPECT_EQ(words.count("current"), 2u) << "elongation and volume error; it does not twist";
   EXPECT_EQ(words.count("plastic"), 2u);
   EXPECT_EQ(words.count("kinetic"), 1u) << "energy has the place of twist";
   EXPECT_EQ(words.count("yielded"), 1u);
-  const tinyxml2::XMLElement* title = document.RootElement()->FirstChildElement("text");
-  EXPECT_LT(200 * 0.6 * title->DoubleAttribute("font-size"), 1040 - 86) << "letters of 0.6 of the size";
+  const double size = std::stod(std::string(svg.child("text")->attribute("font-size")));
+  EXPECT_LT(200 * 0.6 * size, 1040 - 86) << "letters of 0.6 of the size";
 }
 
 TEST(PlotFile, StaysSmallForLongRuns) {

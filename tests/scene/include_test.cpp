@@ -69,7 +69,7 @@ TEST_F(SceneInclude, ErrorsShowTheChainOfFiles) {
                                "included at main.scn:2\n"));
   write("parts/b.xml", "<Node>\n<BoxROI></Node>");
   EXPECT_EQ(errors_of("main.scn"),
-            "parts/b.xml:2: error: </Node> stands where </BoxROI> must close the <BoxROI> of line 2\n"
+            "parts/b.xml:2: error: mismatched tag at column 11 in <BoxROI> of line 2: Node>\n"
             "  included at parts/a.xml:3\n  included at main.scn:2");
 }
 

@@ -36,13 +36,6 @@ class PluginFiles : public testing::Test {
   std::string prefix() const { return "plugin 'Other': " + (directory_ / "libOther.so").string() + ": "; }
   std::string search_path() const { return "; search path: " + directory_.path().string(); }
 
-  /// The real plugin with one of its symbols called otherwise.
-  std::string without_symbol(const std::string& symbol) const {
-    std::string other = real_;
-    for (std::size_t at = other.find(symbol); at != other.npos; at = other.find(symbol, at)) other[at] = 'H';
-    return other;
-  }
-
   const support::Scratch directory_;
   const std::string real_ = support::content(fs::path(HEXAPLAST_TEST_PLUGINS) / "Hexaplast.so");
 };
@@ -86,10 +79,8 @@ TEST_F(PluginFiles, AMissingPluginNamesTheSearchPath) {
 }
 
 TEST_F(PluginFiles, OtherFilesAreNotLoaded) {
-  EXPECT_EQ(refusal(""), prefix() + "it is damaged, or no shared library" + search_path());
-  EXPECT_EQ(refusal(std::string(4096, 'x')), prefix() + "it is not a shared library" + search_path());
-  EXPECT_EQ(refusal(real_.substr(0, real_.size() / 2)),
-            prefix() + "it is damaged, or no shared library" + search_path());
+  EXPECT_EQ(refusal(""), prefix() + "it carries no hexaplast_plugin_abi_tag of this program" + search_path());
+  EXPECT_EQ(refusal(std::string(4096, 'x')), prefix() + "it is damaged, or no shared library" + search_path());
 
   fs::remove(directory_ / "libOther.so");
   fs::create_directory(directory_ / "libOther.so");
@@ -129,17 +120,18 @@ TEST_F(PluginFiles, AnotherAbiIsRefusedBeforeAnyCodeRuns) {
             prefix() + "it carries no hexaplast_plugin_abi_tag of this program" + search_path());
 }
 
-TEST_F(PluginFiles, BothSymbolsAreNeeded) {
-  EXPECT_EQ(refusal(without_symbol("hexaplast_plugin_abi_tag")),
-            prefix() + "it carries no hexaplast_plugin_abi_tag of this program" + search_path());
-  const std::string message = refusal(without_symbol("hexaplast_register_components"));
-  EXPECT_NE(message.find("it has no function hexaplast_register_components"), message.npos) << message;
+TEST_F(PluginFiles, AFunctionIsNeeded) {
+  std::string other = real_;
+  const std::string symbol = "hexaplast_register_components";
+  for (std::size_t at = other.find(symbol); at != other.npos; at = other.find(symbol, at)) other[at] = 'H';
+  const std::string message = refusal(other);
+  EXPECT_NE(message.find("it has no function " + symbol), message.npos) << message;
 }
 
 TEST_F(PluginFiles, EveryTruncationIsRefused) {
   for (std::size_t i = 0; i < 64; ++i) {
     const std::string message = refusal(real_.substr(0, real_.size() * i / 64));
-    EXPECT_NE(message.find(prefix()), message.npos) << message;
+    EXPECT_NE(message.find(prefix() + "it "), message.npos) << message;
   }
 }
 

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <tinyxml2.h>
 
 #include <cstdlib>
 #include <map>
 
+#include "formats/xml.hpp"
 #include "support/output.hpp"
 
 namespace hexaplast::support {
@@ -39,13 +39,11 @@ std::string bytes_of(const Numbers& numbers) {
 /// Files that a .pvd file names, and their times; every one must be there.
 inline std::vector<std::pair<double, std::filesystem::path>> series_in(const std::filesystem::path& directory,
                                                                        const std::string& name = "mesh.pvd") {
-  tinyxml2::XMLDocument document;
-  EXPECT_EQ(document.LoadFile((directory / name).c_str()), tinyxml2::XML_SUCCESS);
+  const std::string text = content(directory / name);
+  const XmlElement root = parse_xml(text).root;
   std::vector<std::pair<double, std::filesystem::path>> found;
-  const tinyxml2::XMLElement* entry =
-      document.RootElement()->FirstChildElement("Collection")->FirstChildElement("DataSet");
-  for (; entry; entry = entry->NextSiblingElement("DataSet")) {
-    found.emplace_back(entry->DoubleAttribute("timestep"), directory / entry->Attribute("file"));
+  for (const XmlElement& entry : root.child("Collection")->children) {
+    found.emplace_back(std::stod(std::string(entry.attribute("timestep"))), directory / entry.attribute("file"));
     EXPECT_TRUE(content(found.back().second).ends_with("</VTKFile>\n")) << found.back().second;
   }
   return found;
