@@ -4,7 +4,8 @@
 
 namespace hexaplast {
 
-// ------------------------------------------------------------------------------- multigrid cycle: theory.md section 9.5
+// ------------------------------------------------------------------------------- multigrid cycle: theory.md
+// section 9.5
 
 /// Degree of the Chebyshev polynomial before and after a coarse correction. To 1 %: 2.1 iterations at 5 kPa and 7.9 at
 /// 500 kPa; with 1 3.7 and 12.4.
