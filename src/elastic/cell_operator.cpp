@@ -9,6 +9,7 @@
 #include "kinematics/gradients-inl.hpp"
 #include "kinematics/modes-inl.hpp"
 #include "kinematics/polar-inl.hpp"
+#include "layout/corners-inl.hpp"
 #include "state/linearization.hpp"
 
 HWY_BEFORE_NAMESPACE();
