@@ -19,7 +19,7 @@
 #include "kernels.cuh"
 #include "reference.hpp"
 
-namespace hexaplast::HWY_NAMESPACE {
+namespace hexaplast::one_number {
 namespace {
 
 using gpu::Answers;
@@ -352,7 +352,8 @@ void compare(const Size& size) {
   const std::vector<float> weight = body.weight.values();
   for (int e = 0; e < size.count(); ++e) {
     const auto stored_at = [&](int word, int k) {
-      return double(hwy::HWY_NAMESPACE::from_half(half_of(words[place_of(e, kWords, word)], k)));
+      const StoredHalf half = half_of(words[place_of(e, kWords, word)], k);
+      return double(load_as(&half));
     };
     for (int k = 0; k < 72; ++k) stored[e].coef[k] = k % 9 < 8 ? stored_at(k / 9, k % 9) : stored_at(8, k / 9);
     for (int k = 0; k < kByHexahedron; ++k) stored[e].coef[72 + k] = stored_at(9 + k / 8, k % 8);
@@ -512,6 +513,6 @@ int run([[maybe_unused]] bool has_times) {
 }
 
 }  // namespace
-}  // namespace hexaplast::HWY_NAMESPACE
+}  // namespace hexaplast::one_number
 
-int main(int argc, char** argv) { return hexaplast::HWY_NAMESPACE::run(argc < 2 || std::string(argv[1]) != "--check"); }
+int main(int argc, char** argv) { return hexaplast::one_number::run(argc < 2 || std::string(argv[1]) != "--check"); }

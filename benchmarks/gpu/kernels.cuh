@@ -5,6 +5,8 @@
 // sections 2.1, 5.9
 #pragma once
 
+#define HEXAPLAST_ONE_NUMBER
+
 #include <cstdint>
 #ifdef __CUDACC__
 #include <cuda_pipeline.h>
@@ -15,10 +17,9 @@
 #include "material/stress_norm-inl.hpp"
 #include "plastic/point_flow-inl.hpp"
 
-namespace hexaplast::HWY_NAMESPACE {
+namespace hexaplast::one_number {
 
-using V = Lanes<float>;
-using hwy::float16_t;
+using V = float;
 
 constexpr int kWidth = 32;         ///< hexahedra of a brick
 constexpr int kBricksOfBlock = 2;  ///< a warp each
@@ -51,7 +52,6 @@ __device__ inline V of_brick(const float* from, int count, const Place& my, int 
 __device__ inline int node_of_corner(const Layout& at, const Place& my, int c) {
   return at.node[my.brick * kNodes + at.local[(my.brick * kCorners + c) * kWidth + my.lane]];
 }
-__device__ inline float number(V a) { return a.raw().raw; }
 
 /// [corner][component][lane]
 using CornerForces = float[kCorners][3][kWidth];
@@ -59,7 +59,7 @@ using CornerForces = float[kCorners][3][kWidth];
 __device__ inline void add_brick(const Layout& at, const Place& my, const CornerLanes<V>& of_corner, CornerForces& f,
                                  float4* partial) {
   for (int corner = 0; corner < kCorners; ++corner)
-    for (int c = 0; c < 3; ++c) f[corner][c][my.lane] = number(of_corner.at[corner][c]);
+    for (int c = 0; c < 3; ++c) f[corner][c][my.lane] = of_corner.at[corner][c];
   __syncwarp();
   const std::uint16_t* const begin = at.begin + my.brick * (kNodes + 1);
   for (int t = my.lane; t < kNodes; t += kWidth) {
@@ -124,16 +124,19 @@ struct ActingModes {
 
 constexpr int kWords = 16;
 
-HWY_INLINE float16_t half_of(const uint4& word, int k) {
+HEXAPLAST_INLINE StoredHalf half_of(const uint4& word, int k) {
   const unsigned bits = k < 4 ? k < 2 ? word.x : word.y : k < 6 ? word.z : word.w;
   return {static_cast<std::uint16_t>(bits >> 16 * (k % 2))};
+}
+HEXAPLAST_INLINE unsigned half_bits(float a) {
+  StoredHalf half;
+  store_as(a, &half);
+  return half.bits;
 }
 /// of(0) ... of(7)
 template <class Of>
 __device__ uint4 word_of(const Of& of) {
-  const auto two = [&](int k) {
-    return hwy::HWY_NAMESPACE::to_half(of(k)).bits | unsigned(hwy::HWY_NAMESPACE::to_half(of(k + 1)).bits) << 16;
-  };
+  const auto two = [&](int k) { return half_bits(of(k)) | half_bits(of(k + 1)) << 16; };
   return {two(0), two(2), two(4), two(6)};
 }
 
@@ -167,7 +170,7 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 8)
     u.at[c][0] = V(p.x), u.at[c][1] = V(p.y), u.at[c][2] = V(p.z);
   });
   __pipeline_wait_prior(0);
-  float16_t others[kByHexahedron];
+  StoredHalf others[kByHexahedron];
   unrolled<kByHexahedron>([&](auto k) __attribute__((always_inline)) { others[k] = half_of(word(9 + k / 8), k % 8); });
 
   // four times the mean edges and the hourglass modes; samples weigh an eighth each
@@ -187,7 +190,7 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 8)
   unrolled<8>([&](auto i) __attribute__((always_inline)) {
     const Signs signs(i);
     const uint4 first = word(i);
-    float16_t C[9];
+    StoredHalf C[9];
     for (int k = 0; k < 8; ++k) C[k] = half_of(first, k);
     C[8] = half_of(last, i);
     Mat<V> edges, columns;
@@ -290,8 +293,8 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 4)
     const Mat<V> C = product_transposed(inverse, polar.R);
     acting.add(product_transposed(inverse, P), signs);
     dilating.add(C, signs);
-    to[i * kWidth] = word_of([&](int k) { return length * number(C.m[k / 3][k % 3]); });
-    room[i][0][my.lane] = length * number(C(2, 2));
+    to[i * kWidth] = word_of([&](int k) { return length * C.m[k / 3][k % 3]; });
+    room[i][0][my.lane] = length * C(2, 2);
   }
   to[8 * kWidth] = word_of([&](int i) { return room[i][0][my.lane]; });
   const V shared_pressure = V(-0.125f) * free * theta_sum;
@@ -323,17 +326,17 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 4)
     on = V(-1.0f / 32) * volume * on - pressure * gradient.at[k / 3][k % 3];
   }
   const auto other = [&](int k) {
-    if (k < 9) return length * number(h.j.m[k / 3][k % 3]);
-    if (k < 30) return number(V(length) / volume * gradient.at[(k - 9) / 3][k % 3]);
-    if (k < kByHexahedron) return length / 32 * number(dilating.on.at[(k - 30) / 3][k % 3]);
+    if (k < 9) return length * h.j.m[k / 3][k % 3];
+    if (k < 30) return V(length) / volume * gradient.at[(k - 9) / 3][k % 3];
+    if (k < kByHexahedron) return length / 32 * dilating.on.at[(k - 30) / 3][k % 3];
     return 0.0f;
   };
   unrolled<7>([&](auto w) __attribute__((always_inline)) {
     to[(9 + w) * kWidth] = word_of([&](int k) { return other(8 * w + k); });
   });
-  const float per_sample = number(volume) / (8 * length * length);
-  weight[my.brick * 2 * kWidth + my.lane] = per_sample * number(mu);
-  weight[(my.brick * 2 + 1) * kWidth + my.lane] = per_sample * number(lambda);
+  const float per_sample = volume / (8 * length * length);
+  weight[my.brick * 2 * kWidth + my.lane] = per_sample * mu;
+  weight[(my.brick * 2 + 1) * kWidth + my.lane] = per_sample * lambda;
   CornerLanes<V> f;
   modes_transpose(acting.on, f);
   __syncwarp();
@@ -356,7 +359,7 @@ __device__ inline void add_normal(const Mat<V>& normals, const Signs& s, const S
 
 /// What samples keep from one loop to the next.
 struct KeptSamples {
-  __device__ void set(const Place& my, int i, int k, V a) { at[i][k][my.lane] = number(a); }
+  __device__ void set(const Place& my, int i, int k, V a) { at[i][k][my.lane] = a; }
   __device__ V number_at(const Place& my, int i, int k) const { return V(at[i][k][my.lane]); }
   __device__ void set(const Place& my, int i, const Sym<V>& A) {
     const V six[6] = {A.xx, A.yy, A.zz, A.yz, A.zx, A.xy};
@@ -408,8 +411,7 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
       PolarLanes<V> polar;
       polars<1>(&F, &polar);
       fails |= polar.doubtful;
-      if (!(number(determinant(edges)) > rule.least_corner * number(volume) && number(determinant(F)) > rule.least_det))
-        fails = 1;
+      if (!(determinant(edges) > rule.least_corner * volume && determinant(F) > rule.least_det)) fails = 1;
       const V theta = dilatation(ElasticLaw::kCorotated, polar.S);
       theta_sum += theta;
       const Mat<V> normals = face_normals(G, h.dual);
@@ -437,10 +439,10 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
     const V norm = stress_norm_bound(relieved, YieldNorm::kVonMises);
     const V tau(static_cast<float>(before.tau[place_of_sample(my, 1, 0, i)]));
     const V fraction = isolated_flow_fraction(norm, tau, V(rule.rate_dt));
-    if (!(number(norm) < 1e30f)) fails = 1;
-    if (number(fraction) > 0) {
+    if (!(norm < 1e30f)) fails = 1;
+    if (fraction > 0) {
       M = flow_direction(symmetric_part(deviatoric_log(S, fails)), relieved, whole, mu, fraction);
-      if (!(number(squared_norm(M)) < 1)) fails = 1;  // far within the series
+      if (!(squared_norm(M) < 1)) fails = 1;  // far within the series
     }
     add_normal(normals, signs, M, k_n);
     flowing += fraction;
@@ -449,7 +451,7 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
   }
 
   left[my.brick * kWidth + my.lane] = fails != 0;
-  const bool stays = fails != 0 || !(number(flowing) > 0);
+  const bool stays = fails != 0 || !(flowing > 0);
   Sym<V> squares = {V(0.0f), V(0.0f), V(0.0f), V(0.0f), V(0.0f), V(0.0f)};  // of G G^T
 #pragma unroll 1
   for (int i = 0; i < kCorners; ++i) {
@@ -461,7 +463,7 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
     Mat<V> flowed;
     for (int k = 0; k < 9; ++k) {
       const std::size_t entry = place_of_sample(my, 9, k, i);
-      const double old = before.G[entry], now = stays ? old : old + number(change.m[k / 3][k % 3]);
+      const double old = before.G[entry], now = stays ? old : old + change.m[k / 3][k % 3];
       after.G[entry] = now;
       flowed.m[k / 3][k % 3] = V(static_cast<float>(now));
     }
@@ -469,17 +471,17 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
     squares.xx += GG(0, 0), squares.yy += GG(1, 1), squares.zz += GG(2, 2);
     squares.yz += GG(1, 2), squares.zx += GG(2, 0), squares.xy += GG(0, 1);
     const std::size_t sample = place_of_sample(my, 1, 0, i);
-    const double tau = before.tau[sample], harder = tau + rule.hardening * number(kept.number_at(my, i, 6));
+    const double tau = before.tau[sample], harder = tau + rule.hardening * kept.number_at(my, i, 6);
     const V mean = V(1.0f / 3) * trace(M);
     const V strain = sqrt(V(2.0f / 3) * squared_norm(Sym<V>{M.xx - mean, M.yy - mean, M.zz - mean, M.yz, M.zx, M.xy}));
     after.tau[sample] = stays ? tau : harder > 0 ? harder : 0;
-    after.strain[sample] = before.strain[sample] + (stays ? 0 : number(strain));
+    after.strain[sample] = before.strain[sample] + (stays ? 0 : strain);
   }
   const V L00 = sqrt(eighth * squares.xx), L10 = eighth * squares.xy / L00;  //                               eq. P2
   const V L20 = eighth * squares.zx / L00, L11 = sqrt(eighth * squares.yy - L10 * L10);
   const V L21 = (eighth * squares.yz - L20 * L10) / L11;
   const V L[6] = {L00, L10, L20, L11, L21, sqrt(eighth * squares.zz - L20 * L20 - L21 * L21)};
-  for (int k = 0; k < 6; ++k) mean_after[(my.brick * 6 + k) * kWidth + my.lane] = number(L[k]);
+  for (int k = 0; k < 6; ++k) mean_after[(my.brick * 6 + k) * kWidth + my.lane] = L[k];
 }
 
 // Conjugate gradients over nodes. Dot products: one double per block, which the last block to finish adds in order.
@@ -563,4 +565,4 @@ __global__ void __launch_bounds__(kNodesOfBlock) update(int num_nodes, const flo
   }
 }
 
-}  // namespace hexaplast::HWY_NAMESPACE
+}  // namespace hexaplast::one_number

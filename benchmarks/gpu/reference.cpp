@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What first_kernels is compared with: the formulas of the library, an element at a time, in double precision.
+#define HEXAPLAST_ONE_NUMBER
 #include "reference.hpp"
 
 #include <algorithm>
@@ -11,25 +12,20 @@
 #include "material/stress_norm-inl.hpp"
 #include "plastic/point_flow-inl.hpp"
 
-namespace hexaplast {
+namespace hexaplast::gpu {
 
-Polar polar(const Mat3& /*F*/) { std::abort(); }  // no sample of the test is singular
-
-namespace gpu {
-
-using namespace HWY_NAMESPACE;
-using D = Lanes<double>;
+using namespace one_number;
+using D = double;
 
 namespace {
 
 constexpr StiffnessKind kKind{.sampling = {.assumed = Assumed::kCorner, .corner_weight = 0.57735026918962576451}};
 
-double number(D a) { return a.raw().raw; }
 void load(const double (&from)[8][3], CornerLanes<D>& to) {
   for (int k = 0; k < 24; ++k) to.at[k / 3][k % 3] = D(from[k / 3][k % 3]);
 }
 void store(const CornerLanes<D>& from, double (&to)[8][3]) {
-  for (int k = 0; k < 24; ++k) to[k / 3][k % 3] = number(from.at[k / 3][k % 3]);
+  for (int k = 0; k < 24; ++k) to[k / 3][k % 3] = from.at[k / 3][k % 3];
 }
 
 }  // namespace
@@ -63,8 +59,8 @@ Answers answers(const Hexahedron& hexahedron, const FlowNumbers& rule) {
   }
   writer.finish(of_volume);
   const D volume = element.rest.volume;
-  out.weight[0] = number(of.mu * volume) / 8;
-  out.weight[1] = number(of.lambda * volume) / 8;
+  out.weight[0] = of.mu * volume / 8;
+  out.weight[1] = of.lambda * volume / 8;
   acting.take_assumed(element.rest, AssumedLanes<D>(element.j, element.rest.corner_weight));
   D moment[3] = {D(0.0), D(0.0), D(0.0)};
   add_moment(1, element.columns.a, acting.a, moment);
@@ -89,7 +85,7 @@ Answers answers(const Hexahedron& hexahedron, const FlowNumbers& rule) {
   for (int i = 0; i < 8; ++i) {
     const D size = stress_norm_bound(relieved[i], YieldNorm::kVonMises);
     const D gamma = isolated_flow_fraction(size, D(hexahedron.tau[i]), D(rule.rate_dt));
-    norm[i] = number(size), fraction[i] = number(gamma);
+    norm[i] = size, fraction[i] = gamma;
     out.fraction = std::max(out.fraction, fraction[i]);
     M[i] =
         flow_direction(symmetric_part(deviatoric_log(element.polar[i].S, fails)), relieved[i], whole[i], of.mu, gamma);
@@ -97,12 +93,11 @@ Answers answers(const Hexahedron& hexahedron, const FlowNumbers& rule) {
   relieve(normals, M);
   for (int i = 0; i < 8; ++i) {
     const Mat<D> G = flowed_plastic_inverse(plastic.inverse[i], M[i]);
-    for (int k = 0; k < 9; ++k) out.G[i][k] = number(G.m[k / 3][k % 3]);
+    for (int k = 0; k < 9; ++k) out.G[i][k] = G.m[k / 3][k % 3];
     out.tau[i] = std::max(0.0, hexahedron.tau[i] + rule.hardening * fraction[i] * norm[i]);
     const D mean = D(1.0 / 3) * trace(M[i]);
     out.strain[i] = std::sqrt(
-        2.0 / 3 *
-        number(squared_norm(Sym<D>{M[i].xx - mean, M[i].yy - mean, M[i].zz - mean, M[i].yz, M[i].zx, M[i].xy})));
+        2.0 / 3 * squared_norm(Sym<D>{M[i].xx - mean, M[i].yy - mean, M[i].zz - mean, M[i].yz, M[i].zx, M[i].xy}));
   }
   if (fails) std::abort();
   return out;
@@ -115,5 +110,4 @@ void Answers::multiply(double (&u)[8][3]) const {
   store(at, u);
 }
 
-}  // namespace gpu
-}  // namespace hexaplast
+}  // namespace hexaplast::gpu

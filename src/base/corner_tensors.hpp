@@ -9,7 +9,4 @@ namespace hexaplast {
 
 using CornerTensors = std::array<Mat3, kCorners>;
 
-/// Symmetric ones: xx, yy, zz, yz, zx, xy of each.
-using CornerSymmetric = std::array<std::array<double, 6>, kCorners>;
-
 }  // namespace hexaplast

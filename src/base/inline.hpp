@@ -12,10 +12,3 @@
 #define HEXAPLAST_INLINE inline __attribute__((always_inline))
 #define HEXAPLAST_NOINLINE __attribute__((noinline))
 #endif
-
-// A table of numbers at namespace scope that device code may index with a variable.
-#ifdef __CUDA_ARCH__
-#define HEXAPLAST_TABLE __attribute__((device)) constexpr
-#else
-#define HEXAPLAST_TABLE inline constexpr
-#endif

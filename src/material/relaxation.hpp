@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "base/corner_tensors.hpp"
+#include "hexaplast/base/corners.hpp"
 #include "hexaplast/material/material.hpp"
 
 namespace hexaplast {
