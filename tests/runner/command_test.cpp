@@ -139,8 +139,8 @@ TEST_F(Command, PluginsThatCannotBeUsedEndWith6) {
   const std::string none = "there is no Absent.so or libAbsent.so; search path: elsewhere:";
   expect_refused(
       {{"run absent.scn --plugin-path elsewhere", 6, "absent.scn:2: error: RequiredPlugin: plugin 'Absent': " + none},
-       {"check other.scn --plugin-path .", 6, "it is not a shared library; search path: .:"},
-       {"list --plugin Other --plugin-path .", 6, "it is not a shared library; search path: .:"}});
+       {"check other.scn --plugin-path .", 6, "it is damaged, or no shared library; search path: .:"},
+       {"list --plugin Other --plugin-path .", 6, "it is damaged, or no shared library; search path: .:"}});
 
   // the directory of the scene is no place for plugins by itself
   fs::copy_file(fs::path(HEXAPLAST_COMMAND).parent_path() / ".." / HEXAPLAST_PLUGIN_DIR / "Hexaplast.so",

@@ -109,8 +109,9 @@ TEST_F(SceneOutput, NamesDoNotSteerTheTerminal) {
                         "31m\x7f",
                     odd = "bar" + escape + "\xc3\xa9.scn";
   const std::string shown = "bar\\u001b]0;owned\\u0007\\u001b[2J\\u009b31m\\u007f\xc3\xa9";
+  const std::string shown_of_xml = "bar\\u009b31m\\u007f\xc3\xa9";  // which has no others
   write(odd, bar_with(""));
-  const auto expect_shown = [&](const std::string& arguments, int code) {
+  const auto expect_shown = [&](const std::string& arguments, int code, const std::string& shown) {
     const Outcome outcome = hexaplast(arguments);
     EXPECT_EQ(outcome.code, code) << arguments << "\n" << outcome.err;
     const std::string all = outcome.out + outcome.err;
@@ -120,26 +121,28 @@ TEST_F(SceneOutput, NamesDoNotSteerTheTerminal) {
     EXPECT_TRUE(has(all, shown)) << arguments;
   };
   const std::string name = "'" + odd + "'";
-  expect_shown("run " + name, 0);
-  expect_shown("check " + name, 0);
-  expect_shown("check " + name + " --set 'root.bar" + escape + "\xc3\xa9=1'", 2);
-  expect_shown("run " + name + " --out " + name, 5);
-  expect_shown("run 'absent " + odd + "'", 5);
-  expect_shown("run --" + name, 2);
-  expect_shown("sweep " + name + " --out found --vary root/body.youngModulus=1e4", 0);
+  expect_shown("run " + name, 0, shown);
+  expect_shown("check " + name, 0, shown);
+  expect_shown("check " + name + " --set 'root.bar" + escape + "\xc3\xa9=1'", 2, shown);
+  expect_shown("run " + name + " --out " + name, 5, shown);
+  expect_shown("run 'absent " + odd + "'", 5, shown);
+  expect_shown("run --" + name, 2, shown);
+  expect_shown("sweep " + name + " --out found --vary root/body.youngModulus=1e4", 0, shown);
   fs::copy_file(directory_ / "skin.obj", directory_ / (odd + ".obj"));
-  expect_shown("mesh info '" + odd + ".obj'", 0);
+  expect_shown("mesh info '" + odd + ".obj'", 0, shown);
 
-  write("named.scn", bar_with("<BoxROI name='a' box='@bar&#27;]0;owned&#7;&#27;[2J&#155;31m&#127;é.box'/>"));
-  expect_shown("check named.scn", 3);
+  write("named.scn", bar_with("<BoxROI name='a' box='@bar&#155;31m&#127;é.box'/>"));
+  expect_shown("check named.scn", 3, shown_of_xml);
   // nor do they make lines of their own, or turn them
   const std::string forged = "safe.txt&#10;  memory              1.0 MB&#10;slab.scn: warning: forged &#x202E;";
   const std::string one_line = "safe.txt\\u000a  memory              1.0 MB\\u000aslab.scn: warning: forged \\u202e";
   write("named.scn", bar_with("<BoxROI box='@" + forged + ".box'/>"));
   fails("check named.scn", 3, one_line);
   EXPECT_EQ(hexaplast("run 'a\nb.scn: error: forged'").err, "a\\u000ab.scn: error: forged: error: no such file\n");
-  write("named.scn", bar_with("<BoxROI box='0 0 0 bar&#27;]0;owned&#7;&#27;[2J&#155;31m&#127;é'/>"));
-  expect_shown("check named.scn", 3);
+  write("named.scn", bar_with("<BoxROI box='0 0 0 bar&#155;31m&#127;é'/>"));
+  expect_shown("check named.scn", 3, shown_of_xml);
+  write("named.scn", bar_with("<BoxROI box='bar&#27;]0;owned'/>"));
+  expect_shown("check named.scn", 3, "invalid character number");
 }
 
 }  // namespace
