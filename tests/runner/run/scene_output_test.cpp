@@ -111,14 +111,14 @@ TEST_F(SceneOutput, NamesDoNotSteerTheTerminal) {
   const std::string shown = "bar\\u001b]0;owned\\u0007\\u001b[2J\\u009b31m\\u007f\xc3\xa9";
   const std::string shown_of_xml = "bar\\u009b31m\\u007f\xc3\xa9";  // which has no others
   write(odd, bar_with(""));
-  const auto expect_shown = [&](const std::string& arguments, int code, const std::string& shown) {
+  const auto expect_shown = [&](const std::string& arguments, int code, const std::string& text) {
     const Outcome outcome = hexaplast(arguments);
     EXPECT_EQ(outcome.code, code) << arguments << "\n" << outcome.err;
     const std::string all = outcome.out + outcome.err;
     EXPECT_EQ(all.find('\x1b'), all.npos) << arguments;
     EXPECT_EQ(all.find('\x7f'), all.npos) << arguments;
     EXPECT_FALSE(has(all, "\xc2\x9b")) << arguments;
-    EXPECT_TRUE(has(all, shown)) << arguments;
+    EXPECT_TRUE(has(all, text)) << arguments;
   };
   const std::string name = "'" + odd + "'";
   expect_shown("run " + name, 0, shown);
