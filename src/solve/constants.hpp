@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The numbers of the solvers that no theory gives, each with what it was fitted to or bounded by.
+// The numbers of the solvers that no theory gives, each with what it was fitted to or bounded by, where that is on
+// record.
 #pragma once
 
 namespace hexaplast {
 
-// ------------------------------------------------------------------------------- multigrid cycle: theory.md
-// section 9.5
+// ---------------------------------------------------------------------------- multigrid cycle: theory.md section 9.5
 
 /// Degree of the Chebyshev polynomial before and after a coarse correction. To 1 %: 2.1 iterations at 5 kPa and 7.9 at
 /// 500 kPa; with 1 3.7 and 12.4.
@@ -26,7 +26,7 @@ constexpr double kLanczosGrowth = 1.02;
 constexpr double kIrregular = 8;
 /// Of a Lanczos vector: what is left below it is rounding of single precision.
 constexpr double kRangeEnds = 1e-5;
-/// Lanczos comes from below: by a tenth at most in the grids above.
+/// Lanczos comes from below: by a tenth at most, but where eigenvalues lie close.
 constexpr double kSafety = 1.15;
 
 /// Solves that one estimate serves, and the change of stiffness that it bears: bodies that flow by a few hundredths per
@@ -68,7 +68,7 @@ constexpr double kNothingInDouble = 1e-10, kNothingInSingle = 1e-8;
 /// Single precision with half-precision coefficients answers to about 2e-4; below this tolerance answers are
 /// corrections.
 constexpr double kSingleSuffices = 1e-3;
-/// Relative residual of each correction: with it 12,800 hexahedra took the least time to 1e-6.
+/// Relative residual of each correction. With it 12,800 hexahedra took 42 ms to 1e-6, in double precision 58.
 constexpr double kCorrection = 3e-3;
 constexpr int kMaxCorrections = 50;
 /// Of the tolerance: rounding that may have hidden that it was not reached.
