@@ -123,6 +123,8 @@ struct ActingModes {
 // ones of all, and the others j, the gradient of the volume and that of the mean dilatation.
 
 constexpr int kWords = 16;
+template <int kCount>
+using Numbers = StoredNumbers<kCount, 1, const StoredHalf>;  ///< of one hexahedron, in registers
 
 HEXAPLAST_INLINE StoredHalf half_of(const uint4& word, int k) {
   const unsigned bits = k < 4 ? k < 2 ? word.x : word.y : k < 6 ? word.z : word.w;
@@ -153,7 +155,7 @@ __device__ inline float4 direction_at(const Direction& d, int n) {
   return make_float4(r.x + beta * p.x, r.y + beta * p.y, r.z + beta * p.z, 0);
 }
 
-/// L p: apply_assumed (elastic/assumed-inl.hpp), sample by sample. weight: [brick][2][lane], mu and lambda.
+/// L p: apply_stiffness (elastic/assumed-inl.hpp), sample by sample. weight: [brick][2][lane], mu and lambda.
 __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 8)
     multiply(Layout at, const uint4* coef, const float* weight, Direction d, float4* partial) {
   __shared__ CornerForces f[kBricksOfBlock];
@@ -179,9 +181,11 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 8)
   const V free = free_modulus(mu, lambda);
   ModeLanes<V> modes_of_u;
   modes(u, modes_of_u);
-  const V along_volume = all * lambda * along_gradient<1>(others + 9, modes_of_u);
-  const V along_mean = all * -free * along_gradient<1>(others + 30, modes_of_u);
-  const Mat<V> j = load_mat<1, V>(others);
+  const Numbers<9> directions{others};
+  const Numbers<21> volume_gradient{others + 9}, mean_gradient{others + 30};
+  const V along_volume = all * lambda * along_gradient(volume_gradient, modes_of_u);
+  const V along_mean = all * -free * along_gradient(mean_gradient, modes_of_u);
+  const Mat<V> j = load_mat<V>(directions);
   const AssumedLanes<V> how(j, V(kWeight));
   V a[3][3];
   how.columns(modes_of_u.at + 3, a);
@@ -195,13 +199,13 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 8)
     C[8] = half_of(last, i);
     Mat<V> edges, columns;
     columns_at(modes_of_u, a, signs, edges, columns);
-    apply_sample<1>(C, mu, free, columns);
+    apply_sample(Numbers<9>{C}, mu, free, columns);
     acting.add(columns, signs);
   });
   acting.weigh();
   how.add_transpose(acting.a, acting.on.at + 3);
-  add_gradient<1>(along_volume, others + 9, acting.on);
-  add_gradient<1>(along_mean, others + 30, acting.on);
+  add_gradient(along_volume, volume_gradient, acting.on);
+  add_gradient(along_mean, mean_gradient, acting.on);
   modes_transpose(acting.on, u);
   add_brick(at, my, u, f[my.here], partial);
 }

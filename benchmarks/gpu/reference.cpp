@@ -47,7 +47,7 @@ Answers answers(const Hexahedron& hexahedron, const FlowNumbers& rule) {
   const PressureLanes<D> p = pressures(of, element, x, of_volume);
 
   // linearize_lanes and finish_force (elastic/element_pass.cpp)
-  CoefficientWriter<1, false, Assumed::kCorner, D, double> writer(element, kKind, D(1.0), out.coef);
+  CoefficientWriter<1, false, D, double> writer(element, kKind, D(1.0), out.coef);
   ColumnsTranspose<false, Assumed::kCorner, D> acting;
   Sym<D> corotated[8], whole[8], relieved[8], M[8];
   Mat<D> normals[8];
@@ -106,7 +106,8 @@ Answers answers(const Hexahedron& hexahedron, const FlowNumbers& rule) {
 void Answers::multiply(double (&u)[8][3]) const {
   CornerLanes<D> at;
   load(u, at);
-  apply_assumed<1, false>(coef, kKind, weight, D(1.0), at);
+  const StoredNumbers<2, 1, const double> weights{weight};
+  apply_stiffness<false>(StoredElement<false, const double, 1>(coef), kKind, weights, D(1.0), at);
   store(at, u);
 }
 

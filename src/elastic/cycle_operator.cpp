@@ -51,8 +51,7 @@ void CycleOperator::visit_others(const Visit& visit) const {
 
 void CycleOperator::update(const Model& model, const Linearization& at) {
   set_linearization(at);
-  simple_.kind.branch_modulus = at.kind().branch_modulus;
-  simple_.kind.branch_moduli = at.kind().branch_moduli;
+  simple_.kind.branches = at.kind().branches;
   const Partition& partition = *model.partition;
   parallel_for(partition.num_blocks, [&](int block) {
     is_simple_[block] = !is_thin_[block] && is_well_shaped(at, block);
@@ -67,13 +66,10 @@ void CycleOperator::update(const Model& model, const Linearization& at) {
   rounded_.resize(wide->is_general, keeps_its_own_.data());
   parallel_for(partition.num_blocks, [&](int block) {
     if (!keeps_its_own_[block]) return;
-    const std::size_t size = static_cast<std::size_t>(num_coefficients(wide->kind, wide->is_general[block])) * kBlock;
-    const std::size_t weights = static_cast<std::size_t>(block) * 2 * kBlock;
     const auto round = [](double number) { return static_cast<float>(number); };
-    std::transform(wide->coef.data() + wide->offset[block], wide->coef.data() + wide->offset[block] + size,
-                   rounded_.coef.data() + rounded_.offset[block], round);
-    std::transform(wide->weight.data() + weights, wide->weight.data() + weights + 2 * kBlock,
-                   rounded_.weight.data() + weights, round);
+    const auto weights = wide->weights(block, 0);
+    std::ranges::transform(wide->coefficients(block), rounded_.coefficients(block).begin(), round);
+    std::transform(weights[0], weights[2], rounded_.weights(block, 0)[0], round);
   });
 }
 

@@ -13,27 +13,24 @@
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
 
-/// Stores the coefficients of an element: those of its samples one after the other, then those of its shape.
-template <int kStride, bool kGeneral, Assumed kAssumed, class V, class Coef>
+/// Stores an element: its samples one after the other, then its shape.
+template <int kStride, bool kGeneral, class V, class Coef>
 class CoefficientWriter {
  public:
-  using Element = ElementLanes<kGeneral, kAssumed, V>;
+  using Element = ElementLanes<kGeneral, Assumed::kCorner, V>;
+  using To = StoredElement<kGeneral, Coef, kStride>;
 
-  HEXAPLAST_INLINE CoefficientWriter(const Element& element, const StiffnessKind& kind, V length, Coef* coef)
-      : element_(element),
-        length_(length),
-        coef_(coef),
-        has_law_(kind.has_law()),
-        of_law_(coef + (Places::kCount + kGradientCoefficients) * kStride) {}
+  HEXAPLAST_INLINE CoefficientWriter(const Element& element, const StiffnessKind& kind, V length, Coef* to)
+      : element_(element), length_(length), to_(to), has_law_(kind.has_law()) {}
 
   HEXAPLAST_INLINE void add_sample(int i, const MaterialLanes<V>& of, const PressureLanes<V>& p) {
     const auto& [R, S, doubtful] = element_.polar[i];
     const Mat<V> C = product_transposed(inverse_at(element_, i), R);
-    store_mat<kStride>(C, length_, coef_ + (Places::kC + 9 * i) * kStride);
+    store_mat(C, length_, to_.C(i));
     Mat<V> turn;  // R_i G_i^T
     if constexpr (kGeneral) {
       assign(element_.plastic ? product_transposed(R, element_.plastic->inverse[i]) : R, turn);
-      store_mat<kStride>(turn, V(1.0), coef_ + (Places::kRotation + 9 * i) * kStride);
+      store_mat(turn, V(1.0), to_.rotation(i));
     }
     if (has_law_) {
       const Mat<V> cof = R * matrix(cofactor(S));
@@ -46,63 +43,57 @@ class CoefficientWriter {
                             G(2, 0),
                             G(0, 1),
                             tangent_guard(of.law, of.mooney_fraction, S, of.mu, k) / max(of.mu, V(1e-30))};
-      for (int n = 0; n < 7; ++n) store_as(bounded<Coef>(numbers[n]), of_law_ + (7 * i + n) * kStride);
-    } else if constexpr (Places::kAssumes) {
+      for (int n = 0; n < 7; ++n) store_as(bounded<Coef>(numbers[n]), to_.law(i)[n]);
+    } else {
       dilatations_.add_columns(i, C);
       if constexpr (kGeneral) dilatations_.add_shared(i, turn);
     }
   }
 
-  /// of_volume: the gradient of the current volume, read of elements only.
+  /// of_volume: the gradient of the current volume.
   HEXAPLAST_INLINE void finish(const ModeLanes<V>& of_volume) {
     const auto& rest = element_.rest;
-    Coef* to = coef_;
-    if constexpr (kGeneral) store_corners<kStride>(rest.h, length_, to + Places::kShared * kStride);
-    if constexpr (Places::kAssumes) store_mat<kStride>(element_.j, length_, to + Places::kDirections * kStride);
-    if constexpr (Places::kHasMean) {
-      store_corners<kStride>(rest.mean, V(1.0), to + Places::kMean * kStride);
-      for (int k = 0; k < 9; ++k) store_as(rest.skew[k / 3][k % 3], to + (Places::kSkew + k) * kStride);
-      store_mat<kStride>(rest.dual, length_, to + Places::kDual * kStride);
+    if constexpr (kGeneral)
+      for (int k = 0; k < 3 * kCorners; ++k) store_as(rest.h.at[k / 3][k % 3] * length_, to_.shared(k / 3)[k % 3]);
+    store_mat(element_.j, length_, to_.directions());
+    if constexpr (kGeneral) {
+      for (int k = 0; k < 3 * kCorners; ++k) store_as(rest.mean.at[k / 3][k % 3], to_.mean(k / 3)[k % 3]);
+      for (int k = 0; k < 9; ++k) store_as(rest.skew[k / 3][k % 3], to_.skew()[k]);
+      store_mat(rest.dual, length_, to_.dual());
     }
-    to += Places::kCount * kStride;
-    if constexpr (Places::kAssumes) {
-      store_gradient<kStride>(of_volume, length_ / rest.volume, to);
-      if (has_law_) return;
-      CornerLanes<V> mean;
-      dilatations_.take_assumed(rest, AssumedLanes<V>(element_.j, rest.corner_weight));
-      dilatations_.finish(rest, nullptr, One(), mean);
-      ModeLanes<V> mean_modes;
-      modes(mean, mean_modes);
-      store_gradient<kStride>(mean_modes, V(1.0 / (kCorners * kCorners)) * length_,
-                              to + kGradientCoefficients * kStride);
-    }
+    store_gradient(of_volume, length_ / rest.volume, to_.volume_gradient());
+    if (has_law_) return;
+    CornerLanes<V> mean;
+    dilatations_.take_assumed(rest, AssumedLanes<V>(element_.j, rest.corner_weight));
+    dilatations_.finish(rest, nullptr, One(), mean);
+    ModeLanes<V> mean_modes;
+    modes(mean, mean_modes);
+    store_gradient(mean_modes, V(1.0 / (kCorners * kCorners)) * length_, to_.mean_gradient());
   }
 
  private:
-  using Places = CoefficientPlaces<kGeneral, kAssumed>;
-
   const Element& element_;
   V length_;
-  Coef* coef_;
+  To to_;
   bool has_law_;
-  Coef* of_law_;
-  ColumnsTranspose<kGeneral, kAssumed, V> dilatations_;  // of all samples
+  ColumnsTranspose<kGeneral, Assumed::kCorner, V> dilatations_;  // of all samples
 };
 
-/// out = factor gradient (gradient . u), of the first and, unless it is null, of the second one. Not inlined: the
-/// samples are to keep their registers.
-template <int kStride, class V, class Coef>
-HEXAPLAST_NOINLINE void apply_gradients(const Coef* first, V of_first, const Coef* second, V of_second,
-                                        const CornerLanes<V>& u, CornerLanes<V>& out) {
+/// What a general element does as a whole, by the gradients of its volume and of its mean dilatation: out = sum factor
+/// gradient (gradient . u). Not inlined: the samples are to keep their registers.
+template <bool kHasLaw, class V, class Element>
+HEXAPLAST_NOINLINE void apply_as_whole(Element element, V of_ratio, V of_mean, const CornerLanes<V>& u,
+                                       CornerLanes<V>& out) {
   ModeLanes<V> at, acting;
   modes(u, at);
   set_zero(acting);
-  add_gradient<kStride>(of_first * along_gradient<kStride>(first, at), first, acting);
-  if (second) add_gradient<kStride>(of_second * along_gradient<kStride>(second, at), second, acting);
+  add_gradient(of_ratio * along_gradient(element.volume_gradient(), at), element.volume_gradient(), acting);
+  if constexpr (!kHasLaw)
+    add_gradient(of_mean * along_gradient(element.mean_gradient(), at), element.mean_gradient(), acting);
   modes_transpose(acting, out);
 }
 
-/// u <- L u, L = - df/dx with the rotations held fixed.
+/// u <- factor L u of a general element, L = - df/dx with the rotations held fixed.
 ///
 ///   Z_i = dF~_i R_i^T,   dP_i R_i^T = 2 mu sym Z_i + (lambda_f t_i + shared) I,   t_i = tr Z_i              eq. 52, E4
 ///
@@ -110,63 +101,45 @@ HEXAPLAST_NOINLINE void apply_gradients(const Coef* first, V of_first, const Coe
 /// = (columns at i) C_i. General shapes keep R_i G_i^T in the place of R_i.                                      eq. P5
 ///
 /// For the other laws G_i = R_i cof(S_i) R_i^T stands for I, also in t_i = G_i : Z_i, and beta_i Z_i is added. eq. E20
-template <int kStride, bool kHasLaw, class V, class Coef>
-HEXAPLAST_INLINE void apply_samples(const Coef* coef, const StiffnessKind& kind, const typename V::Scalar* weight,
-                                    V factor, CornerLanes<V>& u) {
-  using T = typename V::Scalar;
-  using Places = CoefficientPlaces<true, Assumed::kCorner>;
+template <bool kHasLaw, int kStride, class V, class Coef>
+HEXAPLAST_INLINE void apply_stiffness(const StoredElement<true, Coef, kStride>& element, const StiffnessKind& kind,
+                                      StoredNumbers<2, kStride, const ScalarOf<V>> weight, V factor,
+                                      CornerLanes<V>& u) {
+  using T = ScalarOf<V>;
   RestLanes<true, Assumed::kCorner, V> rest;
   rest.corner_weight = V(static_cast<T>(kind.sampling.corner_weight));
-  load_corners<kStride>(coef + Places::kShared * kStride, rest.h);
-  load_corners<kStride>(coef + Places::kMean * kStride, rest.mean);
-  for (int k = 0; k < 9; ++k) rest.skew[k / 3][k % 3] = load_as(coef + (Places::kSkew + k) * kStride);
-  rest.dual = load_mat<kStride, V>(coef + Places::kDual * kStride);
+  for (int k = 0; k < 3 * kCorners; ++k) rest.h.at[k / 3][k % 3] = load_as(element.shared(k / 3)[k % 3]);
+  for (int k = 0; k < 3 * kCorners; ++k) rest.mean.at[k / 3][k % 3] = load_as(element.mean(k / 3)[k % 3]);
+  for (int k = 0; k < 9; ++k) rest.skew[k / 3][k % 3] = load_as(element.skew()[k]);
+  rest.dual = load_mat<V>(element.dual());
+  const Mat<V> j = load_mat<V>(element.directions());
+  const AssumedLanes<V> how(j, rest.corner_weight);
   ColumnLanes<true, Assumed::kCorner, V> columns;
   begin_columns(rest, u, columns);
-  const Mat<V> j = load_mat<kStride, V>(coef + Places::kDirections * kStride);
-  const AssumedLanes<V> how(j, rest.corner_weight);
   finish_columns(rest, u, how, columns);
 
-  V mu = factor * load(weight), lambda = factor * load(weight + kStride);
-  CornerLanes<V> together;  // what the element does as a whole
-  const Coef* const of_volume = coef + Places::kCount * kStride;
-  const Coef* const of_mean = of_volume + kGradientCoefficients * kStride;  // of the corotated law
-  const Coef* const of_law = of_mean;                                       // of the others
-  V free = free_modulus(mu, lambda);
+  const ElementModuli<V> of(kind, kHasLaw, factor * load(weight[0]), factor * load(weight[1]));
+  CornerLanes<V> whole;
   const V all(static_cast<T>(kCorners));  // samples weigh an eighth each
-  const V of_ratio = all * (kHasLaw ? lambda - free : lambda);
-  V of_branches(T(0));
-  if constexpr (!kHasLaw) of_branches = V(T(2.0 / 3)) * add_branch_modulus(kind, lambda, mu, free);
-  apply_gradients<kStride>(of_volume, of_ratio, kHasLaw ? nullptr : of_mean, all * -(free + of_branches), u, together);
+  apply_as_whole<kHasLaw>(element, all * of.of_ratio, all * of.of_mean(), u, whole);
 
   ColumnsTranspose<true, Assumed::kCorner, V> acting;
   for (int i = 0; i < kCorners; ++i) {
-    const Mat<V> C = load_mat<kStride, V>(coef + (Places::kC + 9 * i) * kStride);
-    const Mat<V> R = load_mat<kStride, V>(coef + (Places::kRotation + 9 * i) * kStride), H = shared_at(columns, i);
+    const Mat<V> C = load_mat<V>(element.C(i)), R = load_mat<V>(element.rotation(i)), H = shared_at(columns, i);
     Mat<V> Z = transposed_product(columns_at(columns, i), C);
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) Z(r, c) += H(r, 0) * R(c, 0) + H(r, 1) * R(c, 1) + H(r, 2) * R(c, 2);
     Mat<V> P;  // dP R^T
     if constexpr (kHasLaw)
-      P = law_increment<kStride>(of_law + 7 * i * kStride, Z, mu, free);
+      P = LawLanes<V>(element.law(i)).increment(Z, of.mu, of.free);
     else
-      P = stress_increment(Z, mu, free);
+      P = stress_increment(Z, of.mu, of.free);
     acting.add_columns(i, product_transposed(C, P));  // rows
     acting.add_shared(i, P * R);
   }
   acting.take_assumed(rest, how);
   acting.finish(rest, nullptr, One(), u);
-  add(together, u);
-}
-
-/// u <- L u of elements with a rotation at each sample.
-template <int kStride, bool kGeneral, bool kHasLaw, class V, class Coef>
-HEXAPLAST_INLINE void apply_stiffness(const Coef* coef, const StiffnessKind& kind, const typename V::Scalar* weight,
-                                      V factor, CornerLanes<V>& u) {
-  if constexpr (kGeneral)
-    apply_samples<kStride, kHasLaw>(coef, kind, weight, factor, u);
-  else
-    apply_assumed<kStride, kHasLaw>(coef, kind, weight, factor, u);
+  add(whole, u);
 }
 
 }  // namespace hexaplast::HWY_NAMESPACE

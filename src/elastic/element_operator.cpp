@@ -10,119 +10,117 @@
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
 
-enum class Which { kCorotated, kLaw, kOneRotation };
-
 /// Ap += factor L p of the elements of one register.
-template <Which kWhich, bool kGeneral, class T, class Coef>
-HEXAPLAST_NOINLINE void add_product_of(const ElementOperator<T, Coef>& op, int block, int lane, T factor, const T* p,
-                                       T* Ap) {
+template <bool kHasLaw, class Element, class T, class Coef>
+HEXAPLAST_NOINLINE void add_product_of(const ElementOperator<T, Coef>& op, Element element, int block, int lane,
+                                       T factor, const T* p, T* Ap) {
   using V = Lanes<T>;
-  const T* weight = op.weight.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
   CornerLanes<V> u;
   gather(op.partition(), block, lane, p, u);
-  const auto* const coef = stored(op, block) + lane;
-  if constexpr (kWhich == Which::kOneRotation)
-    apply_one_rotation<kBlock>(coef, op.kind, weight, V(factor), u);
-  else
-    apply_stiffness<kBlock, kGeneral, kWhich == Which::kLaw>(coef, op.kind, weight, V(factor), u);
+  apply_stiffness<kHasLaw>(element, op.kind, op.weights(block, lane), V(factor), u);
   scatter_add(u, op.partition(), block, lane, Ap);
+}
+
+/// Of a sample r_ia = R_i g~_ia, by which the displacement of corner a comes into Z_i. What is assumed is left out.
+template <class V, class Element>
+HEXAPLAST_INLINE void corner_gradients(Element element, int i, V corner_weight, V quarter, V (&r)[kCorners][3]) {
+  const Mat<V> C = load_mat<V>(element.C(i));
+  Mat<V> R;
+  if constexpr (Element::kIsGeneral) R = load_mat<V>(element.rotation(i));
+  for (int a = 0; a < kCorners; ++a) {
+    for (V& entry : r[a]) entry = V(ScalarOf<V>(0));
+    for (int d = 0; d < 3; ++d) {
+      const bool same = kEdgeAt[a][d] == kEdgeAt[i][d];
+      if (Element::kIsGeneral && !same) continue;
+      V along = same ? corner_weight : V(ScalarOf<V>(0));
+      if (!Element::kIsGeneral) along += quarter;
+      if (kCornerSign[a][d] < 0) along = -along;
+      for (int c = 0; c < 3; ++c) r[a][c] += along * C(d, c);
+    }
+    if constexpr (Element::kIsGeneral) {
+      V h[3];
+      for (int j = 0; j < 3; ++j) h[j] = load_as(element.shared(a)[j]);
+      for (int c = 0; c < 3; ++c) r[a][c] += R(c, 0) * h[0] + R(c, 1) * h[1] + R(c, 2) * h[2];
+    }
+  }
+}
+
+/// Diagonal of factor L at corner a: sum_i mu |r_ia|^2 + (mu + lambda_f) r_ia,c^2 and the part of the element as a
+/// whole.                                                                                               eq. 17, E4, E7
+template <bool kHasLaw, class Element, class T, class Coef>
+HEXAPLAST_NOINLINE void add_diagonal_of(const ElementOperator<T, Coef>& op, Element element, int block, int lane,
+                                        T factor, T* diagonal) {
+  using V = Lanes<T>;
+  const StiffnessKind& kind = op.kind;
+  const auto weight = op.weights(block, lane);
+  const V corner_weight(static_cast<T>(kind.sampling.corner_weight)),
+      quarter(static_cast<T>((1 - kind.sampling.corner_weight) / 4)), f(factor);
+  const ElementModuli<V> of(kind, kHasLaw, f * load(weight[0]), f * load(weight[1]));
+  CornerLanes<V> sum, mean;
+  set_zero(sum);
+  set_zero(mean);
+  for (int i = 0; i < kCorners; ++i) {
+    V r[kCorners][3];
+    corner_gradients(element, i, corner_weight, quarter, r);
+    for (int a = 0; a < kCorners; ++a) {
+      V t[3] = {r[a][0], r[a][1], r[a][2]};  // what the dilatation sees
+      V shear = of.mu;
+      if constexpr (kHasLaw) {
+        const LawLanes<V> law(element.law(i));
+        for (int c = 0; c < 3; ++c) t[c] = law.G(c, 0) * r[a][0] + law.G(c, 1) * r[a][1] + law.G(c, 2) * r[a][2];
+        shear += of.mu * law.beta;
+      }
+      const V squared = shear * (r[a][0] * r[a][0] + r[a][1] * r[a][1] + r[a][2] * r[a][2]);
+      for (int c = 0; c < 3; ++c) {
+        sum.at[a][c] += squared + of.mu * r[a][c] * r[a][c] + of.free * t[c] * t[c];
+        mean.at[a][c] += t[c];
+      }
+    }
+  }
+  const V of_ratio = V(T(kCorners)) * of.of_ratio;
+  const V of_mean = (kHasLaw ? V(T(0)) : of.of_mean()) * V(T(1.0 / kCorners));
+  ModeLanes<V> volume_gradient;
+  CornerLanes<V> b;
+  set_zero(volume_gradient);
+  add_gradient(V(T(1)), element.volume_gradient(), volume_gradient);
+  modes_transpose(volume_gradient, b);
+  for (int a = 0; a < kCorners; ++a)
+    for (int c = 0; c < 3; ++c)
+      sum.at[a][c] += of_mean * mean.at[a][c] * mean.at[a][c] + of_ratio * b.at[a][c] * b.at[a][c];
+  scatter_add(sum, op.partition(), block, lane, diagonal);
+}
+
+/// Calls f.template operator()<has law>(stored element, block, lane) for every register of elements of a chunk, of the
+/// blocks whose entry is not 0.
+template <class T, class Coef, class F>
+HEXAPLAST_INLINE void for_each_register(const ElementOperator<T, Coef>& op, const unsigned char* blocks, int chunk,
+                                        const F& f) {
+  const Partition& partition = op.partition();
+  for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
+    if (blocks && !blocks[block]) continue;
+    for (int lane = 0; lane < kBlock; lane += Lanes<T>::kCount)
+      visit_stored(
+          op, block, lane, [&]<class Element>(Element element) __attribute__((always_inline)) {
+            if constexpr (Element::kMayHaveLaw)
+              if (op.kind.has_law()) return f.template operator()<true>(element, block, lane);
+            f.template operator()<false>(element, block, lane);
+          });
+  }
 }
 
 template <class T, class Coef>
 void add_product(const ElementOperator<T, Coef>& op, const unsigned char* blocks, int chunk, T factor, const T* p,
                  T* Ap) {
-  const Partition& partition = op.partition();
-  for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
-    if (blocks && !blocks[block]) continue;
-    for (int lane = 0; lane < kBlock; lane += Lanes<T>::kCount)
-      if (op.kind.one_rotation)
-        add_product_of<Which::kOneRotation, false>(op, block, lane, factor, p, Ap);
-      else
-        for_shape(
-            op.is_general[block] != 0, [&]<bool kGeneral>() __attribute__((always_inline)) {
-              if (op.kind.has_law())
-                add_product_of<Which::kLaw, kGeneral>(op, block, lane, factor, p, Ap);
-              else
-                add_product_of<Which::kCorotated, kGeneral>(op, block, lane, factor, p, Ap);
-            });
-  }
+  for_each_register(op, blocks, chunk, [&]<bool kHasLaw>(auto element, int block, int lane) {
+    add_product_of<kHasLaw>(op, element, block, lane, factor, p, Ap);
+  });
 }
 
-/// Diagonal of L at corner a: sum_i mu |r_ia|^2 + (mu + lambda_f) r_ia,c^2 and the volume's part, r_ia = R_i g~_ia.
-/// What is assumed is left out.                                                                  eq. 17, E4, E7
 template <class T, class Coef>
 void add_diagonal(const ElementOperator<T, Coef>& op, const unsigned char* blocks, int chunk, T factor, T* diagonal) {
-  using V = Lanes<T>;
-  const Partition& partition = op.partition();
-  const StiffnessKind& kind = op.kind;
-  const V corner_weight(static_cast<T>(kind.sampling.corner_weight)),
-      quarter(static_cast<T>((1 - kind.sampling.corner_weight) / 4)), f(factor);
-  for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
-    if (blocks && !blocks[block]) continue;
-    const bool has_shared = op.is_general[block];
-    const int of_shape = num_shape_coefficients(kind, has_shared);
-    const int per_sample = kind.one_rotation ? 0 : 9 * kBlock;
-    for (int lane = 0; lane < kBlock; lane += V::kCount) {
-      const auto* coef = stored(op, block) + lane;
-      const auto *rotation = coef + 9 * kCorners * kBlock, *shared = rotation + 9 * kCorners * kBlock;
-      const auto *of_volume = coef + of_shape * kBlock,
-                 *of_law = of_volume + (kind.has_volume() + kind.has_mean()) * kGradientCoefficients * kBlock;
-      const T* weight = op.weight.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
-      const V lambda = f * load(weight + kBlock);
-      V mu = f * load(weight), free = free_modulus(mu, lambda);
-      const V of_ratio = V(T(kCorners)) * (kind.has_law() ? lambda - free : lambda);
-      const V of_branches = V(T(2.0 / 3)) * add_branch_modulus(kind, lambda, mu, free);
-      const V of_mean = (kind.has_law() ? V(T(0)) : -(free + of_branches)) * V(T(1.0 / kCorners));
-      CornerLanes<V> sum, mean;
-      set_zero(sum);
-      set_zero(mean);
-      for (int i = 0; i < kCorners; ++i) {
-        const Mat<V> C = load_mat<kBlock, V>(coef + per_sample * i);
-        Mat<V> R, G;
-        V beta(T(0));
-        if (has_shared) R = load_mat<kBlock, V>(rotation + 9 * i * kBlock);
-        if (kind.has_law()) {
-          G = load_symmetric<kBlock, V>(of_law + 7 * i * kBlock);
-          beta = mu * load_as(of_law + (7 * i + 6) * kBlock);
-        }
-        for (int a = 0; a < kCorners; ++a) {
-          V r[3] = {V(T(0)), V(T(0)), V(T(0))};
-          for (int d = 0; d < 3; ++d) {
-            const bool same = kEdgeAt[a][d] == kEdgeAt[i][d];
-            if (has_shared && !same) continue;
-            V along = same ? corner_weight : V(T(0));
-            if (!has_shared) along += quarter;
-            if (kCornerSign[a][d] < 0) along = -along;
-            for (int c = 0; c < 3; ++c) r[c] += along * C(d, c);
-          }
-          if (has_shared) {
-            V h[3];
-            for (int j = 0; j < 3; ++j) h[j] = load_as(shared + (3 * a + j) * kBlock);
-            for (int c = 0; c < 3; ++c) r[c] += R(c, 0) * h[0] + R(c, 1) * h[1] + R(c, 2) * h[2];
-          }
-          V t[3] = {r[0], r[1], r[2]};  // what the dilatation sees
-          if (kind.has_law())
-            for (int c = 0; c < 3; ++c) t[c] = G(c, 0) * r[0] + G(c, 1) * r[1] + G(c, 2) * r[2];
-          const V squared = (mu + beta) * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
-          for (int c = 0; c < 3; ++c) {
-            sum.at[a][c] += squared + mu * r[c] * r[c] + free * t[c] * t[c];
-            mean.at[a][c] += t[c];
-          }
-        }
-      }
-      CornerLanes<V> of_ratio_at;
-      ModeLanes<V> of_ratio_modes;
-      set_zero(of_ratio_modes);
-      add_gradient<kBlock>(V(T(1)), of_volume, of_ratio_modes);
-      modes_transpose(of_ratio_modes, of_ratio_at);
-      for (int a = 0; a < kCorners; ++a)
-        for (int c = 0; c < 3; ++c) {
-          const V b = of_ratio_at.at[a][c];
-          sum.at[a][c] += of_mean * mean.at[a][c] * mean.at[a][c] + of_ratio * b * b;
-        }
-      scatter_add(sum, partition, block, lane, diagonal);
-    }
-  }
+  for_each_register(op, blocks, chunk, [&]<bool kHasLaw>(auto element, int block, int lane) {
+    add_diagonal_of<kHasLaw>(op, element, block, lane, factor, diagonal);
+  });
 }
 
 #define HEXAPLAST_ELEMENT_OPERATOR(name, T, Coef)                                                                \

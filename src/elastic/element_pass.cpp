@@ -101,15 +101,11 @@ HEXAPLAST_INLINE MaterialLanes<V> begin_elements(const ElementPass<T, Coef>& pas
   store(volume, pass.volume + static_cast<std::size_t>(block) * kBlock + lane);
   const double* lame = pass.lame + static_cast<std::size_t>(block) * 2 * kBlock + lane;
   const MaterialLanes<V> of(pass.settings, load(lame), load(lame + kBlock));
-  T* weight = pass.op.weight.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
+  const auto weight = pass.op.weights(block, lane);
   const V per_sample = V(1 / (kCorners * pass.length * pass.length)) * volume;
-  store_as(per_sample * of.mu, weight);
-  store_as(per_sample * of.lambda, weight + kBlock);
+  store_as(per_sample * of.mu, weight[0]);
+  store_as(per_sample * of.lambda, weight[1]);
   return of;
-}
-template <class T, class Coef>
-HEXAPLAST_INLINE auto* coefficients(const ElementPass<T, Coef>& pass, int block, int lane) {
-  return const_cast<typename Stored<Coef>::type*>(stored(pass.op, block)) + lane;
 }
 template <class T, class Coef>
 HEXAPLAST_INLINE float* screen_of(const ElementPass<T, Coef>& pass, int block, int lane) {
@@ -181,8 +177,8 @@ HEXAPLAST_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int bl
   const V volume = select_bits(present, element.rest.volume, V(0.0));
   const MaterialLanes<V> of = begin_elements(pass, block, lane, volume);
   const PressureLanes<V> p = pressures(of, element, u, of_volume);
-  CoefficientWriter<kBlock, kGeneral, Assumed::kCorner, V, typename Stored<Coef>::type> writer(
-      element, kind, V(pass.length), coefficients(pass, block, lane));
+  CoefficientWriter<kBlock, kGeneral, V, typename Stored<Coef>::type> writer(element, kind, V(pass.length),
+                                                                             coefficients(pass.op, block, lane));
 
   float* const screen = screen_of(pass, block, lane);
   V min_det(1e300);
@@ -235,8 +231,7 @@ template <bool kGeneral>
 struct ExactCoefficients {
   using V = Lanes<double>;
   static constexpr int kStride = V::kCount;
-  static constexpr int kMax =
-      CoefficientPlaces<kGeneral, Assumed::kCorner>::kCount + 2 * kGradientCoefficients + kLawCoefficients;
+  using Element = StoredElement<kGeneral, const double, kStride>;
 
   HEXAPLAST_NOINLINE ExactCoefficients(const Model& model, const History& history, const Linearization& at, int block,
                                        int lane, double factor)
@@ -253,7 +248,7 @@ struct ExactCoefficients {
                   load_plastic(*model.partition, at.flowed_at(history, block), block, lane, plastic), element);
     decompose(element);
     const PressureLanes<V> p = pressures(of, element, u, of_volume);
-    CoefficientWriter<kStride, kGeneral, Assumed::kCorner, V, double> writer(element, kind, V(1.0), coef);
+    CoefficientWriter<kStride, kGeneral, V, double> writer(element, kind, V(1.0), coef);
     for (int i = 0; i < kCorners; ++i) writer.add_sample(i, of, p);
     writer.finish(of_volume);
     const V per_sample = V(factor / kCorners) * select_bits(present, element.rest.volume, V(0.0));
@@ -261,14 +256,15 @@ struct ExactCoefficients {
     store(per_sample * of.lambda, weight + kStride);
   }
   HEXAPLAST_NOINLINE void apply(CornerLanes<V>& u) const {
+    const StoredNumbers<2, kStride, const double> weights{weight};
     if (kind.has_law())
-      apply_stiffness<kStride, kGeneral, true>(coef, kind, weight, V(1.0), u);
+      apply_stiffness<true>(Element(coef), kind, weights, V(1.0), u);
     else
-      apply_stiffness<kStride, kGeneral, false>(coef, kind, weight, V(1.0), u);
+      apply_stiffness<false>(Element(coef), kind, weights, V(1.0), u);
   }
 
   StiffnessKind kind;
-  alignas(64) double coef[kMax * kStride];
+  alignas(64) double coef[Element::count(true) * kStride];
   alignas(64) double weight[2 * kStride];
 };
 
@@ -359,19 +355,18 @@ void linearize_as_simple(const Model& model, const Linearization& at, const unsi
       ModeLanes<V> current, of_volume;
       modes(u, current);
       volume_of(current, of_volume);
-      const std::size_t first = static_cast<std::size_t>(block) * 2 * kBlock + lane;
-      const double* lame = model.lame_blocks.data() + first;
+      const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
       const V mu = load(lame), lambda = load(lame + kBlock);
       const V per_sample = V(1 / (kCorners * model.length * model.length)) *
                            load(at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane);
-      store_as(per_sample * mu, op.weight.data() + first);
-      store_as(per_sample * lambda, op.weight.data() + first + kBlock);
+      const auto weight = op.weights(block, lane);
+      store_as(per_sample * mu, weight[0]);
+      store_as(per_sample * lambda, weight[1]);
       const Mat<V> j = scaled(V(model.length), element.j);
-      V of_shape = mu, of_dilatation = free_modulus(mu, lambda);
-      add_branch_modulus(op.kind, lambda, of_shape, of_dilatation);
-      ModeStiffness<V> stiffness(j, op.kind.sampling.corner_weight, of_shape, of_dilatation);
-      store_one_rotation<kBlock>(element.rest, j, stiffness, of_volume, V(model.length),
-                                 const_cast<StoredHalf*>(stored(op, block)) + lane);
+      const ElementModuli<V> of(op.kind, false, mu, lambda);
+      ModeStiffness<V> stiffness(j, op.kind.sampling.corner_weight, of.mu, of.free);
+      store_one_rotation(element.rest, j, stiffness, of_volume, V(model.length),
+                         StoredOneRotation(coefficients(op, block, lane)));
     }
 }
 

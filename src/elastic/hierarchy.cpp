@@ -17,13 +17,10 @@ using Moduli = std::array<float, 2>;  // mu, lambda times volume
 /// Of an element or a cell of the finer mesh, all samples together.
 template <class T, class Coef>
 Moduli moduli_of(const ElementOperator<T, Coef>& op, int place) {
-  Moduli sum;
-  for (int which = 0; which < 2; ++which)
-    sum[which] =
-        kCorners *
-        static_cast<float>(op.weight[(static_cast<std::size_t>(place / kBlock) * 2 + which) * kBlock + place % kBlock]);
-  const float of_branches = static_cast<float>(op.kind.branch_modulus) * sum[0];  //                          eq. P14
-  return {sum[0] + of_branches, sum[1] - of_branches * (2.0f / 3)};
+  const auto weights = op.weights(place / kBlock, place % kBlock);
+  const float mu = kCorners * static_cast<float>(*weights[0]), lambda = kCorners * static_cast<float>(*weights[1]);
+  const float of_branches = static_cast<float>(op.kind.branches.in_step) * mu;  //                            eq. P14
+  return {mu + of_branches, lambda - of_branches * (2.0f / 3)};
 }
 Moduli moduli_of(const CellOperator& op, int place) {
   Moduli sum = {0, 0};

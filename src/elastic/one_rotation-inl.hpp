@@ -43,12 +43,13 @@ HEXAPLAST_INLINE void factorize(LowerLanes<kSize, N>& A) {
 
 /// u <- weight L L^T u of a stored factor: rounded, it is still one of a positive matrix.
 template <int kSize, int kStride, class V, class Coef>
-HEXAPLAST_INLINE void apply_factor(const Coef* from, V weight, V (*u)[3]) {
+HEXAPLAST_INLINE void apply_factor(StoredNumbers<LowerLanes<kSize, V>::kCount, kStride, Coef> from, V weight,
+                                   V (*u)[3]) {
   V sum[kSize];
   unrolled<kSize>([&](auto c) __attribute__((always_inline)) {
     constexpr int kRows = kSize - c;
     V L[kRows];
-    for (int n = 0; n < kRows; ++n) L[n] = load_as(from + LowerLanes<kSize, V>::place(c + n, c) * kStride);
+    for (int n = 0; n < kRows; ++n) L[n] = load_as(from[LowerLanes<kSize, V>::place(c + n, c)]);
     V along = L[0] * u[c / 3][c % 3];
     for (int n = 1; n < kRows; ++n) along += L[n] * u[(c + n) / 3][(c + n) % 3];
     along *= weight;
@@ -109,51 +110,48 @@ struct ModeStiffness {
   }
 };
 
-/// Stores the coefficients of an element whose rotation is known; j: its directions, in units of `length`. The
-/// stiffness of its modes becomes its factor.
+/// Stores an element whose rotation is known; j: its directions, in units of `length`. The stiffness of its modes
+/// becomes its factor.
 template <int kStride, class V, class Coef>
 HEXAPLAST_NOINLINE void store_one_rotation(const RestLanes<false, Assumed::kCorner, V>& rest, const Mat<V>& j,
                                            ModeStiffness<V>& stiffness, const ModeLanes<V>& of_volume, V length,
-                                           Coef* coef) {
-  using Places = OneRotationPlaces;
+                                           StoredOneRotation<Coef, kStride> to) {
   factorize(stiffness.of_two);
   factorize(stiffness.of_three);
-  store_mat<kStride>(j, V(1.0), coef + Places::kDirections * kStride);
-  for (int k = 0; k < stiffness.of_two.kCount; ++k)
-    store_as(stiffness.of_two.at[k], coef + (Places::kOfTwo + k) * kStride);
-  for (int k = 0; k < stiffness.of_three.kCount; ++k)
-    store_as(stiffness.of_three.at[k], coef + (Places::kOfThree + k) * kStride);
-  store_gradient<kStride>(of_volume, length / rest.volume, coef + Places::kCount * kStride);
+  store_mat(j, V(1.0), to.directions());
+  for (int k = 0; k < stiffness.of_two.kCount; ++k) store_as(stiffness.of_two.at[k], to.of_two()[k]);
+  for (int k = 0; k < stiffness.of_three.kCount; ++k) store_as(stiffness.of_three.at[k], to.of_three()[k]);
+  store_gradient(of_volume, length / rest.volume, to.volume_gradient());
 }
 
-/// u <- L u: the mean gradient, the modes of two coordinates and that of three do no work on one another.     eq. E29
-template <int kStride, class V, class Coef>
-HEXAPLAST_INLINE void apply_one_rotation(const Coef* coef, const StiffnessKind& kind, const typename V::Scalar* weight,
-                                         V factor, CornerLanes<V>& u) {
-  using T = typename V::Scalar;
-  using Places = OneRotationPlaces;
-  const Coef* const of_volume = coef + Places::kCount * kStride;
+/// u <- factor L u: the mean gradient, the modes of two coordinates and that of three do no work on one another.
+///                                                                                                          eq. E29
+template <bool kHasLaw, int kStride, class V, class Coef>
+HEXAPLAST_INLINE void apply_stiffness(const StoredOneRotation<Coef, kStride>& element, const StiffnessKind& kind,
+                                      StoredNumbers<2, kStride, const ScalarOf<V>> weight, V factor,
+                                      CornerLanes<V>& u) {
+  static_assert(!kHasLaw);
+  using T = ScalarOf<V>;
   // four times the mean edges and the hourglass modes, and eight samples that weigh an eighth each: 8 / 4 / 4
-  V mu = V(T(0.5)) * factor * load(weight);
-  const V lambda = V(T(0.5)) * factor * load(weight + kStride);
-  V free = free_modulus(mu, lambda);
-  const V of_mean = V(T(-2.0 / 3)) * add_branch_modulus(kind, lambda, mu, free);
+  const V half = V(T(0.5)) * factor;
+  const ElementModuli<V> of(kind, kHasLaw, half * load(weight[0]), half * load(weight[1]));
+  const V whole = of.mu + of.free;
   ModeLanes<V> at;
   modes(u, at);
-  const V along_volume = V(T(2 * kCorners)) * lambda * along_gradient<kStride>(of_volume, at);
+  const V along_volume = V(T(2 * kCorners)) * of.of_ratio * along_gradient(element.volume_gradient(), at);
 
-  const Mat<V> j = load_mat<kStride, V>(coef + Places::kDirections * kStride);
+  const Mat<V> j = load_mat<V>(element.directions());
   Mat<V> mean;
   for (int n = 0; n < 3; ++n)
     for (int i = 0; i < 3; ++i) mean(n, i) = at.at[n][i];
-  const Mat<V> P = stress_increment(transposed_product(mean, j), mu, of_mean);
+  const Mat<V> P = stress_increment(transposed_product(mean, j), of.mu, -of.bulk);
   const Mat<V> acting = product_transposed(j, P);
   for (int n = 0; n < 3; ++n)
     for (int i = 0; i < 3; ++i) at.at[n][i] = acting(n, i);
-  apply_factor<9, kStride>(coef + Places::kOfTwo * kStride, mu + free, at.at + 3);
-  apply_factor<3, kStride>(coef + Places::kOfThree * kStride, mu + free, at.at + 6);
+  apply_factor<9>(element.of_two(), whole, at.at + 3);
+  apply_factor<3>(element.of_three(), whole, at.at + 6);
 
-  add_gradient<kStride>(along_volume, of_volume, at);
+  add_gradient(along_volume, element.volume_gradient(), at);
   modes_transpose(at, u);
 }
 

@@ -141,8 +141,7 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
   const double thin_from = Recovery::from(model.settings);
   std::visit(
       [&]<class T, class Coef>(ElementOperator<T, Coef>& op) {
-        op.kind.branch_modulus = branches.modulus();
-        op.kind.branch_moduli = branches.moduli();
+        op.kind.branches = {.sum = branches.moduli(), .in_step = branches.modulus()};
         const ElementPass<T, Coef> pass{.partition = partition,
                                         .plastic_rest = at.plastic_rest.data(),
                                         .current = at.current.data(),

@@ -23,32 +23,25 @@ decltype(Linearization::op) operator_of(const Model& model) {
 
 }  // namespace
 
-int num_shape_coefficients(const StiffnessKind& kind, bool is_general) {
-  if (kind.one_rotation) return OneRotationPlaces::kCount;
-  return is_general ? CoefficientPlaces<true, Assumed::kCorner>::kCount
-                    : CoefficientPlaces<false, Assumed::kCorner>::kCount;
-}
-
-int num_coefficients(const StiffnessKind& kind, bool is_general) {
-  return num_shape_coefficients(kind, is_general) + (kind.has_volume() + kind.has_mean()) * kGradientCoefficients +
-         (kind.has_law() ? kLawCoefficients : 0);
-}
-
 template <class T, class Coef>
 ElementOperator<T, Coef>::ElementOperator(std::shared_ptr<const Partition> partition)
-    : is_general(partition->num_blocks), offset(partition->num_blocks), partition_(std::move(partition)) {}
+    : is_general(partition->num_blocks), partition_(std::move(partition)) {}
 
 template <class T, class Coef>
 void ElementOperator<T, Coef>::resize(const std::vector<unsigned char>& kinds, const unsigned char* has_coefficients) {
+  const auto count = [&](bool general) {
+    if (kind.one_rotation) return StoredOneRotation<Coef>::kCount;
+    return general ? StoredElement<true, Coef>::count(kind.has_law())
+                   : StoredElement<false, Coef>::count(kind.has_law());
+  };
   is_general = kinds;
-  std::size_t size = 0;
+  first_.assign(1, 0);
   for (std::size_t block = 0; block < kinds.size(); ++block) {
-    offset[block] = size;
-    if (has_coefficients && !has_coefficients[block]) continue;
-    size += static_cast<std::size_t>(kBlock) * num_coefficients(kind, kinds[block]);
+    const bool has_some = !has_coefficients || has_coefficients[block];
+    first_.push_back(first_.back() + (has_some ? kBlock * count(kinds[block] != 0) : 0));
   }
-  coef.resize(size);
-  weight.resize(kinds.size() * kBlock * 2);
+  coef_.resize(first_.back());
+  weight_.resize(kinds.size() * 2 * kBlock);
 }
 
 template class ElementOperator<double, double>;

@@ -84,7 +84,7 @@ __global__ void turning_mean(const PolarLanes<N>* mean, const Mat<N>* j, const N
 
 __global__ void product(const StoredHalf* coef, StiffnessKind kind, const N* weight, N factor, CornerLanes<N>* u) {
   CornerLanes<N> at = *u;
-  apply_assumed<1, false>(coef, kind, weight, factor, at);
+  apply_stiffness<false>(StoredElement<false, const StoredHalf, 1>(coef), kind, {weight}, factor, at);
   *u = at;
 }
 
