@@ -65,7 +65,7 @@ HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Mate
   HexahedronElasticity found;
   for (int i = 0; i < kCorners; ++i) {
     found.corner_jacobian[i] = corner_jacobian(state.plastic_rest, i);
-    if (sampling.assumed == Assumed::kNothing)
+    if (!sampling.assumes_strain)
       found.sample_gradient[i] = sample_gradient(rest, i);
     else
       found.sample_gradient[i].setConstant(std::numeric_limits<double>::quiet_NaN());

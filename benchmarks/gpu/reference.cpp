@@ -19,7 +19,7 @@ using D = double;
 
 namespace {
 
-constexpr StiffnessKind kKind{.sampling = {.assumed = Assumed::kCorner, .corner_weight = 0.57735026918962576451}};
+constexpr StiffnessKind kKind{.sampling = {.assumes_strain = true, .corner_weight = 0.57735026918962576451}};
 
 void load(const double (&from)[8][3], CornerLanes<D>& to) {
   for (int k = 0; k < 24; ++k) to.at[k / 3][k % 3] = D(from[k / 3][k % 3]);
@@ -38,7 +38,7 @@ Answers answers(const Hexahedron& hexahedron, const FlowNumbers& rule) {
   PlasticLanes<D> plastic;
   for (int k = 0; k < 72; ++k) plastic.inverse[k / 9].m[k % 9 / 3][k % 3] = D(hexahedron.G[k / 9][k % 9]);
   plastic.mean = mean_plastic_inverse(plastic.inverse);
-  ElementLanes<false, Assumed::kCorner, D> element;
+  ElementLanes<false, D> element;
   place_element(X, x, kKind.sampling, &plastic, element);
   decompose(element);
   const Settings settings;
@@ -48,7 +48,7 @@ Answers answers(const Hexahedron& hexahedron, const FlowNumbers& rule) {
 
   // linearize_lanes and finish_force (elastic/element_pass.cpp)
   CoefficientWriter<1, false, D, double> writer(element, kKind, D(1.0), out.coef);
-  ColumnsTranspose<false, Assumed::kCorner, D> acting;
+  ColumnsTranspose<false, D> acting;
   Sym<D> corotated[8], whole[8], relieved[8], M[8];
   Mat<D> normals[8];
   for (int i = 0; i < 8; ++i) {

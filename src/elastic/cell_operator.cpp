@@ -38,7 +38,7 @@ HEXAPLAST_NOINLINE std::uint32_t find_gradients(const Partition& partition, cons
   gather(partition, block, lane, current, u);
   // corners beyond the mesh may lie anywhere: cells that they invert do not help
   replace_absent(present, x);
-  RestLanes<true, Assumed::kNothing, V> rest;
+  RestLanes<true, V> rest;
   rest_operator(x, kOfCells, rest);
   present &= bits<double>(rest.min_jacobian > V(0.0));
   replace_absent(present, x);

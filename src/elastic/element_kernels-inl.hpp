@@ -17,7 +17,7 @@ namespace hexaplast::HWY_NAMESPACE {
 template <int kStride, bool kGeneral, class V, class Coef>
 class CoefficientWriter {
  public:
-  using Element = ElementLanes<kGeneral, Assumed::kCorner, V>;
+  using Element = ElementLanes<kGeneral, V>;
   using To = StoredElement<kGeneral, Coef, kStride>;
 
   HEXAPLAST_INLINE CoefficientWriter(const Element& element, const StiffnessKind& kind, V length, Coef* to)
@@ -76,7 +76,7 @@ class CoefficientWriter {
   V length_;
   To to_;
   bool has_law_;
-  ColumnsTranspose<kGeneral, Assumed::kCorner, V> dilatations_;  // of all samples
+  ColumnsTranspose<kGeneral, V> dilatations_;  // of all samples
 };
 
 /// What a general element does as a whole, by the gradients of its volume and of its mean dilatation: out = sum factor
@@ -106,7 +106,7 @@ HEXAPLAST_INLINE void apply_stiffness(const StoredElement<true, Coef, kStride>& 
                                       StoredNumbers<2, kStride, const ScalarOf<V>> weight, V factor,
                                       CornerLanes<V>& u) {
   using T = ScalarOf<V>;
-  RestLanes<true, Assumed::kCorner, V> rest;
+  RestLanes<true, V> rest;
   rest.corner_weight = V(static_cast<T>(kind.sampling.corner_weight));
   for (int k = 0; k < 3 * kCorners; ++k) rest.h.at[k / 3][k % 3] = load_as(element.shared(k / 3)[k % 3]);
   for (int k = 0; k < 3 * kCorners; ++k) rest.mean.at[k / 3][k % 3] = load_as(element.mean(k / 3)[k % 3]);
@@ -114,7 +114,7 @@ HEXAPLAST_INLINE void apply_stiffness(const StoredElement<true, Coef, kStride>& 
   rest.dual = load_mat<V>(element.dual());
   const Mat<V> j = load_mat<V>(element.directions());
   const AssumedLanes<V> how(j, rest.corner_weight);
-  ColumnLanes<true, Assumed::kCorner, V> columns;
+  ColumnLanes<true, V> columns;
   begin_columns(rest, u, columns);
   finish_columns(rest, u, how, columns);
 
@@ -123,7 +123,7 @@ HEXAPLAST_INLINE void apply_stiffness(const StoredElement<true, Coef, kStride>& 
   const V all(static_cast<T>(kCorners));  // samples weigh an eighth each
   apply_as_whole<kHasLaw>(element, all * of.of_ratio, all * of.of_mean(), u, whole);
 
-  ColumnsTranspose<true, Assumed::kCorner, V> acting;
+  ColumnsTranspose<true, V> acting;
   for (int i = 0; i < kCorners; ++i) {
     const Mat<V> C = load_mat<V>(element.C(i)), R = load_mat<V>(element.rotation(i)), H = shared_at(columns, i);
     Mat<V> Z = transposed_product(columns_at(columns, i), C);

@@ -63,10 +63,9 @@ HEXAPLAST_INLINE void add_volume_force(const MaterialLanes<V>& of, const Pressur
 
 /// - dE/du, of what acts on the samples.                                                    eq. 15, E6, E12, E13, E15
 template <bool kGeneral, class V>
-HEXAPLAST_NOINLINE void finish_force(const ElementLanes<kGeneral, Assumed::kCorner, V>& element,
-                                     const MaterialLanes<V>& of, const PressureLanes<V>& p,
-                                     const ModeLanes<V>& of_volume, V volume,
-                                     ColumnsTranspose<kGeneral, Assumed::kCorner, V>& acting, CornerLanes<V>& f) {
+HEXAPLAST_NOINLINE void finish_force(const ElementLanes<kGeneral, V>& element, const MaterialLanes<V>& of,
+                                     const PressureLanes<V>& p, const ModeLanes<V>& of_volume, V volume,
+                                     ColumnsTranspose<kGeneral, V>& acting, CornerLanes<V>& f) {
   const auto& rest = element.rest;
   const V eighth = V(-1.0 / kCorners) * volume;
   acting.take_assumed(rest, AssumedLanes<V>(element.j, rest.corner_weight));
@@ -81,9 +80,8 @@ HEXAPLAST_NOINLINE void finish_force(const ElementLanes<kGeneral, Assumed::kCorn
 
 /// What branches add to what acts on the samples.                                                        eq. P14, P15
 template <bool kGeneral, class V>
-HEXAPLAST_NOINLINE void add_branch_force(const ElementLanes<kGeneral, Assumed::kCorner, V>& element,
-                                         const BranchLanes<V>& branches,
-                                         ColumnsTranspose<kGeneral, Assumed::kCorner, V>& acting) {
+HEXAPLAST_NOINLINE void add_branch_force(const ElementLanes<kGeneral, V>& element, const BranchLanes<V>& branches,
+                                         ColumnsTranspose<kGeneral, V>& acting) {
   Sym<V> D[kCorners];
   branches.changes([&](int i) { return element.polar[i].S; }, D);
   for (int i = 0; i < kCorners; ++i) {
@@ -118,8 +116,7 @@ HEXAPLAST_INLINE float* screen_of(const ElementPass<T, Coef>& pass, int block, i
 ///
 ///   |F_i - R_m|^2 <= 2 |S_m - I|^2 + 2 |F_i - F_m|^2 <= 2 |S_m - I|^2 + 18 |Q|^2 |J_o^-1 / 2|^2
 template <bool kGeneral, class V>
-HEXAPLAST_NOINLINE bool corners_are_thick(const ElementLanes<kGeneral, Assumed::kCorner, V>& element,
-                                          double safe_strain) {
+HEXAPLAST_NOINLINE bool corners_are_thick(const ElementLanes<kGeneral, V>& element, double safe_strain) {
   if constexpr (kGeneral) {
     return false;
   } else {
@@ -138,9 +135,9 @@ HEXAPLAST_NOINLINE bool corners_are_thick(const ElementLanes<kGeneral, Assumed::
 /// The stress that yields of isolated rest shapes, or more. In each of three directions, what is relieved at a sample
 /// is at most the mean of |sigma_j|: where that does not reach least_yield, nothing is relieved.                 eq. P8
 template <bool kGeneral, class V>
-HEXAPLAST_NOINLINE void screen_isolated(const ElementLanes<kGeneral, Assumed::kCorner, V>& element,
-                                        const MaterialLanes<V>& of, const PressureLanes<V>& p, const Settings& settings,
-                                        double least_yield, float* screen) {
+HEXAPLAST_NOINLINE void screen_isolated(const ElementLanes<kGeneral, V>& element, const MaterialLanes<V>& of,
+                                        const PressureLanes<V>& p, const Settings& settings, double least_yield,
+                                        float* screen) {
   Sym<V> corotated[kCorners], sigma[kCorners];
   yielding_stress(element, of, p, settings.yield_stress_measure, nullptr, corotated, sigma);
   V norm[kCorners], largest(0.0), sum(0.0);
@@ -170,7 +167,7 @@ HEXAPLAST_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int bl
   ModeLanes<V> of_volume;
   gather_shapes(pass.partition, block, lane, present, pass.plastic_rest, pass.current, x, u);
   PlasticLanes<V> plastic;
-  ElementLanes<kGeneral, Assumed::kCorner, V> element;
+  ElementLanes<kGeneral, V> element;
   place_element(x, u, kind.sampling, load_plastic(pass.partition, pass.flowed_at(block), block, lane, plastic),
                 element);
   decompose(element);
@@ -182,7 +179,7 @@ HEXAPLAST_NOINLINE void linearize_lanes(const ElementPass<T, Coef>& pass, int bl
 
   float* const screen = screen_of(pass, block, lane);
   V min_det(1e300);
-  ColumnsTranspose<kGeneral, Assumed::kCorner, V> acting;
+  ColumnsTranspose<kGeneral, V> acting;
   for (int i = 0; i < kCorners; ++i) {
     const auto& [R, S, doubtful] = element.polar[i];
     const V theta = dilatation(of.law, S);
@@ -240,7 +237,7 @@ struct ExactCoefficients {
     CornerLanes<V> x, u;
     ModeLanes<V> of_volume;
     gather_shapes(*model.partition, block, lane, present, at.plastic_rest.data(), at.current.data(), x, u);
-    ElementLanes<kGeneral, Assumed::kCorner, V> element;
+    ElementLanes<kGeneral, V> element;
     const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
     const MaterialLanes<V> of(model.settings, load(lame), load(lame + kBlock));
     PlasticLanes<V> plastic;
@@ -323,7 +320,7 @@ double energy_of(const Model& model, const CornerTensors* plastic_inverse, const
     const PlasticLanes<V>* const plastic = load_plastic(*model.partition, plastic_inverse, block, lane, of_lanes);
     if (const double from = Recovery::from(model.settings); std::isfinite(from))
       *thin |= find_thin<true>(x, u, V(0.0), from) << lane;
-    ElementLanes<true, Assumed::kCorner, V> element;
+    ElementLanes<true, V> element;
     place_element(x, u, sampling_of(model.settings), plastic, element);
     decompose(element);
     V density = mean_energy_density(of, element, pressures(of, element, u, gradient));
@@ -347,7 +344,7 @@ void linearize_as_simple(const Model& model, const Linearization& at, const unsi
       const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
       CornerLanes<V> x, u;
       gather_shapes(partition, block, lane, present, at.plastic_rest.data(), at.current.data(), x, u);
-      ElementLanes<false, Assumed::kCorner, V> element;
+      ElementLanes<false, V> element;
       const float* const stored_mean = at.mean_plastic_of(block);
       Mat<V> mean_plastic;
       if (stored_mean) mean_plastic = load_mean_plastic(stored_mean + lane);

@@ -113,7 +113,7 @@ struct ModeStiffness {
 /// Stores an element whose rotation is known; j: its directions, in units of `length`. The stiffness of its modes
 /// becomes its factor.
 template <int kStride, class V, class Coef>
-HEXAPLAST_NOINLINE void store_one_rotation(const RestLanes<false, Assumed::kCorner, V>& rest, const Mat<V>& j,
+HEXAPLAST_NOINLINE void store_one_rotation(const RestLanes<false, V>& rest, const Mat<V>& j,
                                            ModeStiffness<V>& stiffness, const ModeLanes<V>& of_volume, V length,
                                            StoredOneRotation<Coef, kStride> to) {
   factorize(stiffness.of_two);

@@ -24,7 +24,7 @@ HEXAPLAST_INLINE void for_shape(bool is_general, const F& f) {
 template <class N>
 struct PlasticLanes {
   Mat<N> inverse[kCorners];  ///< G_i
-  Mat<N> mean;               ///< Gm; read where something is assumed
+  Mat<N> mean;               ///< Gm
 };
 
 /// The samples of an element at current positions.
@@ -32,72 +32,67 @@ template <class N>
 struct SampleLanes {
   Mat<N> F[kCorners];
   PolarLanes<N> polar[kCorners];
-  PolarLanes<N> mean;  ///< where something is assumed: R_m and S_m of the mean gradient
+  PolarLanes<N> mean;  ///< R_m and S_m of the mean gradient
   N volume;            ///< [m^3] of the plastic rest shape
   N min_jacobian;      ///< [m^3] of the plastic rest shape at its corners
 };
 
 /// And how they follow from the corners.
-template <bool kGeneral, Assumed kAssumed, class N>
+template <bool kGeneral, class N>
 struct ElementLanes : SampleLanes<N> {
-  RestLanes<kGeneral, kAssumed, N> rest;
-  ColumnLanes<kGeneral, kAssumed, N> columns;
-  Mat<N> j;                                  ///< where something is assumed: rows R_m Gm^T J^n / 2
+  RestLanes<kGeneral, N> rest;
+  ColumnLanes<kGeneral, N> columns;
+  Mat<N> j;                                  ///< rows R_m Gm^T J^n / 2
   const PlasticLanes<N>* plastic = nullptr;  ///< null: 1
   Mat<N> elastic_inverse[kCorners];          ///< with it: J_i^-1 G_i / 2
 };
 
-template <bool kGeneral, Assumed kAssumed, class N>
-HEXAPLAST_INLINE const Mat<N>& inverse_at(const RestLanes<kGeneral, kAssumed, N>& rest, int sample) {
+template <bool kGeneral, class N>
+HEXAPLAST_INLINE const Mat<N>& inverse_at(const RestLanes<kGeneral, N>& rest, int sample) {
   return rest.inverse[kGeneral ? sample : 0];
 }
 /// What takes the columns of a sample to its gradient F~, or F^e.
-template <bool kGeneral, Assumed kAssumed, class N>
-HEXAPLAST_INLINE const Mat<N>& inverse_at(const ElementLanes<kGeneral, kAssumed, N>& element, int sample) {
+template <bool kGeneral, class N>
+HEXAPLAST_INLINE const Mat<N>& inverse_at(const ElementLanes<kGeneral, N>& element, int sample) {
   return element.plastic ? element.elastic_inverse[sample] : inverse_at(element.rest, sample);
 }
-/// J_o^-1 / 2 where something is assumed.
-template <bool kGeneral, Assumed kAssumed, class N>
-HEXAPLAST_INLINE const Mat<N>& dual_of(const RestLanes<kGeneral, kAssumed, N>& rest) {
+/// J_o^-1 / 2
+template <bool kGeneral, class N>
+HEXAPLAST_INLINE const Mat<N>& dual_of(const RestLanes<kGeneral, N>& rest) {
   if constexpr (kGeneral)
     return rest.dual;
   else
     return rest.inverse[0];
 }
 
-/// What the samples follow from, at current positions u: the plastic rest shape and, where something is assumed, the
-/// mean gradient with its polar decomposition. mean_plastic: Gm, or null: 1.
-template <bool kGeneral, Assumed kAssumed, class N>
+/// What the samples follow from, at current positions u: the plastic rest shape and the mean gradient with its polar
+/// decomposition. mean_plastic: Gm, or null: 1.
+template <bool kGeneral, class N>
 HEXAPLAST_INLINE void place_mean(const CornerLanes<N>& x, const CornerLanes<N>& u, const Sampling& sampling,
-                                 const Mat<N>* mean_plastic, ElementLanes<kGeneral, kAssumed, N>& element) {
+                                 const Mat<N>* mean_plastic, ElementLanes<kGeneral, N>& element) {
   auto& rest = element.rest;
   auto& columns = element.columns;
   rest_operator(x, sampling, rest);
   element.volume = rest.volume;
   element.min_jacobian = rest.min_jacobian;
   begin_columns(rest, u, columns);
-  if constexpr (kAssumed != Assumed::kNothing) {
-    Mat<N> dual;
-    assign(mean_plastic ? dual_of(rest) * *mean_plastic : dual_of(rest), dual);
-    const Mat<N> F_m = transposed_product(columns.mean, dual);
-    safe_polars<1>(&F_m, &element.mean);
-    assign(product_transposed(dual, element.mean.R), element.j);
-  }
+  Mat<N> dual;
+  assign(mean_plastic ? dual_of(rest) * *mean_plastic : dual_of(rest), dual);
+  const Mat<N> F_m = transposed_product(columns.mean, dual);
+  safe_polars<1>(&F_m, &element.mean);
+  assign(product_transposed(dual, element.mean.R), element.j);
 }
 
 /// Gradients of the samples at current positions u; the polar decompositions are left to the caller. plastic: null, or
 /// of isolated rest shapes, to stay as long as the element.                                            eq. 7, E11c, P1
-template <bool kGeneral, Assumed kAssumed, class N>
+template <bool kGeneral, class N>
 HEXAPLAST_NOINLINE void place_element(const CornerLanes<N>& x, const CornerLanes<N>& u, const Sampling& sampling,
-                                      const PlasticLanes<N>* plastic, ElementLanes<kGeneral, kAssumed, N>& element) {
+                                      const PlasticLanes<N>* plastic, ElementLanes<kGeneral, N>& element) {
   auto& rest = element.rest;
   auto& columns = element.columns;
   place_mean(x, u, sampling, plastic ? &plastic->mean : nullptr, element);
   element.plastic = plastic;
-  if constexpr (kAssumed != Assumed::kNothing)
-    finish_columns(rest, u, AssumedLanes<N>(element.j, rest.corner_weight), columns);
-  else
-    finish_columns(rest, u, nullptr, columns);
+  finish_columns(rest, u, AssumedLanes<N>(element.j, rest.corner_weight), columns);
   for (int i = 0; i < kCorners; ++i) {
     Mat<N>& F = element.F[i];
     if (plastic) assign(inverse_at(rest, i) * plastic->inverse[i], element.elastic_inverse[i]);

@@ -65,8 +65,7 @@ HEXAPLAST_NOINLINE std::uint32_t find_thin(const CornerLanes<V>& x, const Corner
 /// The directions in which an element cannot show all of the stress of its samples: relieve(normals, sigma) takes that
 /// away.                                                                                                       eq. P6
 template <bool kGeneral, class N>
-HEXAPLAST_INLINE void sample_normals(const ElementLanes<kGeneral, Assumed::kCorner, N>& element,
-                                     Mat<N> (&normals)[kCorners]) {
+HEXAPLAST_INLINE void sample_normals(const ElementLanes<kGeneral, N>& element, Mat<N> (&normals)[kCorners]) {
   normals[0] = unit_rows(dual_of(element.rest));
   for (int i = 0; i < kCorners; ++i)
     if (element.plastic)
@@ -78,8 +77,8 @@ HEXAPLAST_INLINE void sample_normals(const ElementLanes<kGeneral, Assumed::kCorn
 /// [Pa] The stress that yields at the samples of isolated rest shapes. corotated: without the pressure of the volume
 /// ratio. of_branches: s, or null.                                                                      eq. P7, P7t
 template <bool kGeneral, class N>
-HEXAPLAST_INLINE void yielding_stress(const ElementLanes<kGeneral, Assumed::kCorner, N>& element,
-                                      const MaterialLanes<N>& of, const PressureLanes<N>& p, YieldStressMeasure measure,
+HEXAPLAST_INLINE void yielding_stress(const ElementLanes<kGeneral, N>& element, const MaterialLanes<N>& of,
+                                      const PressureLanes<N>& p, YieldStressMeasure measure,
                                       const std::type_identity_t<Sym<N>>* of_branches, Sym<N> (&corotated)[kCorners],
                                       Sym<N> (&sigma)[kCorners]) {
   using T = ScalarOf<N>;

@@ -41,7 +41,7 @@ ElementSamples element_samples(const ElementPoints& plastic_rest, const ElementP
     for (int i = 0; i < kCorners; ++i) plastic.inverse[i] = scalar::entries((*plastic_inverse)[i]);
     plastic.mean = scalar::mean_plastic_inverse(plastic.inverse);
   }
-  scalar::ElementLanes<true, Assumed::kCorner, double> element;
+  scalar::ElementLanes<true, double> element;
   const scalar::CornerLanes<double> u = corners_of(current);
   place_element(corners_of(plastic_rest), u, sampling_of(settings), plastic_inverse ? &plastic : nullptr, element);
   decompose(element);

@@ -114,25 +114,24 @@ HEXAPLAST_INLINE void modes_of_columns(const Mat<N>* columns, N corner_weight, N
 }
 
 /// Columns of 2 Jhat at the samples, as far as they are linear in nodal values once the rotation of the mean is held.
-template <bool kGeneral, Assumed kAssumed, class N>
+template <bool kGeneral, class N>
 struct ColumnLanes {
-  using Rest = RestLanes<kGeneral, kAssumed, N>;
+  using Rest = RestLanes<kGeneral, N>;
 
-  EdgeLanes<N> e;                           ///< by edges, unless by modes
-  Mat<N> by_modes[Rest::kByModes ? 8 : 1];  ///< rows, by sample
-  N a[3][3];                                ///< assumed: of sign s_n in column n
-  Mat<N> H;                                 ///< where the inverses are those of corners: what all gradients share
-  Mat<N> turned[3];                         ///< there: a_n (x) dual_n
-  Mat<N> mean;                              ///< rows: F_m 2 J_o
-  N Q[Rest::kModes][3];                     ///< hourglass modes
+  EdgeLanes<N> e;                            ///< by edges, unless by modes
+  Mat<N> by_modes[kGeneral ? 1 : kCorners];  ///< rows, by sample
+  N a[3][3];                                 ///< assumed: of sign s_n in column n
+  Mat<N> H;                                  ///< where the inverses are those of corners: what all gradients share
+  Mat<N> turned[3];                          ///< there: a_n (x) dual_n
+  Mat<N> mean;                               ///< rows: F_m 2 J_o
+  N Q[kGeneral ? 3 : 4][3];                  ///< hourglass modes
 };
 
 /// Mean columns and hourglass modes, which what is assumed needs.
-template <bool kGeneral, Assumed kAssumed, class N>
-HEXAPLAST_INLINE void begin_columns(const RestLanes<kGeneral, kAssumed, N>& rest, const CornerLanes<N>& u,
-                                    ColumnLanes<kGeneral, kAssumed, N>& at) {
-  using Rest = RestLanes<kGeneral, kAssumed, N>;
-  if constexpr (Rest::kByModes) {
+template <bool kGeneral, class N>
+HEXAPLAST_INLINE void begin_columns(const RestLanes<kGeneral, N>& rest, const CornerLanes<N>& u,
+                                    ColumnLanes<kGeneral, N>& at) {
+  if constexpr (!kGeneral) {
     const N quarter(ScalarOf<N>(0.25));
     ModeLanes<N> of;
     modes(u, of);
@@ -142,67 +141,56 @@ HEXAPLAST_INLINE void begin_columns(const RestLanes<kGeneral, kAssumed, N>& rest
       for (int i = 0; i < 3; ++i) at.mean(n, i) = quarter * of.at[n][i];
   } else {
     edges(u, at.e);
-    if constexpr (kAssumed != Assumed::kNothing) hourglass_modes(at.e, at.Q);
-  }
-  if constexpr (Rest::kHasMean) {
+    hourglass_modes(at.e, at.Q);
     for (int n = 0; n < 3; ++n)
       for (int i = 0; i < 3; ++i) {
         N sum = u.at[0][i] * rest.mean.at[0][n];
         for (int a = 1; a < kCorners; ++a) sum += u.at[a][i] * rest.mean.at[a][n];
         at.mean(n, i) = sum;
       }
-    for (int l = 0; l < Rest::kModes; ++l)
+    for (int l = 0; l < 3; ++l)
       for (int i = 0; i < 3; ++i)
         at.Q[l][i] -=
             rest.skew[l][0] * at.mean(0, i) + rest.skew[l][1] * at.mean(1, i) + rest.skew[l][2] * at.mean(2, i);
   }
 }
 
-/// `how`: what is assumed; not used where nothing is.
-template <bool kGeneral, Assumed kAssumed, class N, class How>
-HEXAPLAST_INLINE void finish_columns(const RestLanes<kGeneral, kAssumed, N>& rest, const CornerLanes<N>& u,
-                                     const How& how, ColumnLanes<kGeneral, kAssumed, N>& at) {
-  using Rest = RestLanes<kGeneral, kAssumed, N>;
-  if constexpr (kAssumed != Assumed::kNothing) how.columns(at.Q, at.a);
-  if constexpr (Rest::kByModes) {
+template <bool kGeneral, class N>
+HEXAPLAST_INLINE void finish_columns(const RestLanes<kGeneral, N>& rest, const CornerLanes<N>& u,
+                                     const AssumedLanes<N>& assumed, ColumnLanes<kGeneral, N>& at) {
+  assumed.columns(at.Q, at.a);
+  if constexpr (!kGeneral) {
     columns_of_modes(at.mean.m, at.Q, at.a, rest.corner_weight, at.by_modes);
   } else {
     at.H = outer_sum(u, rest.h);
     scale(rest.corner_weight, at.e);
-    if constexpr (kAssumed != Assumed::kNothing)
-      for (int n = 0; n < 3; ++n)
-        for (int i = 0; i < 3; ++i)
-          for (int k = 0; k < 3; ++k) at.turned[n](i, k) = at.a[n][i] * rest.dual(n, k);
+    for (int n = 0; n < 3; ++n)
+      for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k) at.turned[n](i, k) = at.a[n][i] * rest.dual(n, k);
   }
 }
 
-// A sample is an int or, in an unrolled loop, a constant.
-
 /// a + s b with s coordinate d of a corner in the reference cube, 1 or -1.
-template <class Corner, class N>
-HEXAPLAST_INLINE N signed_sum(Corner corner, int d, N a, N b) {
-  if constexpr (std::is_same_v<Corner, int>)
-    return a + N(static_cast<ScalarOf<N>>(kCornerSign[corner][d])) * b;
-  else
-    return kCornerSign[corner][d] > 0 ? a + b : a - b;
+template <class N>
+HEXAPLAST_INLINE N signed_sum(int corner, int d, N a, N b) {
+  return a + N(static_cast<ScalarOf<N>>(kCornerSign[corner][d])) * b;
 }
 
 /// Rows: the columns at a sample, to be multiplied by its inverse.
-template <bool kGeneral, Assumed kAssumed, class N>
-HEXAPLAST_INLINE decltype(auto) columns_at(const ColumnLanes<kGeneral, kAssumed, N>& at, int sample) {
-  if constexpr (RestLanes<kGeneral, kAssumed, N>::kByModes)
+template <bool kGeneral, class N>
+HEXAPLAST_INLINE decltype(auto) columns_at(const ColumnLanes<kGeneral, N>& at, int sample) {
+  if constexpr (!kGeneral)
     return (at.by_modes[sample]);
   else
     return edges_at(at.e, sample);
 }
 /// What is added to the gradient of a sample, where the inverses are those of corners.
-template <bool kGeneral, Assumed kAssumed, class N, class Sample>
-HEXAPLAST_INLINE Mat<N> shared_at(const ColumnLanes<kGeneral, kAssumed, N>& at, Sample sample) {
+template <bool kGeneral, class N>
+HEXAPLAST_INLINE Mat<N> shared_at(const ColumnLanes<kGeneral, N>& at, int sample) {
   Mat<N> H = at.H;
-  if constexpr (kAssumed != Assumed::kNothing)
-    for (int n = 0; n < 3; ++n)
-      for (int k = 0; k < 9; ++k)
-        H.m[k / 3][k % 3] = signed_sum(sample, n, H.m[k / 3][k % 3], at.turned[n].m[k / 3][k % 3]);
+  for (int n = 0; n < 3; ++n)
+    for (int k = 0; k < 9; ++k)
+      H.m[k / 3][k % 3] = signed_sum(sample, n, H.m[k / 3][k % 3], at.turned[n].m[k / 3][k % 3]);
   return H;
 }
 
@@ -227,38 +215,30 @@ HEXAPLAST_INLINE void corners_of_modes(const Mat<N>& mean, const N (*Q)[3], Fact
 }
 
 /// The transpose: collects what acts on the columns of the samples and brings it to the corners.
-template <bool kGeneral, Assumed kAssumed, class N>
+template <bool kGeneral, class N>
 struct ColumnsTranspose {
-  using Rest = RestLanes<kGeneral, kAssumed, N>;
-  static constexpr bool kAssumes = kAssumed != Assumed::kNothing;
+  using Rest = RestLanes<kGeneral, N>;
 
   HEXAPLAST_INLINE ColumnsTranspose() {
-    if constexpr (!Rest::kByModes) set_zero(e);
     if constexpr (kGeneral) {
+      set_zero(e);
       set_zero(H);
-      if constexpr (kAssumes)
-        for (Mat<N>& M : turned) set_zero(M);
+      for (Mat<N>& M : turned) set_zero(M);
     }
   }
 
-  /// Rows: what acts on the columns of a sample. Unrolled, samples come in their order.
-  template <class Sample>
-  HEXAPLAST_INLINE void add_columns(Sample sample, const Mat<N>& acting) {
-    for (int d = 0; d < 3; ++d) {
-      if constexpr (Rest::kByModes) {
-        for (int i = 0; i < 3; ++i) by_modes[sample](d, i) = acting(d, i);
-      } else {
-        N* const to = e.at[d][kEdgeAt[sample][d]];
-        const bool is_first = !std::is_same_v<Sample, int> && sample < kEdgeNeighbour[sample][d];
-        for (int i = 0; i < 3; ++i) to[i] = is_first ? acting(d, i) : to[i] + acting(d, i);
-      }
-    }
+  /// Rows: what acts on the columns of a sample.
+  HEXAPLAST_INLINE void add_columns(int sample, const Mat<N>& acting) {
+    if constexpr (kGeneral)
+      add_to_columns(sample, acting);
+    else
+      for (int k = 0; k < 9; ++k) by_modes[sample].m[k / 3][k % 3] = acting.m[k / 3][k % 3];
   }
   /// The same again of a sample that is in already.
   HEXAPLAST_INLINE void add_to_columns(int sample, const Mat<N>& acting) {
     for (int d = 0; d < 3; ++d) {
       N* to;
-      if constexpr (Rest::kByModes)
+      if constexpr (!kGeneral)
         to = by_modes[sample].m[d];
       else
         to = e.at[d][kEdgeAt[sample][d]];
@@ -266,34 +246,29 @@ struct ColumnsTranspose {
     }
   }
   /// P on the whole gradient of a sample, where the inverses are those of corners.
-  template <class Sample>
-  HEXAPLAST_INLINE void add_shared(Sample sample, const Mat<N>& P) {
+  HEXAPLAST_INLINE void add_shared(int sample, const Mat<N>& P) {
     for (int k = 0; k < 9; ++k) H.m[k / 3][k % 3] += P.m[k / 3][k % 3];
-    if constexpr (kAssumes)
-      for (int n = 0; n < 3; ++n)
-        for (int k = 0; k < 9; ++k)
-          turned[n].m[k / 3][k % 3] = signed_sum(sample, n, turned[n].m[k / 3][k % 3], P.m[k / 3][k % 3]);
+    for (int n = 0; n < 3; ++n)
+      for (int k = 0; k < 9; ++k)
+        turned[n].m[k / 3][k % 3] = signed_sum(sample, n, turned[n].m[k / 3][k % 3], P.m[k / 3][k % 3]);
   }
 
   /// What acts on the modes by way of what is assumed. To be called once, when all samples are in.
-  template <class How>
-  HEXAPLAST_INLINE void take_assumed(const Rest& rest, const How& how) {
-    if constexpr (kAssumes) {
-      if constexpr (kGeneral)
-        for (int n = 0; n < 3; ++n)
-          for (int i = 0; i < 3; ++i) a[n][i] = dot(turned[n].m[i], rest.dual.m[n]);
-      else
-        modes_of_columns(by_modes, rest.corner_weight, a, mean.m, on_modes);
-      for (auto& mode : Q)
-        for (N& entry : mode) entry = N(ScalarOf<N>(0));
-      how.add_transpose(a, Q);
-    }
+  HEXAPLAST_INLINE void take_assumed(const Rest& rest, const AssumedLanes<N>& assumed) {
+    if constexpr (kGeneral)
+      for (int n = 0; n < 3; ++n)
+        for (int i = 0; i < 3; ++i) a[n][i] = dot(turned[n].m[i], rest.dual.m[n]);
+    else
+      modes_of_columns(by_modes, rest.corner_weight, a, mean.m, on_modes);
+    for (auto& mode : Q)
+      for (N& entry : mode) entry = N(ScalarOf<N>(0));
+    assumed.add_transpose(a, Q);
   }
 
   /// factor times all that, at the corners; mean_acting: rows, what acts on F_m 2 J_o besides, or null.
   template <class Factor>
   HEXAPLAST_INLINE void finish(const Rest& rest, const Mat<N>* mean_acting, Factor factor, CornerLanes<N>& f) {
-    if constexpr (Rest::kByModes) {
+    if constexpr (!kGeneral) {
       if (mean_acting)
         for (int k = 0; k < 9; ++k) mean.m[k / 3][k % 3] += mean_acting->m[k / 3][k % 3];
       for (int l = 0; l < 4; ++l)
@@ -304,33 +279,31 @@ struct ColumnsTranspose {
         for (int r = 0; r < 3; ++r)
           f.at[c][r] = factor * (H(r, 0) * rest.h.at[c][0] + H(r, 1) * rest.h.at[c][1] + H(r, 2) * rest.h.at[c][2]);
       scale(factor * rest.corner_weight, e);
-      if constexpr (kAssumes) {
-        if (mean_acting)
-          mean = *mean_acting;
-        else
-          set_zero(mean);
-        for (int l = 0; l < Rest::kModes; ++l)
-          for (int n = 0; n < 3; ++n)
-            for (int i = 0; i < 3; ++i) mean(n, i) -= rest.skew[l][n] * Q[l][i];
-        for (int c = 0; c < kCorners; ++c)
-          for (int i = 0; i < 3; ++i)
-            f.at[c][i] += factor * (rest.mean.at[c][0] * mean(0, i) + rest.mean.at[c][1] * mean(1, i) +
-                                    rest.mean.at[c][2] * mean(2, i));
-        for (auto& mode : Q)
-          for (N& entry : mode) entry = factor * entry;
-        add_hourglass_transpose(Q, e);
-      }
+      if (mean_acting)
+        mean = *mean_acting;
+      else
+        set_zero(mean);
+      for (int l = 0; l < 3; ++l)
+        for (int n = 0; n < 3; ++n)
+          for (int i = 0; i < 3; ++i) mean(n, i) -= rest.skew[l][n] * Q[l][i];
+      for (int c = 0; c < kCorners; ++c)
+        for (int i = 0; i < 3; ++i)
+          f.at[c][i] += factor * (rest.mean.at[c][0] * mean(0, i) + rest.mean.at[c][1] * mean(1, i) +
+                                  rest.mean.at[c][2] * mean(2, i));
+      for (auto& mode : Q)
+        for (N& entry : mode) entry = factor * entry;
+      add_hourglass_transpose(Q, e);
       add_edges_transpose(e, f);
     }
   }
 
-  EdgeLanes<N> e;                           ///< unless by modes
-  Mat<N> by_modes[Rest::kByModes ? 8 : 1];  ///< rows, by sample
+  EdgeLanes<N> e;                            ///< unless by modes
+  Mat<N> by_modes[kGeneral ? 1 : kCorners];  ///< rows, by sample
   Mat<N> H, turned[3];
   Mat<N> mean;       ///< by modes: what acts on it
   N on_modes[4][3];  ///< by modes: what acts on them by themselves
   N a[3][3];
-  N Q[Rest::kModes][3];  ///< what acts on the modes by way of what is assumed
+  N Q[kGeneral ? 3 : 4][3];  ///< what acts on the modes by way of what is assumed
 };
 
 }  // namespace hexaplast::HWY_NAMESPACE

@@ -149,17 +149,16 @@ HEXAPLAST_TABLE int kOther[3][2] = {{1, 2}, {0, 2}, {0, 1}};
 /// Sign of the coordinate `which` of the other two at edge m.
 constexpr int edge_sign(int m, int which) { return (m >> which & 1) != 0 ? 1 : -1; }
 
-template <int kModes, class N>
-HEXAPLAST_INLINE void hourglass_modes(const EdgeLanes<N>& e, N (&Q)[kModes][3]) {
+/// The first three.
+template <class N>
+HEXAPLAST_INLINE void hourglass_modes(const EdgeLanes<N>& e, N (&Q)[3][3]) {
   const N quarter(ScalarOf<N>(0.25));
   for (int i = 0; i < 3; ++i) {
     Q[0][i] = quarter * ((e.at[1][2][i] + e.at[1][3][i]) - (e.at[1][0][i] + e.at[1][1][i]));
     Q[1][i] = quarter * ((e.at[0][2][i] + e.at[0][3][i]) - (e.at[0][0][i] + e.at[0][1][i]));
     Q[2][i] = quarter * ((e.at[0][1][i] + e.at[0][3][i]) - (e.at[0][0][i] + e.at[0][2][i]));
-    if constexpr (kModes == 4) Q[3][i] = quarter * ((e.at[0][0][i] + e.at[0][3][i]) - (e.at[0][1][i] + e.at[0][2][i]));
   }
 }
-/// Of the first three.
 template <class N>
 HEXAPLAST_INLINE void add_hourglass_transpose(const N (&Q)[3][3], EdgeLanes<N>& e) {
   const N quarter(ScalarOf<N>(0.25));
@@ -176,28 +175,21 @@ HEXAPLAST_INLINE void add_hourglass_transpose(const N (&Q)[3][3], EdgeLanes<N>& 
 
 /// Constants of the plastic rest shape, for whole edges instead of half ones. Parallelepipeds, of elements alone, need
 /// one inverse.
-template <bool kGeneral, Assumed kAssumed, class N>
+template <bool kGeneral, class N>
 struct RestLanes {
-  static_assert(kGeneral || kAssumed != Assumed::kNothing);
-  static constexpr bool kHasMean = kGeneral && kAssumed != Assumed::kNothing;
-  static constexpr bool kByModes = kAssumed != Assumed::kNothing && !kGeneral;
-  static constexpr int kModes = kByModes ? 4 : 3;
-
   Mat<N> inverse[kGeneral ? kCorners : 1];  ///< J_i^-1 / 2; its rows belong to the edges of the corner
   CornerLanes<N> h;                         ///< where kGeneral: what all samples share
-  Mat<N> dual;                              ///< where kHasMean: J_o^-1 / 2
-  CornerLanes<N> mean;                      ///< where kHasMean: Gm_a 2 J_o, so that F_m 2 J_o = sum_a x_a (x) mean_a
-  N skew[kModes][3];  ///< where kHasMean: hourglass modes of the plastic rest shape, in its mean edges
+  Mat<N> dual;                              ///< where kGeneral: J_o^-1 / 2
+  CornerLanes<N> mean;                      ///< where kGeneral: Gm_a 2 J_o, so that F_m 2 J_o = sum_a x_a (x) mean_a
+  N skew[3][3];  ///< where kGeneral: hourglass modes of the plastic rest shape, in its mean edges
   N volume;
   N min_jacobian;   ///< smallest det J_i
   N corner_weight;  ///< of the corner: Sampling::corner_weight
 };
 
-template <bool kGeneral, Assumed kAssumed, class N>
-HEXAPLAST_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling,
-                                    RestLanes<kGeneral, kAssumed, N>& rest) {
+template <bool kGeneral, class N>
+HEXAPLAST_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sampling, RestLanes<kGeneral, N>& rest) {
   using T = ScalarOf<N>;
-  using Rest = RestLanes<kGeneral, kAssumed, N>;
   rest.corner_weight = N(T(sampling.corner_weight));
   EdgeLanes<N> e;
   N det;
@@ -213,19 +205,17 @@ HEXAPLAST_INLINE void rest_operator(const CornerLanes<N>& x, const Sampling& sam
     }
     CornerLanes<N> Gm;
     volume_gradient(e, Gm, rest.volume);
-    if constexpr (Rest::kHasMean) {
-      const Mat<N> centre_edges = mean_edges(e), centre = reciprocal(centre_edges, det);
-      rest.dual = centre;
-      for (int a = 0; a < kCorners; ++a)
-        for (int n = 0; n < 3; ++n)
-          rest.mean.at[a][n] =
-              Gm.at[a][0] * centre_edges(n, 0) + Gm.at[a][1] * centre_edges(n, 1) + Gm.at[a][2] * centre_edges(n, 2);
-      N Q[Rest::kModes][3];
-      hourglass_modes(e, Q);
-      for (int l = 0; l < Rest::kModes; ++l)
-        for (int n = 0; n < 3; ++n)
-          rest.skew[l][n] = Q[l][0] * centre(n, 0) + Q[l][1] * centre(n, 1) + Q[l][2] * centre(n, 2);
-    }
+    const Mat<N> centre_edges = mean_edges(e), centre = reciprocal(centre_edges, det);
+    rest.dual = centre;
+    for (int a = 0; a < kCorners; ++a)
+      for (int n = 0; n < 3; ++n)
+        rest.mean.at[a][n] =
+            Gm.at[a][0] * centre_edges(n, 0) + Gm.at[a][1] * centre_edges(n, 1) + Gm.at[a][2] * centre_edges(n, 2);
+    N Q[3][3];
+    hourglass_modes(e, Q);
+    for (int l = 0; l < 3; ++l)
+      for (int n = 0; n < 3; ++n)
+        rest.skew[l][n] = Q[l][0] * centre(n, 0) + Q[l][1] * centre(n, 1) + Q[l][2] * centre(n, 2);
     rest.h = Gm;  // h = Gm - corner_weight mean g                                                              eq. 8
     EdgeLanes<N> mean;
     for (int d = 0; d < 3; ++d)

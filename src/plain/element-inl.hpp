@@ -273,7 +273,7 @@ class Element {
     gradients_.set(e, sampling);
     has_flowed_ = state.plastic_inverse != nullptr;
     for (int i = 0; has_flowed_ && i < kCorners; ++i) assign(state.plastic_inverse[i], plastic_inverse_[i]);
-    assumes_ = sampling.assumed == Assumed::kCorner;
+    assumes_ = sampling.assumes_strain;
     if (assumes_)
       assumed_.set(rest, gradients_.mean, current, sampling.corner_weight,
                    has_flowed_ ? mean_plastic_inverse(plastic_inverse_) : identity());

@@ -243,7 +243,7 @@ HEXAPLAST_NOINLINE std::uint32_t flow_isolated_lanes(const Model& model, const L
   IsolatedLanes<V> isolated;
   narrow_plastic_inverse(plastic_inverse, isolated.plastic);
   const auto flow_as = [&]<bool kGeneral>() __attribute__((always_inline)) {
-    ElementLanes<kGeneral, Assumed::kCorner, V> element;
+    ElementLanes<kGeneral, V> element;
     place_element(x, u, sampling_of(model.settings), &isolated.plastic, element);
     isolated.fails = decompose_or_fail(element);
     ModeLanes<V> volume_gradient;
@@ -336,7 +336,7 @@ HEXAPLAST_NOINLINE std::uint32_t relax_lanes(const Model& model, const Lineariza
         HistoryLanes<double, 9 * kCorners>(here.number, [&](int e) { return history.plastic_inverse[e][0].data(); });
     narrow_plastic_inverse(plastic_inverse, isolated.plastic);
   }
-  ElementLanes<kGeneral, Assumed::kCorner, D> element;
+  ElementLanes<kGeneral, D> element;
   const auto place = [&] {
     place_element(x, u, sampling_of(settings), is_isolated ? &isolated.plastic : nullptr, element);
     decompose(element);

@@ -22,7 +22,6 @@
 namespace hexaplast::one_number {
 
 using N = float;
-constexpr auto kAssumed = Assumed::kCorner;
 
 __global__ void closed_polar(const Mat<N>* F, PolarLanes<N>* polar) {
   PolarLanes<N> out[1];
@@ -39,7 +38,7 @@ __global__ void laws(ElasticLaw law, double mooney_fraction, const Sym<N>* S, N 
   numbers[2] = stress_norm_bound(*sigma, YieldNorm::kVonMises);
 }
 
-__global__ void gradients(const CornerLanes<N>* x, Sampling sampling, RestLanes<true, kAssumed, N>* rest) {
+__global__ void gradients(const CornerLanes<N>* x, Sampling sampling, RestLanes<true, N>* rest) {
   rest_operator(*x, sampling, *rest);
 }
 __global__ void columns(const CornerLanes<N>* u, const Mat<N>* j, N corner_weight, Mat<N>* columns) {
@@ -65,7 +64,7 @@ __global__ void volume(const CornerLanes<N>* x, ModeLanes<N>* gradient, N* volum
 template <bool kGeneral>
 HEXAPLAST_INLINE void sample(const CornerLanes<N>* x, const CornerLanes<N>* u, Sampling sampling,
                              const PlasticLanes<N>* plastic, SampleLanes<N>* samples) {
-  ElementLanes<kGeneral, kAssumed, N> element;
+  ElementLanes<kGeneral, N> element;
   place_element(*x, *u, sampling, plastic, element);
   decompose(element);
   *samples = element;
