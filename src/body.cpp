@@ -220,7 +220,6 @@ void Body::describe(double factor, MatrixFreeSystem& system) const {
   }
   KernelBody& body = system.bodies.emplace_back();
   body.factor = -factor;  // L = - df/dx
-  body.revision = state_->at.revision;
   body.double_operator = std::get_if<ElementOperator<double, double>>(&state_->at.op);
   if (const auto* half = std::get_if<ElementOperator<float, Half>>(&state_->at.op)) body.single_operator = half;
   if (const auto* single = std::get_if<ElementOperator<float, float>>(&state_->at.op)) body.single_operator = single;
@@ -236,10 +235,9 @@ void Body::describe(double factor, MatrixFreeSystem& system) const {
     term->factor = -factor;
     system.others.push_back(&*term);
   }
-  if (!system.wants_coarse) return;
+  if (!system.wants_levels) return;
   if (!state_->hierarchy) state_->hierarchy.emplace(state_->model);
-  body.coarse = state_->hierarchy->update(state_->model, state_->at);
-  body.cycle_operator = state_->hierarchy->cycle_operator();
+  body.levels = state_->hierarchy->update(state_->model, state_->at);
 }
 
 double Body::recovery_work(ConstPoints x) const {

@@ -99,7 +99,7 @@ LoadedBody loaded(Body& body, const Motion& motion) {
   return {body, std::move(mass), {}, std::move(load)};
 }
 
-constexpr SavedKind kSavedMotion{{'H', 'X', 'P', 'M', 'O', 'V', 'E', '\0'}, 3, "motion"};
+constexpr SavedKind kSavedMotion{{'H', 'X', 'P', 'M', 'O', 'V', 'E', '\0'}, 4, "motion"};
 
 /// Of what a motion is given besides its body, load and solver.
 std::uint64_t identity_of(const Motion& motion, const std::vector<double>& mass) {
@@ -276,7 +276,7 @@ void MovingBody::load(std::istream& in) {
     return field.rows() == body.mesh().num_nodes() && field.allFinite();
   };
   if (!has_all(positions) || !has_all(velocities) || !(memory.start.rows() == 0 || has_all(memory.start)) ||
-      !memory.radii.is_valid() || steps < 0 || held.size() != num_nodes || archive.rest() != 0 ||
+      !memory.is_valid() || steps < 0 || held.size() != num_nodes || archive.rest() != 0 ||
       std::ranges::any_of(held, [](unsigned char how) { return how > kPrescribed; }))
     throw InputError("the saved motion is of another body");
   body.load(in);

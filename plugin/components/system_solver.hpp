@@ -43,7 +43,7 @@ class SystemSolver : public scene::OdeSolver, public scene::Stateful {
     saved.serialize(archive);
     const bool is_ours = saved.start.rows() == 0 || saved.start.rows() == system_->num_nodes();
     if (!is_ours || !saved.start.allFinite()) throw InputError("the start of a solve is saved of other nodes");
-    if (!saved.radii.is_valid()) throw InputError("the spectral radii of a solver are saved as what they cannot be");
+    if (!saved.is_valid()) throw InputError("the spectral radii of a solver are saved as what they cannot be");
     memory() = std::move(saved);
   }
 

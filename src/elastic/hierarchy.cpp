@@ -93,7 +93,8 @@ void gather_mean_plastic(const CoarseMesh& mesh, const Of& of, AlignedVector<flo
 ElementHierarchy::Level::Level(const CoarseMesh& mesh, RestShape rest_shape)
     : plastic_rest(slot_vector<double>(*mesh.partition)),
       current(slot_vector<double>(*mesh.partition)),
-      op(mesh.partition) {
+      op(mesh.partition),
+      diagonal(slot_vector<float>(*mesh.partition)) {
   if (rest_shape == RestShape::kJoined) return;
   mean_plastic.resize(static_cast<std::size_t>(mesh.partition->num_blocks) * kCorners * kMeanPlastic * kBlock);
   for (int place = 0; place < mesh.partition->num_blocks * kBlock; ++place)
@@ -103,17 +104,22 @@ ElementHierarchy::Level::Level(const CoarseMesh& mesh, RestShape rest_shape)
 
 ElementHierarchy::ElementHierarchy(const Model& model) {
   for (const CoarseMesh& mesh : model.coarse_meshes()) levels_.emplace_back(mesh, model.settings.rest_shape);
-  if (!levels_.empty()) cycle_.emplace(model);
+  if (levels_.empty()) return;
+  cycle_.emplace(model);
+  diagonal_ = slot_vector<float>(*model.partition);
 }
 
-std::span<const CoarseOperator> ElementHierarchy::update(const Model& model, const Linearization& at) {
+std::span<const LevelOperator> ElementHierarchy::update(const Model& model, const Linearization& at) {
+  if (!cycle_) return {};
   const std::vector<CoarseMesh>& meshes = model.coarse_meshes();
-  operators_.clear();
-  for (std::size_t k = 0; k < levels_.size(); ++k) operators_.push_back({&levels_[k].op, &meshes[k]});
-  if (cycle_) cycle_->set_linearization(at);
+  operators_.assign(1, {&*cycle_, diagonal_, nullptr});
+  for (std::size_t k = 0; k < levels_.size(); ++k)
+    operators_.push_back({&levels_[k].op, levels_[k].diagonal, &meshes[k]});
+  cycle_->set_linearization(at);
   if (revision_ == at.revision) return operators_;
   revision_ = at.revision;
-  if (cycle_) cycle_->update(model, at);
+  cycle_->update(model, at);
+  find_diagonal(*cycle_, 1.0f, diagonal_);
 
   const bool has_flowed = std::ranges::any_of(at.has_flowed, [](unsigned char flowed) { return flowed != 0; });
   const AlignedVector<double>*plastic_rest = &at.plastic_rest, *current = &at.current;
@@ -142,6 +148,7 @@ std::span<const CoarseOperator> ElementHierarchy::update(const Model& model, con
     }
     level.op.update(level.plastic_rest.data(), level.current.data(), has_flowed ? level.mean_plastic.data() : nullptr,
                     model.length);
+    find_diagonal(level.op, 1.0f, level.diagonal);
     plastic_rest = &level.plastic_rest;
     current = &level.current;
     finer = &level.op;

@@ -19,12 +19,9 @@ class ElementHierarchy {
  public:
   explicit ElementHierarchy(const Model& model);
 
-  /// The operators at the positions that `at` holds, from fine to coarse; computed anew when these have changed. Valid
-  /// until the next call.
-  std::span<const CoarseOperator> update(const Model& model, const Linearization& at);
-
-  /// What stands for the stiffness itself in cycles, of the latest update; null: nothing does.
-  const ChunkedOperator<float>* cycle_operator() const { return cycle_ ? &*cycle_ : nullptr; }
+  /// What cycles take for L at the positions that `at` holds, from fine to coarse; computed anew when these have
+  /// changed. Valid until the next call. Empty where the mesh has no lattice.
+  std::span<const LevelOperator> update(const Model& model, const Linearization& at);
 
  private:
   struct Level {
@@ -33,12 +30,14 @@ class ElementHierarchy {
     AlignedVector<double> plastic_rest, current;  // [m] slots
     AlignedVector<float> mean_plastic;            // Gm of the children, [block][child][kMeanPlastic][cell]; or empty
     CellOperator op;
+    AlignedVector<float> diagonal;  // of op, in slots
   };
 
   std::optional<CycleOperator> cycle_;
-  std::vector<Level> levels_;              // of Model::coarse_meshes
-  std::vector<CoarseOperator> operators_;  // of the levels
-  long revision_ = -1;                     // Linearization::revision that the operators belong to
+  AlignedVector<float> diagonal_;         // of it
+  std::vector<Level> levels_;             // of Model::coarse_meshes
+  std::vector<LevelOperator> operators_;  // of the cycle operator and the levels
+  long revision_ = -1;                    // Linearization::revision that the operators belong to
 };
 
 }  // namespace hexaplast

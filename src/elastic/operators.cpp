@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -31,11 +30,6 @@ void add_slots(const Partition& partition, double factor, const AlignedVector<T>
   for_each_node(partition, [&](int node, int slot) {
     for (int i = 0; i < 3; ++i) nodal(node, i) += factor * slots[4 * static_cast<std::size_t>(slot) + i];
   });
-}
-
-long next_revision() {
-  static std::atomic<long> latest = 0;
-  return ++latest;
 }
 
 /// A bit per element of a block that is there and alive.
@@ -131,7 +125,7 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
   set_positions(model, x, at);
   if (screens && !at.is_screened) at.forget();
   if (at.is_current) return;
-  at.revision = next_revision();
+  ++at.revision;
   const Partition& partition = *model.partition;
   const Branches branches = history.branches(steps);
   const auto clear = [&](const std::vector<int>& first, int chunk) {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <vector>
+#include "hexaplast/base/parallel.hpp"
+#include "layout/partition.hpp"
 
 namespace hexaplast {
-
-struct Partition;
 
 /// A symmetric positive semi-definite operator L on nodal vectors of the kernels (Partition), applied chunk by chunk.
 template <class T>
@@ -26,5 +25,14 @@ class ChunkedOperator : public ChunkedProduct<T> {
   /// diagonal += factor diag(L) for the elements of one chunk, written likewise.
   virtual void add_diagonal(int chunk, T factor, T* diagonal) const = 0;
 };
+
+/// slots = factor diag(L) at the nodes of a body, 0 elsewhere. `slots` has their number.
+template <class T>
+void find_diagonal(const ChunkedOperator<T>& op, T factor, AlignedVector<T>& slots) {
+  const Partition& partition = op.partition();
+  std::ranges::fill(slots, T(0));
+  parallel_for(partition.num_chunks, [&](int chunk) { op.add_diagonal(chunk, factor, slots.data()); });
+  parallel_for(partition.num_chunks, [&](int chunk) { reduce_ghosts(partition, chunk, slots.data()); });
+}
 
 }  // namespace hexaplast

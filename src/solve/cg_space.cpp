@@ -85,20 +85,12 @@ void multiply(const ChunkedProduct<T>& op, T factor, AlignedVector<T>& p, Aligne
 }
 
 template <class T>
-void find_diagonal(const ChunkedOperator<T>& op, T factor, AlignedVector<T>& slots) {
-  const Partition& partition = op.partition();
-  std::fill(slots.begin(), slots.end(), T(0));
-  parallel_for(partition.num_chunks, [&](int chunk) { op.add_diagonal(chunk, factor, slots.data()); });
-  parallel_for(partition.num_chunks, [&](int chunk) { reduce_ghosts(partition, chunk, slots.data()); });
-}
-
-template <class T>
-void invert_sum(const Partition& partition, const AlignedVector<T>& stiffness, const AlignedVector<T>& diagonal,
+void invert_sum(const Partition& partition, T factor, std::span<const T> stiffness, const AlignedVector<T>& diagonal,
                 AlignedVector<T>& inverse) {
   parallel_for(partition.num_chunks, [&](int chunk) {
     const OwnedRange own(partition, chunk);
     for (std::size_t i = own.first; i < own.first + own.size; ++i) {
-      const T entry = stiffness[i] + diagonal[i];
+      const T entry = factor * stiffness[i] + diagonal[i];
       inverse[i] = entry > T(0) ? T(1) / entry : T(0);
     }
   });
@@ -109,7 +101,7 @@ void invert_diagonal(const ChunkedOperator<T>& op, T factor, const AlignedVector
                      AlignedVector<T>& inverse) {
   const Partition& partition = op.partition();
   find_diagonal(op, factor, inverse);
-  invert_sum(partition, inverse, diagonal, inverse);
+  invert_sum(partition, T(1), std::span<const T>(inverse), diagonal, inverse);
 }
 
 template <class T>
@@ -339,11 +331,7 @@ double exact_residual(const MatrixFreeSystem& system, ConstPoints b, ConstPoints
 
 template void multiply(const ChunkedProduct<double>&, double, AlignedVector<double>&, AlignedVector<double>&);
 template void multiply(const ChunkedProduct<float>&, float, AlignedVector<float>&, AlignedVector<float>&);
-template void find_diagonal(const ChunkedOperator<double>&, double, AlignedVector<double>&);
-template void find_diagonal(const ChunkedOperator<float>&, float, AlignedVector<float>&);
-template void invert_sum(const Partition&, const AlignedVector<double>&, const AlignedVector<double>&,
-                         AlignedVector<double>&);
-template void invert_sum(const Partition&, const AlignedVector<float>&, const AlignedVector<float>&,
+template void invert_sum(const Partition&, float, std::span<const float>, const AlignedVector<float>&,
                          AlignedVector<float>&);
 template void invert_diagonal(const ChunkedOperator<double>&, double, const AlignedVector<double>&,
                               AlignedVector<double>&);

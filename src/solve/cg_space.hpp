@@ -153,13 +153,10 @@ struct OwnedRange {
 template <class T>
 void multiply(const ChunkedProduct<T>& op, T factor, AlignedVector<T>& p, AlignedVector<T>& Ap);
 
-/// slots = factor diag(L) at the nodes of a body, 0 elsewhere. `slots` has their number.
+/// inverse = 1 / (factor stiffness + diagonal) at the nodes, 0 where that is not positive. `inverse` may be
+/// `stiffness`.
 template <class T>
-void find_diagonal(const ChunkedOperator<T>& op, T factor, AlignedVector<T>& slots);
-
-/// inverse = 1 / (stiffness + diagonal) at the nodes, 0 where that is not positive. `inverse` may be `stiffness`.
-template <class T>
-void invert_sum(const Partition& partition, const AlignedVector<T>& stiffness, const AlignedVector<T>& diagonal,
+void invert_sum(const Partition& partition, T factor, std::span<const T> stiffness, const AlignedVector<T>& diagonal,
                 AlignedVector<T>& inverse);
 
 /// The same with a stiffness of factor diag(L).

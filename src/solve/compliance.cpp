@@ -72,8 +72,9 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
   bool is_parallel = true;
   const Constraints* ties = nullptr;
   double error = energy_error_;
+  SolverMemory memory;
   for (int k = 0; k < num_solvers && is_parallel; ++k) {
-    const PreparedSystem prepared = solvers_[k].prepare(A);
+    const PreparedSystem prepared = solvers_[k].prepare(A, memory);
     if (!prepared.is_near_inverse) error = kOfFarInverse * energy_error_;
     ties = prepared.ties;
     is_parallel = prepared.is_concurrent;

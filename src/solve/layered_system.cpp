@@ -328,7 +328,7 @@ bool LayeredSystem::describe(const OperatorFactors& factors, MatrixFreeSystem& s
   } else {
     for (Layer& root : roots()) {
       root.part.clear();
-      root.part.wants_coarse = system.wants_coarse;
+      root.part.wants_levels = system.wants_levels;
       root.part.diagonal.setZero(root.state->num_nodes(), 3);
       describe(root, factors, root.part);
       system.add_part(root.part, root.first_node);

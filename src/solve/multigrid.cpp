@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "solve/multigrid.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "layout/coarse_mesh.hpp"
 #include "solve/constants.hpp"
@@ -26,6 +29,19 @@ void SpectralRadii::update(int iterations_now) {
   if (iterations_now > kMaxGrowthOfIterations * iterations + 1) num_solves = kMaxSolvesOfRadii;
 }
 
+bool SolverMemory::is_valid() const {
+  return std::ranges::all_of(radii, [](const SpectralRadii& of_body) { return of_body.is_valid(); });
+}
+
+void SolverMemory::serialize(Archive& archive) {
+  std::uint64_t count = radii.size();
+  archive(is_first, start, count);
+  if (count > archive.rest() && archive.reads())
+    throw InputError(fmt::format("{} spectral radii are announced", count));
+  radii.resize(count);
+  for (SpectralRadii& of_body : radii) of_body.serialize(archive);
+}
+
 bool SpectralRadii::is_valid() const {
   return num_levels >= 0 && num_levels <= kMaxLevels && num_solves >= 0 &&
          std::all_of(of_level.begin(), of_level.begin() + num_levels,
@@ -35,14 +51,13 @@ bool SpectralRadii::is_valid() const {
 namespace {
 
 /// Ad = A d on the nodes, ghosts of d included; without blocks.
-template <class T>
-void apply(MultigridLevel<T>& level) {
-  const Partition& partition = level.op->partition();
+void apply(MultigridLevel& level) {
+  const Partition& partition = level.partition();
   parallel_for(partition.num_chunks, [&](int chunk) {
     const auto [first, size] = OwnedRange(partition, chunk);
     for (std::size_t i = first; i < first + size; ++i) level.Ad[i] = level.diagonal[i] * level.d[i];
   });
-  multiply(*level.op, level.factor, level.d, level.Ad);
+  multiply(*level.of.op, level.factor, level.d, level.Ad);
   parallel_for(partition.num_chunks, [&](int chunk) {
     reduce_ghosts(partition, chunk, level.Ad.data());
     level.fixed.clear(chunk, level.Ad);
@@ -50,38 +65,35 @@ void apply(MultigridLevel<T>& level) {
 }
 
 /// r -= A d.
-template <class T>
-void subtract_product(MultigridLevel<T>& level) {
-  const Partition& partition = level.op->partition();
+void subtract_product(MultigridLevel& level) {
+  const Partition& partition = level.partition();
   if (level.has_diagonal)
     parallel_for(partition.num_chunks, [&](int chunk) {
       const auto [first, size] = OwnedRange(partition, chunk);
       for (std::size_t i = first; i < first + size; ++i) level.r[i] -= level.diagonal[i] * level.d[i];
     });
-  multiply(*level.op, -level.factor, level.d, level.r);
+  multiply(*level.of.op, -level.factor, level.d, level.r);
   parallel_for(partition.num_chunks, [&](int chunk) {
     reduce_ghosts(partition, chunk, level.r.data());
-    if (!level.blocks.empty()) level.blocks.add_product(chunk, T(-1), level.d, level.r);
+    if (!level.blocks.empty()) level.blocks.add_product(chunk, -1, level.d, level.r);
     level.fixed.clear(chunk, level.r);
   });
 }
 
-/// The nodes of a chunk from those of another mesh, summed in single precision.
-template <class From, class To>
-void map_nodes(const NodalMap& map, const Partition& partition, int chunk, const AlignedVector<From>& from,
-               AlignedVector<To>& to) {
+/// The nodes of a chunk from those of another mesh.
+void map_nodes(const NodalMap& map, const Partition& partition, int chunk, const AlignedVector<float>& from,
+               AlignedVector<float>& to) {
   for (int slot = partition.first_node[chunk]; slot < partition.first_node[chunk + 1]; ++slot) {
     Eigen::Array4f sum = Eigen::Array4f::Zero();
     for (int k = map.first[slot]; k < map.first[slot + 1]; ++k)
-      sum += map.weight[k] * numbers_at(from.data(), map.column[k]).template cast<float>();
-    numbers_at(to.data(), slot) = sum.template cast<To>();
+      sum += map.weight[k] * numbers_at(from.data(), map.column[k]);
+    numbers_at(to.data(), slot) = sum;
   }
 }
 
 /// sum a b over the nodes, added chunk by chunk
-template <class T>
-double dot(MultigridLevel<T>& level, const AlignedVector<T>& a, const AlignedVector<T>& b) {
-  const Partition& partition = level.op->partition();
+double dot(MultigridLevel& level, const AlignedVector<float>& a, const AlignedVector<float>& b) {
+  const Partition& partition = level.partition();
   parallel_for(partition.num_chunks, [&](int chunk) {
     const auto [first, size] = OwnedRange(partition, chunk);
     level.partial[chunk] = slot_dot(size, a.data() + first, b.data() + first);
@@ -108,11 +120,9 @@ struct Tridiagonal {
 
 /// Largest eigenvalue of D^-1 A, from below: Lanczos in the scalar product of D, `min_steps` and on until one finds
 /// little more. Unlike the power method it finds what a single element stands out by.
-template <class T>
-double spectral_radius(MultigridLevel<T>& level, int min_steps) {
-  const Partition& partition = level.op->partition();
-  for (AlignedVector<T>* vector : {&level.x, &level.Ad})
-    if (vector->size() != level.d.size()) vector->assign(level.d.size(), T(0));
+double spectral_radius(MultigridLevel& level, int min_steps) {
+  const Partition& partition = level.partition();
+  for (AlignedVector<float>* vector : {&level.x, &level.Ad}) vector->resize(level.d.size(), 0.0f);
   const auto for_each_number = [&](const auto& visit) {
     parallel_for(partition.num_chunks, [&](int chunk) {
       const auto [first, size] = OwnedRange(partition, chunk);
@@ -121,11 +131,11 @@ double spectral_radius(MultigridLevel<T>& level, int min_steps) {
   };
   // a start that no symmetry of a mesh is blind to, the same in every run
   std::uint32_t state = 12345;
-  std::fill(level.d.begin(), level.d.end(), T(0));
-  std::fill(level.r.begin(), level.r.end(), T(0));
+  std::fill(level.d.begin(), level.d.end(), 0.0f);
+  std::fill(level.r.begin(), level.r.end(), 0.0f);
   for (std::size_t i = 0; i < 4 * static_cast<std::size_t>(partition.num_nodes); ++i) {
     state = state * 1664525u + 1013904223u;
-    if (level.inverse[i] > 0) level.d[i] = static_cast<T>(static_cast<double>(state >> 8) / (1 << 24) - 0.5);
+    if (level.inverse[i] > 0) level.d[i] = static_cast<float>(static_cast<double>(state >> 8) / (1 << 24) - 0.5);
   }
   for (int chunk = 0; chunk < partition.num_chunks; ++chunk) level.fixed.clear(chunk, level.d);
 
@@ -134,17 +144,17 @@ double spectral_radius(MultigridLevel<T>& level, int min_steps) {
   auto &alpha = found.diagonal, &beta = found.beside;
   double largest = 0;
   for (int step = 0;; ++step) {
-    for_each_number([&](std::size_t i) { level.x[i] = level.inverse[i] > 0 ? level.d[i] / level.inverse[i] : T(0); });
+    for_each_number([&](std::size_t i) { level.x[i] = level.inverse[i] > 0 ? level.d[i] / level.inverse[i] : 0.0f; });
     const double norm = std::sqrt(dot(level, level.d, level.x));
     if (step > 0) beta[step - 1] = norm;
     if (step == kMaxLanczosSteps || !(norm > kRangeEnds * alpha[0])) break;
 
-    for_each_number([&](std::size_t i) { level.d[i] *= static_cast<T>(1 / norm); });
+    for_each_number([&](std::size_t i) { level.d[i] *= static_cast<float>(1 / norm); });
     apply(level);
     alpha[step] = dot(level, level.d, level.Ad);
     const double before_step = std::exchange(largest, found.largest_eigenvalue(step + 1));
     if (step + 1 >= min_steps && !(largest > kLanczosGrowth * before_step)) break;
-    const T along = static_cast<T>(alpha[step]), before = static_cast<T>(step > 0 ? norm : 0);
+    const float along = static_cast<float>(alpha[step]), before = static_cast<float>(step > 0 ? norm : 0);
     for_each_number(
         [&](std::size_t i) { level.r[i] = level.inverse[i] * level.Ad[i] - along * level.d[i] - before * level.r[i]; });
     std::swap(level.d, level.r);
@@ -154,27 +164,121 @@ double spectral_radius(MultigridLevel<T>& level, int min_steps) {
 
 }  // namespace
 
-template <class T>
-void MultigridLevel<T>::resize() {
-  const std::size_t size = 4 * static_cast<std::size_t>(op->partition().num_slots);
-  for (AlignedVector<T>* vector : {&diagonal, &inverse, &r, &d})
-    if (vector->size() != size) vector->assign(size, T(0));
-  partial.resize(op->partition().num_chunks);
+void MultigridLevel::resize() {
+  const std::size_t size = 4 * static_cast<std::size_t>(partition().num_slots);
+  for (AlignedVector<float>* vector : {&diagonal, &inverse, &x, &r, &d})
+    if (vector->size() != size) vector->assign(size, 0.0f);
+  partial.resize(partition().num_chunks);
+}
+
+// Terms beside the bodies do not raise the spectral radii: they add the same to A and to D. So these are found without
+// them, and serve all solves of a step, however contacts come and go.
+bool Multigrid::setup(const KernelBody& body, const NodalPart& rest, SpectralRadii& radii) {
+  levels_.resize(body.levels.size());
+  for (std::size_t k = 0; k < levels_.size(); ++k) {
+    levels_[k].of = body.levels[k];
+    levels_[k].factor = static_cast<float>(body.factor);
+    levels_[k].resize();
+  }
+  const bool are_known = find_radii(body, rest, radii);
+  set_diagonals(rest.diagonal, rest.free, rest.blocks);
+  return are_known;
+}
+
+// In as many steps as radii serve, those of a body that flows by a few hundredths per step change by less than kSafety
+// allows for.
+bool Multigrid::find_radii(const KernelBody& body, const NodalPart& rest, SpectralRadii& radii) {
+  const PointArray& own_diagonal = rest.own_diagonal ? *rest.own_diagonal : rest.diagonal;
+  const Eigen::Map<const Eigen::VectorXf> of_body(levels_.front().of.diagonal.data(), 4 * own_diagonal.rows());
+  SpectralRadii of_system{.num_levels = static_cast<int>(levels_.size()),
+                          .num_solves = 1,
+                          .factor = body.factor,
+                          .diagonal = own_diagonal.sum(),
+                          .stiffness = body.factor * of_body.cast<double>().sum(),
+                          .num_free = rest.free.cast<std::int64_t>().sum()};
+  const bool are_known = radii.is_valid_for(of_system);
+  if (are_known) {
+    ++radii.num_solves;
+    for (std::size_t k = 0; k < levels_.size(); ++k) levels_[k].radius = radii.of_level[k];
+    return true;
+  }
+  set_diagonals(own_diagonal, rest.free, {});
+  int min_steps = kMinLanczosSteps;
+  for (std::size_t k = 0; k < levels_.size(); ++k) {
+    levels_[k].radius = kSafety * spectral_radius(levels_[k], min_steps);
+    // where elements stand out, coarse ones may, which the first steps pass by; steps on coarse meshes cost little
+    if (k == 0 && levels_[k].radius > kSafety * kIrregular) min_steps = kMaxLanczosSteps;
+    if (k < SpectralRadii::kMaxLevels) of_system.of_level[k] = levels_[k].radius;
+  }
+  radii = levels_.size() > SpectralRadii::kMaxLevels ? SpectralRadii() : of_system;
+  return false;
+}
+
+void Multigrid::set_diagonals(const PointArray& diagonal, const NodeMask& free, std::span<const NodeBlock> blocks) {
+  MultigridLevel& fine = levels_.front();
+  const Partition& partition = fine.partition();
+  to_slots(partition, diagonal, fine.diagonal);
+  fine.has_diagonal = !diagonal.isZero(0);
+  invert_sum(partition, fine.factor, fine.of.diagonal, fine.diagonal, fine.inverse);
+  fine.fixed.find(partition, [&](int slot, int axis) { return free(partition.node_of_slot[slot], axis) == 0; });
+  fine.mark_fixed();
+  fine.blocks.clear();
+  fine.blocks.setup(partition, blocks, fine.inverse);
+  for (std::size_t k = 1; k < levels_.size(); ++k) {
+    MultigridLevel& level = levels_[k];
+    descend(levels_[k - 1], level);
+    level.blocks.clear();
+    restrict_blocks(levels_[k - 1], level);
+    level.blocks.complete(level.partition(), level.inverse);
+  }
+}
+
+void MultigridLevel::mark_fixed() {
+  is_fixed.assign(4 * static_cast<std::size_t>(partition().num_nodes), 0);
+  for (const std::size_t number : fixed.number) is_fixed[number] = 1;
+}
+
+/// The diagonal and what is fixed, of the next coarser mesh.
+void Multigrid::descend(const MultigridLevel& finer, MultigridLevel& level) const {
+  const CoarseMesh& mesh = *level.of.mesh;
+  const Partition& partition = level.partition();
+  // a corner beyond the mesh is fixed where a node that hangs on it alone is; the others where their own node is
+  level.fixed.find(partition, [&](int slot, int axis) {
+    const int there = mesh.finer_slot[slot];
+    return there >= 0 && finer.is_fixed[4 * static_cast<std::size_t>(there) + axis];
+  });
+  level.mark_fixed();
+  // the diagonal part goes down lumped; a fixed node between coarse ones ties them by its fraction of the stiffness
+  parallel_for(partition.num_nodes, [&](int slot) {
+    for (int axis = 0; axis < 3; ++axis) {
+      double sum = 0;
+      for (int n = mesh.restriction.first[slot]; n < mesh.restriction.first[slot + 1]; ++n) {
+        const double weight = static_cast<double>(mesh.restriction.weight[n]);
+        const std::size_t at = 4 * static_cast<std::size_t>(mesh.restriction.column[n]) + axis;
+        if (finer.is_fixed[at])
+          sum += finer.inverse[at] > 0 ? weight * weight / static_cast<double>(finer.inverse[at]) : 0;
+        else
+          sum += weight * static_cast<double>(finer.diagonal[at]);
+      }
+      level.diagonal[4 * static_cast<std::size_t>(slot) + axis] = static_cast<float>(sum);
+    }
+  });
+  level.has_diagonal = std::ranges::any_of(level.diagonal, [](float entry) { return entry != 0; });
+  invert_sum(partition, level.factor, level.of.diagonal, level.diagonal, level.inverse);
 }
 
 /// Blocks go down lumped, as the diagonal does. A node between coarse ones follows these only as far as its block lets
 /// it (SlotBlocks::follow), and ties them by no more than its own stiffness, as a fixed one does.
-template <class T>
-template <class Finer>
-void Multigrid<T>::restrict_blocks(MultigridLevel<Finer>& finer, const CoarseMesh& mesh, MultigridLevel<float>& level) {
+void Multigrid::restrict_blocks(MultigridLevel& finer, MultigridLevel& level) {
   if (finer.blocks.empty()) return;
-  block_of_slot_.assign(finer.op->partition().num_nodes, -1);
+  const CoarseMesh& mesh = *level.of.mesh;
+  block_of_slot_.assign(finer.partition().num_nodes, -1);
   const auto& entries = finer.blocks.entries();
   for (std::size_t k = 0; k < entries.size(); ++k) block_of_slot_[entries[k].slot] = static_cast<int>(k);
-  for (int slot = 0; slot < level.op->partition().num_nodes; ++slot)
+  for (int slot = 0; slot < level.partition().num_nodes; ++slot)
     if (const int there = mesh.finer_slot[slot]; there >= 0 && block_of_slot_[there] >= 0)
       finer.blocks.set_coarse(block_of_slot_[there]);
-  for (int slot = 0; slot < level.op->partition().num_nodes; ++slot) {
+  for (int slot = 0; slot < level.partition().num_nodes; ++slot) {
     Mat3 sum = Mat3::Zero();
     for (int n = mesh.restriction.first[slot]; n < mesh.restriction.first[slot + 1]; ++n)
       if (const int k = block_of_slot_[mesh.restriction.column[n]]; k >= 0)
@@ -188,163 +292,11 @@ void Multigrid<T>::restrict_blocks(MultigridLevel<Finer>& finer, const CoarseMes
   }
 }
 
-template <class T>
-void Multigrid<T>::setup_operators(const KernelBody& body) {
-  operators_ = body.coarse;
-  fine_.op = body.op<T>();
-  if constexpr (std::is_same_v<T, float>)
-    if (body.cycle_operator) fine_.op = body.cycle_operator;
-  if (coarse_.size() != operators_.size()) radii_of_.revision = stiffness_of_.revision = 0;
-  coarse_.resize(operators_.size());
-  for (std::size_t k = 0; k < coarse_.size(); ++k) coarse_[k].op = operators_[k].op;
-}
-
-template <class T>
-const AlignedVector<T>& Multigrid<T>::stiffness(const KernelBody& body) {
-  setup_operators(body);
-  const bool is_known =
-      body.revision != 0 && body.revision == stiffness_of_.revision && body.factor == stiffness_of_.factor;
-  if (is_known) return fine_.stiffness;
-  const auto find = [&]<class U>(MultigridLevel<U>& level) {
-    level.factor = static_cast<U>(body.factor);
-    level.stiffness.resize(4 * static_cast<std::size_t>(level.op->partition().num_slots));
-    find_diagonal(*level.op, level.factor, level.stiffness);
-  };
-  find(fine_);
-  for (MultigridLevel<float>& level : coarse_) find(level);
-  stiffness_of_ = {.revision = body.revision, .factor = body.factor};
-  return fine_.stiffness;
-}
-
-// Terms beside the bodies do not raise the spectral radii: they add the same to A and to D. So these are found without
-// them, and serve all solves with one linearization, however contacts come and go.
-template <class T>
-void Multigrid<T>::setup(const KernelBody& body, const NodalPart& rest, SpectralRadii* known) {
-  setup_operators(body);
-  stiffness(body);
-  find_radii(body, rest, known);
-  place(rest.diagonal, rest.free, rest.blocks);
-}
-
-// In as many steps as radii serve, those of a body that flows by a few hundredths per step change by less than kSafety
-// allows for.
-template <class T>
-void Multigrid<T>::find_radii(const KernelBody& body, const NodalPart& rest, SpectralRadii* known) {
-  const auto for_each_radius = [&](const auto& visit) {
-    visit(fine_.radius, 0);
-    for (std::size_t k = 0; k < coarse_.size(); ++k) visit(coarse_[k].radius, k + 1);
-  };
-  const PointArray& own_diagonal = rest.own_diagonal ? *rest.own_diagonal : rest.diagonal;
-  const bool are_of_this = body.revision != 0 && body.revision == radii_of_.revision &&
-                           body.factor == radii_of_.factor && own_diagonal.rows() == radii_of_.diagonal.rows() &&
-                           own_diagonal == radii_of_.diagonal && rest.free == radii_of_.free;
-  if (are_of_this && !known) return;
-  if (!are_of_this) {
-    radii_of_.revision = body.revision;
-    if (body.revision != 0) {
-      radii_of_.factor = body.factor;
-      radii_of_.diagonal = own_diagonal;
-      radii_of_.free = rest.free;
-    }
-  }
-
-  SpectralRadii of_system;
-  if (known) {
-    const Eigen::Map<const Eigen::VectorX<T>> stiffness_of_body(fine_.stiffness.data(), 4 * rest.diagonal.rows());
-    of_system = {.num_levels = static_cast<int>(coarse_.size()) + 1,
-                 .num_solves = 1,
-                 .factor = body.factor,
-                 .diagonal = own_diagonal.sum(),
-                 .stiffness = stiffness_of_body.template cast<double>().sum(),
-                 .num_free = rest.free.template cast<std::int64_t>().sum()};
-    if (known->is_valid_for(of_system)) {
-      ++known->num_solves;
-      are_radii_known_ = true;
-      return for_each_radius([&](double& radius, std::size_t level) { radius = known->of_level[level]; });
-    }
-  }
-  if (!are_of_this || are_radii_known_) {
-    place(own_diagonal, rest.free, {});
-    fine_.radius = kSafety * spectral_radius(fine_, kMinLanczosSteps);
-    // where elements stand out, coarse ones may, which the first steps pass by; steps on coarse meshes cost little
-    const int min_steps = fine_.radius > kSafety * kIrregular ? kMaxLanczosSteps : kMinLanczosSteps;
-    for (MultigridLevel<float>& level : coarse_) level.radius = kSafety * spectral_radius(level, min_steps);
-    are_radii_known_ = false;
-  }
-  if (!known || of_system.num_levels > SpectralRadii::kMaxLevels) return;
-  for_each_radius([&](double radius, std::size_t level) { of_system.of_level[level] = radius; });
-  *known = of_system;
-}
-
-template <class T>
-bool Multigrid<T>::forgets_known_radii() {
-  if (are_radii_known_) radii_of_.revision = 0;
-  return are_radii_known_;
-}
-
-template <class T>
-void Multigrid<T>::place(const PointArray& diagonal, const NodeMask& free, std::span<const NodeBlock> blocks) {
-  const Partition& partition = fine_.op->partition();
-  fine_.resize();
-  to_slots(partition, diagonal, fine_.diagonal);
-  fine_.has_diagonal = !diagonal.isZero(0);
-  invert_sum(partition, fine_.stiffness, fine_.diagonal, fine_.inverse);
-  const auto is_fixed = [&](int slot, int axis) { return free(partition.node_of_slot[slot], axis) == 0; };
-  fine_.fixed.find(partition, is_fixed);
-  fine_.blocks.clear();
-  fine_.blocks.setup(partition, blocks, fine_.inverse);
-
-  const auto descend = [&](auto& finer, const auto& finer_is_fixed, int k) {
-    MultigridLevel<float>& level = coarse_[k];
-    const CoarseMesh& mesh = *operators_[k].mesh;
-    level.resize();
-    level.x.resize(level.d.size(), 0.0f);
-    const Partition& cells = level.op->partition();
-    // a corner beyond the mesh is fixed where a node that hangs on it alone is; the others where their own node is
-    level.fixed.find(cells, [&](int slot, int axis) {
-      return mesh.finer_slot[slot] >= 0 && finer_is_fixed(mesh.finer_slot[slot], axis);
-    });
-    // the diagonal part goes down lumped; a fixed node between coarse ones ties them by its fraction of the stiffness
-    parallel_for(cells.num_nodes, [&](int slot) {
-      for (int axis = 0; axis < 3; ++axis) {
-        double sum = 0;
-        for (int n = mesh.restriction.first[slot]; n < mesh.restriction.first[slot + 1]; ++n) {
-          const int fine = mesh.restriction.column[n];
-          const double weight = static_cast<double>(mesh.restriction.weight[n]);
-          const std::size_t at = 4 * static_cast<std::size_t>(fine) + axis;
-          if (finer_is_fixed(fine, axis))
-            sum += finer.inverse[at] > 0 ? weight * weight / static_cast<double>(finer.inverse[at]) : 0;
-          else
-            sum += weight * static_cast<double>(finer.diagonal[at]);
-        }
-        level.diagonal[4 * static_cast<std::size_t>(slot) + axis] = static_cast<float>(sum);
-      }
-    });
-    level.has_diagonal = std::ranges::any_of(level.diagonal, [](float entry) { return entry != 0; });
-    invert_sum(cells, level.stiffness, level.diagonal, level.inverse);
-    level.is_fixed.assign(4 * static_cast<std::size_t>(cells.num_nodes), 0);
-    for (const std::size_t number : level.fixed.number) level.is_fixed[number] = 1;
-    level.blocks.clear();
-    restrict_blocks(finer, mesh, level);
-    level.blocks.complete(cells, level.inverse);
-  };
-  for (std::size_t k = 0; k < coarse_.size(); ++k) {
-    if (k == 0) {
-      descend(fine_, is_fixed, 0);
-    } else {
-      const std::vector<unsigned char>& mask = coarse_[k - 1].is_fixed;
-      descend(
-          coarse_[k - 1], [&](int slot, int axis) { return mask[4 * static_cast<std::size_t>(slot) + axis] != 0; },
-          static_cast<int>(k));
-    }
-  }
-}
+namespace {
 
 /// x and r = b - A x after `degree` more Chebyshev steps; r is left as it was before the last of them unless asked for.
-template <class T>
-template <class U>
-void Multigrid<T>::smooth(MultigridLevel<U>& level, int degree, double min_fraction, bool leaves_residual) {
-  const Partition& partition = level.op->partition();
+void smooth(MultigridLevel& level, int degree, double min_fraction, bool leaves_residual) {
+  const Partition& partition = level.partition();
   const double theta = level.radius * (1 + min_fraction) / 2, delta = level.radius * (1 - min_fraction) / 2;
   const double sigma = theta / delta;
   double rho = 1 / sigma;
@@ -359,44 +311,37 @@ void Multigrid<T>::smooth(MultigridLevel<U>& level, int degree, double min_fract
     }
     parallel_for(partition.num_chunks, [&](int chunk) {
       const auto [first, size] = OwnedRange(partition, chunk);
-      hexaplast::smooth(size, static_cast<U>(a), static_cast<U>(b), level.inverse.data() + first,
+      hexaplast::smooth(size, static_cast<float>(a), static_cast<float>(b), level.inverse.data() + first,
                         level.r.data() + first, level.d.data() + first, level.x.data() + first);
       if (level.blocks.empty()) return;
-      level.blocks.add_inverse_product(chunk, static_cast<U>(b), level.r, level.d);
-      level.blocks.add_inverse_product(chunk, static_cast<U>(b), level.r, level.x);
+      level.blocks.add_inverse_product(chunk, static_cast<float>(b), level.r, level.d);
+      level.blocks.add_inverse_product(chunk, static_cast<float>(b), level.r, level.x);
     });
   }
   if (leaves_residual) subtract_product(level);
 }
 
-template <class T>
-template <class Finer>
-void Multigrid<T>::restrict_to(MultigridLevel<Finer>& finer, int coarse) {
-  MultigridLevel<float>& level = coarse_[coarse];
-  if (!finer.blocks.empty())  // into d, which prolong_from overwrites
-    parallel_for(finer.op->partition().num_chunks,
+/// r of the coarser mesh, where x = 0.
+void restrict_residual(MultigridLevel& finer, MultigridLevel& level) {
+  if (!finer.blocks.empty())  // into d, which prolong overwrites
+    parallel_for(finer.partition().num_chunks,
                  [&](int chunk) { finer.blocks.follow_transposed(chunk, finer.r, finer.d); });
-  const NodalMap& map = operators_[coarse].mesh->restriction;
-  const Partition& partition = level.op->partition();
+  const Partition& partition = level.partition();
   parallel_for(partition.num_chunks, [&](int chunk) {
-    map_nodes(map, partition, chunk, finer.r, level.r);
+    map_nodes(level.of.mesh->restriction, partition, chunk, finer.r, level.r);
     level.fixed.clear(chunk, level.r);
     const auto [first, size] = OwnedRange(partition, chunk);
     std::fill_n(level.x.begin() + static_cast<std::ptrdiff_t>(first), size, 0.0f);
   });
   if (!finer.blocks.empty())
-    parallel_for(finer.op->partition().num_chunks, [&](int chunk) { finer.blocks.copy(chunk, finer.d, finer.r); });
+    parallel_for(finer.partition().num_chunks, [&](int chunk) { finer.blocks.copy(chunk, finer.d, finer.r); });
 }
 
-/// d = P x of the coarse mesh, x += d, r -= A d.
-template <class T>
-template <class Finer>
-void Multigrid<T>::prolong_from(int coarse, MultigridLevel<Finer>& finer) {
-  const MultigridLevel<float>& level = coarse_[coarse];
-  const NodalMap& map = operators_[coarse].mesh->prolongation;
-  const Partition& partition = finer.op->partition();
+/// d = P x of the coarser mesh, x += d, r -= A d.
+void prolong(const MultigridLevel& level, MultigridLevel& finer) {
+  const Partition& partition = finer.partition();
   parallel_for(partition.num_chunks, [&](int chunk) {
-    map_nodes(map, partition, chunk, level.x, finer.d);
+    map_nodes(level.of.mesh->prolongation, partition, chunk, level.x, finer.d);
     if (!finer.blocks.empty()) finer.blocks.follow(chunk, finer.d);
     finer.fixed.clear(chunk, finer.d);
     const auto [first, size] = OwnedRange(partition, chunk);
@@ -405,43 +350,31 @@ void Multigrid<T>::prolong_from(int coarse, MultigridLevel<Finer>& finer) {
   subtract_product(finer);
 }
 
-template <class T>
-void Multigrid<T>::cycle(int coarse) {
-  MultigridLevel<float>& level = coarse_[coarse];
-  if (coarse + 1 == static_cast<int>(coarse_.size())) {
-    smooth(level, kCoarsestDegree, kCoarsestFraction, false);
-    return;
-  }
+}  // namespace
+
+void Multigrid::cycle(std::size_t k) {
+  MultigridLevel& level = levels_[k];
+  if (k + 1 == levels_.size()) return smooth(level, kCoarsestDegree, kCoarsestFraction, false);
   smooth(level, kSmoothing, kSmoothedFraction, true);
-  restrict_to(level, coarse + 1);
-  cycle(coarse + 1);
-  prolong_from(coarse + 1, level);
+  restrict_residual(level, levels_[k + 1]);
+  cycle(k + 1);
+  prolong(levels_[k + 1], level);
   smooth(level, kSmoothing, kSmoothedFraction, false);
 }
 
-template <class T>
-void Multigrid<T>::apply(const AlignedVector<T>& r, AlignedVector<T>& z) {
-  parallel_for(fine_.op->partition().num_chunks, [&](int chunk) {
-    const auto [first, size] = OwnedRange(fine_.op->partition(), chunk);
-    std::copy_n(r.data() + first, size, fine_.r.data() + first);
-    std::fill_n(z.data() + first, size, T(0));
+void Multigrid::apply(const AlignedVector<float>& r, AlignedVector<float>& z) {
+  MultigridLevel& fine = levels_.front();
+  const Partition& partition = fine.partition();
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    const auto [first, size] = OwnedRange(partition, chunk);
+    std::copy_n(r.data() + first, size, fine.r.data() + first);
+    std::fill_n(z.data() + first, size, 0.0f);
   });
-  fine_.x.swap(z);
-  if (coarse_.empty()) {
-    smooth(fine_, kCoarsestDegree, kCoarsestFraction, false);
-  } else {
-    smooth(fine_, kSmoothing, kSmoothedFraction, true);
-    restrict_to(fine_, 0);
-    cycle(0);
-    prolong_from(0, fine_);
-    smooth(fine_, kSmoothing, kSmoothedFraction, false);
-  }
-  fine_.x.swap(z);
-  if (!fine_.blocks.empty())
-    parallel_for(fine_.op->partition().num_chunks, [&](int chunk) { fine_.blocks.add_rigid_product(chunk, r, z); });
+  fine.x.swap(z);
+  cycle(0);
+  fine.x.swap(z);
+  if (!fine.blocks.empty())
+    parallel_for(partition.num_chunks, [&](int chunk) { fine.blocks.add_rigid_product(chunk, r, z); });
 }
-
-template class Multigrid<double>;
-template class Multigrid<float>;
 
 }  // namespace hexaplast

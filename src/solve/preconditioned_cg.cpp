@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <tuple>
 #include <type_traits>
 #include <utility>
 
@@ -83,7 +82,7 @@ double iterate_within_range(CgSpace& space, ConstPoints b, const ConstPoints* st
 /// A cycle in single precision as a preconditioner of a system in double.
 class SinglePrecisionPreconditioner final : public SlotPreconditioner<double> {
  public:
-  explicit SinglePrecisionPreconditioner(Multigrid<float>& multigrid) : multigrid_(multigrid) {}
+  explicit SinglePrecisionPreconditioner(Multigrid& multigrid) : multigrid_(multigrid) {}
   void apply(const AlignedVector<double>& r, AlignedVector<double>& z) override {
     r_.resize(r.size());
     z_.resize(r.size());
@@ -98,7 +97,7 @@ class SinglePrecisionPreconditioner final : public SlotPreconditioner<double> {
   }
 
  private:
-  Multigrid<float>& multigrid_;
+  Multigrid& multigrid_;
   AlignedVector<float> r_, z_;
 };
 
@@ -111,9 +110,8 @@ struct PreconditionedConjugateGradients::Spaces {
   NodalCgSpace nodal;
   SlotCgSpace<double> in_double;
   SlotCgSpace<float> in_single;
-  Multigrid<double> multigrid_double;
-  Multigrid<float> multigrid_single;
-  SinglePrecisionPreconditioner single_precision{multigrid_single};
+  Multigrid multigrid;
+  SinglePrecisionPreconditioner single_precision{multigrid};
   BlockJacobi<double> jacobi_double;
   BlockJacobi<float> jacobi_single;
   SeveralBodies several;
@@ -121,27 +119,18 @@ struct PreconditionedConjugateGradients::Spaces {
   PointArray right_hand_side, correction;
   CgSpace* latest = nullptr;  // for the latest system
   PreconditionedBy preconditioned_by = PreconditionedBy::kNothing;
-  bool may_redo = false;            // a solve with radii of an earlier step
-  bool has_outdated_radii = false;  // they made the latest preconditioner indefinite
-
-  /// Whether the latest preconditioner has spectral radii that were known before; then the next one finds them anew.
-  bool forgets_known_radii() {
-    if (preconditioned_by != PreconditionedBy::kMultigrid || !system.has_one_body()) return false;
-    const KernelBody& body = system.bodies.front();
-    return body.double_operator && !body.cycle_operator ? multigrid_double.forgets_known_radii()
-                                                        : multigrid_single.forgets_known_radii();
-  }
+  std::vector<SpectralRadii> radii;  // SolverMemory::radii of the present solve
+  bool has_known_radii = false;      // the latest preconditioner has some that it was given
+  bool has_outdated_radii = false;   // they made it indefinite
   bool has_others() const { return knows_kernels && !system.others.empty(); }
   bool refines() const { return knows_kernels && rounds_products(system); }
   bool knows_residual() const { return knows_kernels && has_exact_products(system); }
 
-  /// radii: of a sequence; null: those of the latest system serve where it is this one.
-  CgSpace& choose(const LinearSystem& A, Preconditioner preconditioner, SpectralRadii* radii,
-                  PreconditionedBy& chosen) {
+  CgSpace& choose(const LinearSystem& A, Preconditioner preconditioner) {
     system.clear();
-    system.wants_coarse = preconditioner != Preconditioner::kDiagonal;
+    system.wants_levels = preconditioner != Preconditioner::kDiagonal;
     knows_kernels = A.describe(system);
-    chosen = PreconditionedBy::kNothing;
+    preconditioned_by = PreconditionedBy::kNothing;
     if (!knows_kernels) {
       nodal.setup(A, true);
       return nodal;
@@ -150,32 +139,31 @@ struct PreconditionedConjugateGradients::Spaces {
     const std::span<const NodeGroup> groups =
         system.has_one_body() ? std::span(&all, 1) : std::span<const NodeGroup>(several.find_groups(system));
     if (!system.others.empty()) lumped.find(system, groups);
-    const bool cycles =
-        has_coarse() && (preconditioner == Preconditioner::kMultigrid || is_stiff(nodal_part().diagonal));
-    return precondition(A, cycles, radii, chosen);
+    const bool has_levels = std::ranges::any_of(system.bodies, [](const KernelBody& b) { return !b.levels.empty(); });
+    return precondition(
+        A, has_levels && (preconditioner == Preconditioner::kMultigrid || is_stiff(nodal_part().diagonal)));
   }
 
   /// The present system by cycles, or by the diagonal.
-  CgSpace& precondition(const LinearSystem& A, bool cycles, SpectralRadii* radii, PreconditionedBy& chosen) {
+  CgSpace& precondition(const LinearSystem& A, bool cycles) {
     const NodalPart rest = nodal_part();
-    chosen = cycles ? PreconditionedBy::kMultigrid : PreconditionedBy::kDiagonal;
+    preconditioned_by = cycles ? PreconditionedBy::kMultigrid : PreconditionedBy::kDiagonal;
+    if (radii.size() != system.bodies.size()) radii.assign(system.bodies.size(), {});
+    has_known_radii = false;
     if (!system.has_one_body()) {
-      several.setup(system, rest, system.others.empty() ? nullptr : &lumped, cycles);
+      has_known_radii = several.setup(system, rest, system.others.empty() ? nullptr : &lumped, cycles, radii);
       const bool is_single = std::ranges::any_of(system.bodies, [](const KernelBody& b) { return !b.double_operator; });
       nodal.setup(A, true, &several, is_single ? kSingleRounding : kDoubleRounding, &bodies);
       return nodal;
     }
     const KernelBody& body = system.bodies.front();
-    if (!body.double_operator) return refer(in_single, multigrid_single, jacobi_single, rest, cycles, radii);
-    if (!body.cycle_operator || !cycles) return refer(in_double, multigrid_double, jacobi_double, rest, cycles, radii);
-    multigrid_single.setup(body, rest, radii);
-    in_double.setup(system, false, &single_precision);
-    return in_double;
+    if (cycles) has_known_radii = multigrid.setup(body, rest, radii.front());
+    if (!body.double_operator) return refer(in_single, &multigrid, jacobi_single, rest, cycles);
+    return refer(in_double, &single_precision, jacobi_double, rest, cycles);
   }
 
  private:
   bool knows_kernels = false;
-  std::tuple<AlignedVector<double>, AlignedVector<float>> scratch_;
 
   NodalPart nodal_part() const {
     return {.diagonal = system.others.empty() ? system.diagonal : lumped.diagonal(),
@@ -185,12 +173,11 @@ struct PreconditionedConjugateGradients::Spaces {
   }
 
   template <class T>
-  CgSpace& refer(SlotCgSpace<T>& space, Multigrid<T>& multigrid, BlockJacobi<T>& jacobi, const NodalPart& rest,
-                 bool cycles, SpectralRadii* radii) {
+  CgSpace& refer(SlotCgSpace<T>& space, SlotPreconditioner<T>* cycle, BlockJacobi<T>& jacobi, const NodalPart& rest,
+                 bool cycles) {
     const KernelBody& body = system.bodies.front();
     if (cycles) {
-      multigrid.setup(body, rest, radii);
-      space.setup(system, false, &multigrid);
+      space.setup(system, false, cycle);
     } else if (!system.others.empty()) {
       jacobi.setup(*body.op<T>(), static_cast<T>(body.factor), rest);
       space.setup(system, false, &jacobi);
@@ -200,43 +187,27 @@ struct PreconditionedConjugateGradients::Spaces {
     return space;
   }
 
-  bool has_coarse() const {
-    return std::ranges::any_of(system.bodies, [](const KernelBody& body) { return !body.coarse.empty(); });
-  }
-
   /// Whether a cycle costs less than Jacobi's iterations. Counted are the degrees of freedom that more than half of the
   /// stiffness acts on: what holds some nodes is not theirs alone.
   bool is_stiff(const PointArray& diagonal) {
     double stiff = 0, all = 0;
-    const auto count = [&]<class T>(const KernelBody& body, const Partition& partition,
-                                    const AlignedVector<T>& stiffness) {
-      for (int n = 0; n < partition.num_nodes; ++n)
-        for (int i = 0; i < 3; ++i) {
-          const auto entry =
-              static_cast<double>(stiffness[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i]);
-          all += entry;
-          if (entry > kBreakEven * diagonal(body.first_node + n, i)) stiff += entry;
-        }
+    const auto count = [&](double stiffness, double rest) {
+      all += stiffness;
+      if (stiffness > kBreakEven * rest) stiff += stiffness;
     };
-    const auto count_one_of_several = [&]<class T>(const KernelBody& body, const ChunkedOperator<T>& op) {
-      AlignedVector<T>& stiffness = std::get<AlignedVector<T>>(scratch_);
-      stiffness.resize(4 * static_cast<std::size_t>(op.partition().num_slots));
-      find_diagonal(op, static_cast<T>(body.factor), stiffness);
-      count(body, op.partition(), stiffness);
-    };
-    if (system.has_one_body()) {  // whose diagonal a cycle shares
+    if (system.has_one_body()) {
       const KernelBody& body = system.bodies.front();
-      if (!body.double_operator || body.cycle_operator)
-        count(body, body.cycle_operator ? body.cycle_operator->partition() : body.single_operator->partition(),
-              multigrid_single.stiffness(body));
-      else
-        count(body, body.double_operator->partition(), multigrid_double.stiffness(body));
+      const LevelOperator& fine = body.levels.front();
+      const std::vector<int>& slot = fine.op->partition().slot_of_node;
+      for (std::size_t n = 0; n < slot.size(); ++n)
+        for (std::size_t i = 0; i < 3; ++i)
+          count(body.factor * static_cast<double>(fine.diagonal[4 * static_cast<std::size_t>(slot[n]) + i]),
+                diagonal(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(i)));
     } else {
-      for (const KernelBody& body : system.bodies)
-        if (body.double_operator)
-          count_one_of_several(body, *body.double_operator);
-        else
-          count_one_of_several(body, *body.single_operator);
+      several.visit_stiffness([&](int first_node, const PointArray& stiffness) {
+        for (int n = 0; n < stiffness.rows(); ++n)
+          for (int i = 0; i < 3; ++i) count(stiffness(n, i), diagonal(first_node + n, i));
+      });
     }
     return stiff > all / 2;
   }
@@ -253,22 +224,26 @@ PreconditionedConjugateGradients::PreconditionedConjugateGradients(Preconditione
     default;
 
 SolveReport PreconditionedConjugateGradients::solve(const LinearSystem& A, ConstPoints b, Points x) {
-  SpectralRadii none;
-  return iterate(A, b, nullptr, x, &none);
+  spaces_->radii.clear();
+  return iterate(A, b, nullptr, x);
 }
 
 SolveReport PreconditionedConjugateGradients::solve_next(const LinearSystem& A, ConstPoints b, Points x,
                                                          SolverMemory& memory) {
-  SpectralRadii radii = memory.radii;
-  const SolveReport report = iterate(A, b, nullptr, x, &radii);
-  if (report.preconditioner == PreconditionedBy::kMultigrid) radii.update(report.iterations);
-  memory.radii = radii;
+  spaces_->radii = memory.radii;
+  const SolveReport report = iterate(A, b, nullptr, x);
+  if (report.preconditioner == PreconditionedBy::kMultigrid)
+    for (SpectralRadii& radii : spaces_->radii) radii.update(report.iterations);
+  memory.radii = spaces_->radii;
   return report;
 }
 
-SolveReport PreconditionedConjugateGradients::solve_from_guess(const LinearSystem& A, ConstPoints b, Points x) {
-  const ConstPoints start(x);  // which is read before x is written
-  return iterate(A, b, &start, x, nullptr);
+SolveReport PreconditionedConjugateGradients::solve_from_guess(const LinearSystem& A, ConstPoints b, Points x,
+                                                               const SolverMemory& memory) {
+  spaces_->radii = memory.radii;
+  for (SpectralRadii& radii : spaces_->radii) radii.num_solves = 0;  // they serve the whole step
+  const ConstPoints start(x);                                        // which is read before x is written
+  return iterate(A, b, &start, x);
 }
 
 namespace {
@@ -292,10 +267,12 @@ void run(CgSpace& space, ConstPoints b, const ConstPoints* start, double norm_b,
 
 }  // namespace
 
-PreparedSystem PreconditionedConjugateGradients::prepare(const LinearSystem& A) {
+PreparedSystem PreconditionedConjugateGradients::prepare(const LinearSystem& A, SolverMemory& memory) {
   PreparedSystem prepared;
-  PreconditionedBy& preconditioner = spaces_->preconditioned_by;
-  spaces_->latest = &spaces_->choose(A, preconditioner_, nullptr, preconditioner);
+  spaces_->radii = memory.radii;
+  spaces_->latest = &spaces_->choose(A, preconditioner_);
+  memory.radii = spaces_->radii;
+  const PreconditionedBy preconditioner = spaces_->preconditioned_by;
   const MatrixFreeSystem& system = spaces_->system;
   if (system.constraints.projector) prepared.ties = &system.constraints;
   prepared.is_near_inverse = preconditioner == PreconditionedBy::kMultigrid && system.is_one_body();
@@ -332,28 +309,26 @@ int PreconditionedConjugateGradients::approximate(ConstPoints b, double error, b
 // What radii of an earlier step are too small for is solved again with those of the present one: the cells of a sheet
 // that turns fast.
 SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start,
-                                                      Points x, SpectralRadii* radii) {
+                                                      Points x) {
   require_sizes(A, b, x);
-  spaces_->may_redo = true;
-  SolveReport report = attempt(A, b, start, x, radii);
+  SolveReport report = attempt(A, b, start, x);
   if (!std::exchange(spaces_->has_outdated_radii, false)) return report;
-  if (radii) *radii = {};
-  spaces_->may_redo = false;
+  spaces_->radii.clear();
   const int lost = report.iterations;
-  report = attempt(A, b, start, x, radii);
+  report = attempt(A, b, start, x);
   report.iterations += lost;
   return report;
 }
 
 SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, ConstPoints given,
-                                                      const ConstPoints* start, Points x, SpectralRadii* radii) {
+                                                      const ConstPoints* start, Points x) {
   SolveReport report;
   const double norm_b = std::sqrt(finite_square(given));
   if (norm_b == 0) {
     x.setZero();
     return report;
   }
-  spaces_->latest = &spaces_->choose(A, preconditioner_, radii, spaces_->preconditioned_by);
+  spaces_->latest = &spaces_->choose(A, preconditioner_);
   report.preconditioner = spaces_->preconditioned_by;
   // where forces cancel, constraints that couple coordinates leave as much outside of their range as the forces round
   // to; a second time they leave the rounding of what is left
@@ -379,12 +354,12 @@ SolveReport PreconditionedConjugateGradients::attempt(const LinearSystem& A, Con
     const bool cycles = report.preconditioner == PreconditionedBy::kMultigrid;
     bool is_indefinite = false;
     run(*spaces_->latest, of, from, norm, until, iterations_, report, cycles ? &is_indefinite : nullptr);
-    spaces_->has_outdated_radii = is_indefinite && spaces_->may_redo && spaces_->forgets_known_radii();
+    spaces_->has_outdated_radii = is_indefinite && spaces_->has_known_radii;
     if (spaces_->has_outdated_radii) return false;
     spaces_->latest->end(answer);
     if (!is_indefinite) return true;
-    if (radii) *radii = {};
-    spaces_->latest = &spaces_->precondition(A, false, nullptr, spaces_->preconditioned_by);
+    spaces_->radii.clear();
+    spaces_->latest = &spaces_->precondition(A, false);
     report.preconditioner = spaces_->preconditioned_by;
     const ConstPoints reached(answer);
     run(*spaces_->latest, of, &reached, norm, until, iterations_, report);

@@ -8,19 +8,18 @@
 
 namespace hexaplast {
 
-template <class T>
-void SeveralBodies::Cycle<T>::apply(const Partition& partition, const Eigen::VectorXd& weight, ConstPoints from,
-                                    Points to) {
-  r.resize(4 * static_cast<std::size_t>(partition.num_slots), T(0));
-  z.resize(r.size(), T(0));
-  const double scale = scale_to_one(from.cwiseAbs().maxCoeff());  // coarse meshes are in single precision
-  parallel_for(partition.num_nodes, [&](int n) {
-    T* slot = r.data() + 4 * static_cast<std::size_t>(partition.slot_of_node[n]);
-    for (int i = 0; i < 3; ++i) slot[i] = static_cast<T>(scale * weight[n] * from(n, i));
+/// to += W B W from
+void SeveralBodies::Part::add_cycle(ConstPoints from, Points to) {
+  r.resize(4 * static_cast<std::size_t>(partition->num_slots), 0.0f);
+  z.resize(r.size(), 0.0f);
+  const double scale = scale_to_one(from.cwiseAbs().maxCoeff());  // cycles are in single precision
+  parallel_for(partition->num_nodes, [&](int n) {
+    float* slot = r.data() + 4 * static_cast<std::size_t>(partition->slot_of_node[n]);
+    for (int i = 0; i < 3; ++i) slot[i] = static_cast<float>(scale * weight[n] * from(n, i));
   });
   multigrid.apply(r, z);
-  parallel_for(partition.num_nodes, [&](int n) {
-    const T* slot = z.data() + 4 * static_cast<std::size_t>(partition.slot_of_node[n]);
+  parallel_for(partition->num_nodes, [&](int n) {
+    const float* slot = z.data() + 4 * static_cast<std::size_t>(partition->slot_of_node[n]);
     for (int i = 0; i < 3; ++i) to(n, i) += weight[n] / scale * static_cast<double>(slot[i]);
   });
 }
@@ -37,11 +36,10 @@ void SeveralBodies::find_stiffness(const KernelBody& body, Part& part) {
         part.stiffness(n, i) = static_cast<double>(slots[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i]);
   };
   part.first_node = body.first_node;
-  part.is_single = body.single_operator != nullptr;
-  if (part.is_single)
-    find(*body.single_operator, part.in_single.r);
+  if (body.single_operator)
+    find(*body.single_operator, part.r);
   else
-    find(*body.double_operator, part.in_double.r);
+    find(*body.double_operator, slots_);
 }
 
 const std::vector<NodeGroup>& SeveralBodies::find_groups(const MatrixFreeSystem& system) {
@@ -75,8 +73,9 @@ const std::vector<NodeGroup>& SeveralBodies::find_groups(const MatrixFreeSystem&
   return groups_;
 }
 
-void SeveralBodies::setup(const MatrixFreeSystem& system, const NodalPart& rest, const LumpedTerms* lumped,
-                          bool cycles) {
+bool SeveralBodies::setup(const MatrixFreeSystem& system, const NodalPart& rest, const LumpedTerms* lumped, bool cycles,
+                          std::span<SpectralRadii> radii) {
+  bool are_known = false;
   system_ = &system;
   ties_.clear();
   for (std::size_t g = 0; lumped && g < groups_.size(); ++g) ties_.push_back(lumped->ties(g));
@@ -99,12 +98,13 @@ void SeveralBodies::setup(const MatrixFreeSystem& system, const NodalPart& rest,
       const double sum = sum_[part.first_node + n];
       part.weight[n] = sum > 0 ? part.weight[n] / sum : 0;
     }
-    part.cycles = cycles && !body.coarse.empty();
+    part.cycles = cycles && !body.levels.empty();
     if (!part.cycles) {
       part.rows(weight_of_rest_) += part.weight;
       continue;
     }
     part.diagonal = part.weight.asDiagonal() * part.rows(rest.diagonal);
+    part.own_diagonal = part.weight.asDiagonal() * part.rows(system.diagonal);
     part.free = part.rows(rest.free);
     for (int n = 0; n < num_nodes; ++n)
       if (part.weight[n] == 0) part.free.row(n).setZero();
@@ -113,11 +113,9 @@ void SeveralBodies::setup(const MatrixFreeSystem& system, const NodalPart& rest,
       const int own = node - part.first_node;
       if (own >= 0 && own < num_nodes && part.weight[own] > 0) part.blocks.push_back({own, part.weight[own] * block});
     }
-    const NodalPart nodal{.diagonal = part.diagonal, .free = part.free, .blocks = part.blocks};
-    if (part.is_single)
-      part.in_single.multigrid.setup(body, nodal);
-    else
-      part.in_double.multigrid.setup(body, nodal);
+    are_known |= part.multigrid.setup(
+        body, {.diagonal = part.diagonal, .free = part.free, .blocks = part.blocks, .own_diagonal = &part.own_diagonal},
+        radii[i]);
   }
 
   blocks_.clear();
@@ -128,6 +126,7 @@ void SeveralBodies::setup(const MatrixFreeSystem& system, const NodalPart& rest,
       if (along.is_coupled[i]) inverse_(node, i) = 0;
   }
   for (double& entry : inverse_.reshaped()) entry = entry > 0 ? 1 / entry : 0;
+  return are_known;
 }
 
 void SeveralBodies::apply(const PointArray& r, PointArray& z) {
@@ -172,11 +171,7 @@ void SeveralBodies::apply_to(const NodeGroup& group, const PointArray& r, PointA
     if (is_in(node)) z.row(node) += weight_of_rest_[node] * weight_of_rest_[node] * r.row(node) * inverse;  // symmetric
   for (std::size_t i = 0; i < num_parts_; ++i) {
     Part& part = parts_[i];
-    if (!part.cycles || !is_in(part.first_node)) continue;
-    if (part.is_single)
-      part.in_single.apply(*part.partition, part.weight, part.rows(r), part.rows(z));
-    else
-      part.in_double.apply(*part.partition, part.weight, part.rows(r), part.rows(z));
+    if (part.cycles && is_in(part.first_node)) part.add_cycle(part.rows(r), part.rows(z));
   }
 }
 

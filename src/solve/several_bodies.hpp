@@ -31,38 +31,42 @@ class SeveralBodies final : public NodalPreconditioner {
   const std::vector<NodeGroup>& find_groups(const MatrixFreeSystem& system);
 
   /// lumped: made with these groups; null: there are no other terms. rest: the system's diagonal and what stands for
-  /// its other terms. `cycles`: whether bodies with coarse meshes get V-cycles.
-  void setup(const MatrixFreeSystem& system, const NodalPart& rest, const LumpedTerms* lumped, bool cycles);
+  /// its other terms. `cycles`: whether bodies with coarse meshes get V-cycles. radii: per body, as Multigrid::setup
+  /// takes them; returns whether some were known.
+  bool setup(const MatrixFreeSystem& system, const NodalPart& rest, const LumpedTerms* lumped, bool cycles,
+             std::span<SpectralRadii> radii);
+
+  /// Calls visit(body, diagonal of factor L, num_nodes x 3) of the latest find_groups.
+  template <class Visit>
+  void visit_stiffness(const Visit& visit) const {
+    for (std::size_t i = 0; i < num_parts_; ++i) visit(parts_[i].first_node, parts_[i].stiffness);
+  }
   void apply(const PointArray& r, PointArray& z) override;
 
  private:
-  template <class T>
-  struct Cycle {
-    Multigrid<T> multigrid;
-    AlignedVector<T> r, z;
-    void apply(const Partition& partition, const Eigen::VectorXd& weight, ConstPoints r, Points z);
-  };
-
   struct Part {
-    bool cycles = false, is_single = false;
+    bool cycles = false;
     const Partition* partition = nullptr;
     int first_node = 0;      // of the body's; what follows is of its nodes
     Eigen::VectorXd weight;  // per node
     PointArray stiffness;    // diagonal of the body's operator
 
     auto rows(auto& of_all) const { return of_all.middleRows(first_node, stiffness.rows()); }
-    PointArray diagonal;
+    PointArray diagonal, own_diagonal;  // weighted
     NodeMask free;
     std::vector<NodeBlock> blocks;
-    Cycle<double> in_double;
-    Cycle<float> in_single;
+    Multigrid multigrid;
+    AlignedVector<float> r, z;
+
+    void add_cycle(ConstPoints from, Points to);
   };
 
   void find_stiffness(const KernelBody& body, Part& part);
   void apply_to(const NodeGroup& group, const PointArray& r, PointArray& z);
   void subtract_ties(const PointArray& z, PointArray& r);
 
-  std::vector<Part> parts_;  // of the bodies; those of an earlier system behind them
+  AlignedVector<double> slots_;  // scratch
+  std::vector<Part> parts_;      // of the bodies; those of an earlier system behind them
   std::size_t num_parts_ = 0;
   Eigen::VectorXd weight_of_rest_, sum_;
   PointArray inverse_;             // of D, where no block has it

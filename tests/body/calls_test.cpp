@@ -252,8 +252,8 @@ TEST_F(SizesOfCalls, OfEverySolver) {
        {static_cast<LinearSolver*>(&cholesky), static_cast<LinearSolver*>(&cg), static_cast<LinearSolver*>(&pcg)}) {
     expect_refusals({{"solve", "b", 4, [&](PointArray& wrong) { solver->solve(A, wrong, y); }},
                      {"solve", "x", 4, [&](PointArray& wrong) { solver->solve(A, b, wrong); }},
-                     {"solve", "b", 4, [&](PointArray& wrong) { solver->solve_from_guess(A, wrong, y); }},
-                     {"solve", "x", 4, [&](PointArray& wrong) { solver->solve_from_guess(A, b, wrong); }}});
+                     {"solve", "b", 4, [&](PointArray& wrong) { solver->solve_from_guess(A, wrong, y, {}); }},
+                     {"solve", "x", 4, [&](PointArray& wrong) { solver->solve_from_guess(A, b, wrong, {}); }}});
   }
 }
 

@@ -20,13 +20,11 @@ constexpr double kTimeStep = 0.1;
 constexpr double kGreatest = 5;  // eigenvalue of M^-1 A: a coarse operator may be softer than what it stands for
 
 /// M + h^2 K of a body twisted about z, one end fixed, or free and at rest, and its cycle.
-template <class T>
 class Cycle {
  public:
-  Cycle(const HexMesh& mesh, const std::vector<Material>& materials, const std::vector<int>& removed = {},
-        std::vector<NodeBlock> blocks = {}, bool is_free = false)
-      : body_(mesh, materials, {.precision = std::is_same_v<T, double> ? Precision::kDouble : Precision::kMixed}),
-        blocks_(std::move(blocks)) {
+  Cycle(Precision precision, const HexMesh& mesh, const std::vector<Material>& materials,
+        const std::vector<int>& removed = {}, std::vector<NodeBlock> blocks = {}, bool is_free = false)
+      : body_(mesh, materials, {.precision = precision}), blocks_(std::move(blocks)) {
     PointArray x = mesh.positions();
     const double low = x.col(2).minCoeff(), height = x.col(2).maxCoeff() - low;
     for (int n = 0; n < x.rows(); ++n) {
@@ -35,7 +33,7 @@ class Cycle {
     }
     body_.remove(removed);
     body_.linearize(x);
-    system_.wants_coarse = true;
+    system_.wants_levels = true;
     body_.describe(-kTimeStep * kTimeStep, system_);
     system_.diagonal = (1000 * nodal_volumes(mesh.positions(), mesh.hexahedra())).replicate(1, 3);
     system_.constraints.reset(mesh.num_nodes());
@@ -43,11 +41,12 @@ class Cycle {
       if ((!is_free && mesh.positions()(n, 2) < low + 0.01 * height) || mesh.incident(n).empty())
         system_.constraints.free.row(n).setZero();
     std::erase_if(blocks_, [&](const NodeBlock& block) { return system_.constraints.free(block.node, 0) == 0; });
-    cycle_.setup(part(), {.diagonal = system_.diagonal, .free = system_.constraints.free, .blocks = blocks_});
+    SpectralRadii none;
+    cycle_.setup(part(), {.diagonal = system_.diagonal, .free = system_.constraints.free, .blocks = blocks_}, none);
   }
   Cycle(const Cycle&) = delete;
 
-  int num_levels() const { return static_cast<int>(part().coarse.size()) + 1; }
+  int num_levels() const { return static_cast<int>(part().levels.size()); }
   int size() const { return 3 * static_cast<int>(system_.constraints.free.rows()); }
   bool is_free(Eigen::Index i) const { return system_.constraints.free(i / 3, i % 3) != 0; }
 
@@ -57,8 +56,8 @@ class Cycle {
   }
 
   Eigen::VectorXd preconditioned(const Eigen::VectorXd& r) {
-    const AlignedVector<T> from = slots(r);
-    AlignedVector<T> to(from.size(), T(0));
+    const AlignedVector<float> from = slots(r);
+    AlignedVector<float> to(from.size(), 0.0f);
     cycle_.apply(from, to);
     return field(to);
   }
@@ -73,21 +72,16 @@ class Cycle {
 
  private:
   const KernelBody& part() const { return system_.bodies.front(); }
-  const Partition& partition() const {
-    if constexpr (std::is_same_v<T, double>)
-      return part().double_operator->partition();
-    else
-      return part().single_operator->partition();
-  }
+  const Partition& partition() const { return part().levels.front().op->partition(); }
   std::size_t number(int i) const {
     return 4 * static_cast<std::size_t>(partition().slot_of_node[i / 3]) + static_cast<std::size_t>(i % 3);
   }
-  AlignedVector<T> slots(const Eigen::VectorXd& from) const {
-    AlignedVector<T> out = slot_vector<T>(partition());
-    for (int i = 0; i < size(); ++i) out[number(i)] = static_cast<T>(from[i]);
+  AlignedVector<float> slots(const Eigen::VectorXd& from) const {
+    AlignedVector<float> out = slot_vector<float>(partition());
+    for (int i = 0; i < size(); ++i) out[number(i)] = static_cast<float>(from[i]);
     return out;
   }
-  Eigen::VectorXd field(const AlignedVector<T>& from) const {
+  Eigen::VectorXd field(const AlignedVector<float>& from) const {
     Eigen::VectorXd out(size());
     for (int i = 0; i < size(); ++i) out[i] = static_cast<double>(from[number(i)]);
     return out;
@@ -96,7 +90,7 @@ class Cycle {
   Body body_;
   std::vector<NodeBlock> blocks_;
   MatrixFreeSystem system_;
-  Multigrid<T> cycle_;
+  Multigrid cycle_;
 };
 
 struct Range {
@@ -104,8 +98,7 @@ struct Range {
 };
 
 /// Of the eigenvalues of M^-1 A, M^-1 the cycle, by as many steps of conjugate gradients as find both ends.
-template <class T>
-Range eigenvalues(Cycle<T>& cycle) {
+Range eigenvalues(Cycle& cycle) {
   constexpr int kSteps = 40;
   Eigen::VectorXd r = cycle.random(1), z = cycle.preconditioned(r), p = z;
   Eigen::VectorXd diagonal(kSteps), beside = Eigen::VectorXd::Zero(kSteps);
@@ -129,8 +122,7 @@ Range eigenvalues(Cycle<T>& cycle) {
   return {solver.eigenvalues()[0], solver.eigenvalues()[kSteps - 1]};
 }
 
-template <class T>
-void expect_definite_in(const char* name, Cycle<T>&& cycle) {
+void expect_definite_in(const char* name, Cycle&& cycle) {
   SCOPED_TRACE(name);
   EXPECT_GT(cycle.num_levels(), 1);
   const Eigen::VectorXd a = cycle.random(11), b = cycle.random(12);
@@ -143,8 +135,8 @@ void expect_definite_in(const char* name, Cycle<T>&& cycle) {
 
 template <class Make>
 void expect_definite(const char* name, const Make& make) {
-  expect_definite_in(name, make.template operator()<double>());
-  expect_definite_in(name, make.template operator()<float>());
+  expect_definite_in(name, make(Precision::kDouble));
+  expect_definite_in(name, make(Precision::kMixed));
 }
 
 Material stiff(double poisson_ratio) { return {.young_modulus = 1e6, .poisson_ratio = poisson_ratio}; }
@@ -162,20 +154,22 @@ std::vector<Material> mixture(int count) {
 TEST(MultigridCycle, IsPositiveDefiniteOnDistortedMeshes) {
   for (const double nu : {0.3, 0.49})
     for (const double fraction : {0.0, 0.2, 0.25})
-      expect_definite("distorted", [&]<class T> {
-        return Cycle<T>(support::distorted_block({12, 12, 12}, 0.01, fraction, 1), {stiff(nu)});
+      expect_definite("distorted", [&](Precision precision) {
+        return Cycle(precision, support::distorted_block({12, 12, 12}, 0.01, fraction, 1), {stiff(nu)});
       });
 }
 
 TEST(MultigridCycle, IsPositiveDefiniteForMixedMaterials) {
   const HexMesh block = support::block({12, 12, 12}, 0.01);
-  expect_definite("mixture", [&]<class T> { return Cycle<T>(block, mixture(block.num_elements())); });
+  expect_definite("mixture",
+                  [&](Precision precision) { return Cycle(precision, block, mixture(block.num_elements())); });
   std::vector<Material> one(block.num_elements(), stiff(0));
   one[700].poisson_ratio = 0.49;
   one[700].young_modulus = 1e9;
-  expect_definite("one stiff one", [&]<class T> { return Cycle<T>(block, one); });
+  expect_definite("one stiff one", [&](Precision precision) { return Cycle(precision, block, one); });
   const HexMesh moved = support::distorted_block({12, 12, 12}, 0.01, 0.25, 2);
-  expect_definite("distorted mixture", [&]<class T> { return Cycle<T>(moved, mixture(moved.num_elements())); });
+  expect_definite("distorted mixture",
+                  [&](Precision precision) { return Cycle(precision, moved, mixture(moved.num_elements())); });
 }
 
 // Lanczos sees an element that differs a little late.
@@ -188,7 +182,7 @@ TEST(MultigridCycle, IsPositiveDefiniteBesideAnElementThatDiffersMildly) {
       std::vector<Material> one(block.num_elements(), stiff(nu));
       one[element].poisson_ratio = of_one;
       one[element].young_modulus *= ratio;
-      expect_definite("one that differs", [&]<class T> { return Cycle<T>(block, one); });
+      expect_definite("one that differs", [&](Precision precision) { return Cycle(precision, block, one); });
     }
 }
 
@@ -197,16 +191,16 @@ TEST(MultigridCycle, IsPositiveDefiniteOnTornThinAndHollowMeshes) {
   std::vector<int> torn;
   for (int e = 0; e < block.num_elements(); ++e)
     if ((e / 144 == 5 && e % 12 < 9) || e % 11 == 0) torn.push_back(e);
-  expect_definite("torn", [&]<class T> { return Cycle<T>(block, {stiff(0.45)}, torn); });
+  expect_definite("torn", [&](Precision precision) { return Cycle(precision, block, {stiff(0.45)}, torn); });
   std::vector<Hexahedron> kept;
   for (int e = 0; e < block.num_elements(); ++e)
     if (e % 12 < 6 || e / 12 % 12 < 5 || e % 17 == 0) kept.push_back(block.hexahedra()[e]);
   const HexMesh voxels(block.positions(), kept);
-  expect_definite("voxels", [&]<class T> { return Cycle<T>(voxels, {stiff(0.45)}); });
+  expect_definite("voxels", [&](Precision precision) { return Cycle(precision, voxels, {stiff(0.45)}); });
   const HexMesh thin = regular_grid({20, 2, 20}, Vec3::Zero(), Vec3(0.1, 0.001, 0.1));
-  expect_definite("thin", [&]<class T> { return Cycle<T>(thin, {stiff(0.45)}); });
+  expect_definite("thin", [&](Precision precision) { return Cycle(precision, thin, {stiff(0.45)}); });
   const HexMesh ring = tube({2, 16, 20}, 0.1, 0.12, arc(0.4, 1, 21));
-  expect_definite("tube", [&]<class T> { return Cycle<T>(ring, mixture(ring.num_elements())); });
+  expect_definite("tube", [&](Precision precision) { return Cycle(precision, ring, mixture(ring.num_elements())); });
 }
 
 // What resists along one direction alone, not that of an axis, on the nodes of a side and on some within: from a
@@ -220,12 +214,12 @@ TEST(MultigridCycle, IsPositiveDefiniteWithBlocksOnNodes) {
     for (int n = 0; n < moved.num_nodes(); ++n)
       if (moved.positions().row(n).dot(normal) > 0.15 || n % 97 == 0)
         blocks.push_back({n, stiffness * normal * normal.transpose()});
-    expect_definite("blocks", [&]<class T> { return Cycle<T>(moved, {stiff(0.3)}, {}, blocks); });
+    expect_definite("blocks", [&](Precision precision) { return Cycle(precision, moved, {stiff(0.3)}, {}, blocks); });
   }
 }
 
 /// All of the matrix, on meshes that are small enough for it.
-void expect_no_negative_eigenvalue(Cycle<double>&& cycle) {
+void expect_no_negative_eigenvalue(Cycle&& cycle) {
   std::vector<int> free;
   for (int i = 0; i < cycle.size(); ++i)
     if (cycle.is_free(i)) free.push_back(i);
@@ -249,7 +243,7 @@ void expect_no_negative_eigenvalue(Cycle<double>&& cycle) {
 
 TEST(MultigridCycle, HasNoNegativeEigenvalue) {
   const HexMesh mesh = support::distorted_block({4, 4, 5}, 0.01, 0.25, 7);
-  expect_no_negative_eigenvalue(Cycle<double>(mesh, mixture(mesh.num_elements())));
+  expect_no_negative_eigenvalue(Cycle(Precision::kDouble, mesh, mixture(mesh.num_elements())));
 }
 
 // Eigenvalues that lie close: six steps of Lanczos see the greatest of a coarse mesh too late.
@@ -257,7 +251,7 @@ TEST(MultigridCycle, HasNoNegativeEigenvalueOnSmallRegularGrids) {
   for (const std::array<int, 3>& cells : {std::array{5, 4, 5}, std::array{5, 4, 6}, std::array{5, 5, 6}})
     for (const double nu : {0.3, 0.45}) {
       SCOPED_TRACE(testing::Message() << cells[0] << ' ' << cells[1] << ' ' << cells[2] << ", nu " << nu);
-      expect_no_negative_eigenvalue(Cycle<double>(support::block(cells, 0.01), {stiff(nu)}, {}, {}, true));
+      expect_no_negative_eigenvalue(Cycle(Precision::kDouble, support::block(cells, 0.01), {stiff(nu)}, {}, {}, true));
     }
 }
 

@@ -22,10 +22,11 @@ class ChunkedProduct;
 template <class T>
 class ChunkedOperator;
 
-/// The operator of a body on a mesh of twice the edge length.
-struct CoarseOperator {
+/// What a multigrid cycle takes for the operator L of a body, on one of its meshes.
+struct LevelOperator {
   const ChunkedOperator<float>* op = nullptr;
-  const CoarseMesh* mesh = nullptr;
+  std::span<const float> diagonal = {};  ///< of it, in its slots
+  const CoarseMesh* mesh = nullptr;      ///< null on the finest mesh
 };
 
 /// Per node and axis, yes or no, and some rows of it.
@@ -61,12 +62,10 @@ struct KernelBody {
   const ChunkedOperator<double>* double_operator = nullptr;  ///< L in double precision, or null
   const ChunkedOperator<float>* single_operator = nullptr;   ///< L in single precision, or null
   const ChunkedProduct<double>* exact_operator = nullptr;    ///< beside single_operator: L in double, slower
-  const ChunkedOperator<float>* cycle_operator = nullptr;    ///< what multigrid cycles take for L, or null
   double factor = 0;                                         ///< of L
-  long revision = 0;               ///< not 0: L and what stands for it are those of every other body of this number
-  int first_node = 0;              ///< of the system's: where the body's nodes begin
+  int first_node = 0;                                        ///< of the system's: where the body's nodes begin
   SlotScratch* scratch = nullptr;  ///< that the body lends to solvers; without it they do not check their residuals
-  std::span<const CoarseOperator> coarse = {};  ///< from fine to coarse; empty where the mesh has no lattice
+  std::span<const LevelOperator> levels = {};  ///< of cycles, from fine to coarse; empty where the mesh has no lattice
 
   /// That of the two which works on numbers T.
   template <class T>
@@ -127,7 +126,7 @@ struct MatrixFreeSystem {
   PointArray diagonal;            ///< num_nodes x 3
   Constraints constraints;
 
-  bool wants_coarse = false;  ///< asks for the operators on coarser meshes as well
+  bool wants_levels = false;  ///< asks for KernelBody::levels as well
 
   PointArray scratch;            ///< of whoever fills the system, and then of whoever solves it
   std::vector<NodeGroup> parts;  ///< of add_part: the bodies of each have its nodes only, not all
@@ -242,19 +241,19 @@ struct SpectralRadii {
 /// What one solve of a sequence leaves for the next one: all of it that a result depends on, to the last bit. Whoever
 /// makes the sequence owns it, as a time integrator does beside the motion, and keeps it where the motion is kept.
 struct SolverMemory {
-  bool is_first = true;  ///< nothing has been solved: SOFA's rules are relaxed then
-  PointArray start;      ///< the latest solution, to start from; without rows: there is none
-  SpectralRadii radii;
+  bool is_first = true;              ///< nothing has been solved: SOFA's rules are relaxed then
+  PointArray start;                  ///< the latest solution, to start from; without rows: there is none
+  std::vector<SpectralRadii> radii;  ///< per body of the system; others: nothing has been estimated
 
   void reset() { *this = {}; }
-  void serialize(Archive& archive) {
-    archive(is_first, start);
-    radii.serialize(archive);
-  }
+
+  /// Whether an archive may hold it.
+  bool is_valid() const;
+  void serialize(Archive& archive);
 };
 
-/// Solves A x = b; x arrives with any content. What a solver keeps from one solve to the next (vectors, factors, coarse
-/// operators) follows from the latest system alone: a result depends on A, b and the SolverMemory. Throws InputError
+/// Solves A x = b; x arrives with any content. What a solver keeps from one solve to the next is scratch, and factors
+/// of a matrix that it compares: a result depends on A, b and the SolverMemory. Throws InputError
 /// where b or x has another number of rows than A nodes, NumericalError when A is found not to be positive
 /// semi-definite.
 class LinearSolver {
@@ -267,8 +266,11 @@ class LinearSolver {
     return solve(A, b, x);
   }
 
-  /// The same for an x that arrives near the solution; the tolerance still refers to b.
-  virtual SolveReport solve_from_guess(const LinearSystem& A, ConstPoints b, Points x) { return solve(A, b, x); }
+  /// A further solve within the step of the latest solve_next, of nearly the same A, for an x that arrives near the
+  /// solution; the tolerance still refers to b.
+  virtual SolveReport solve_from_guess(const LinearSystem& A, ConstPoints b, Points x, const SolverMemory& /*memory*/) {
+    return solve(A, b, x);
+  }
 };
 
 }  // namespace hexaplast

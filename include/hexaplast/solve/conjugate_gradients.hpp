@@ -57,13 +57,12 @@ class PreconditionedConjugateGradients final : public LinearSolver {
       : PreconditionedConjugateGradients(other.tolerance_, other.iterations_, other.preconditioner_) {}
   PreconditionedConjugateGradients(PreconditionedConjugateGradients&&) noexcept;
   SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
-  /// With SolverMemory::radii of one body's system.
   SolveReport solve_next(const LinearSystem& A, ConstPoints b, Points x, SolverMemory& memory) override;
-  SolveReport solve_from_guess(const LinearSystem& A, ConstPoints b, Points x) override;
+  SolveReport solve_from_guess(const LinearSystem& A, ConstPoints b, Points x, const SolverMemory& memory) override;
 
   /// For many right-hand sides of one A (Compliance): prepares what their solves share. A stays as it is until the last
-  /// of them.
-  PreparedSystem prepare(const LinearSystem& A);
+  /// of them. memory: of all solvers of this A.
+  PreparedSystem prepare(const LinearSystem& A, SolverMemory& memory);
 
   /// x near A^-1 b of the A of the latest prepare, and r = b - A x: ends one iteration after an error of about `error`
   /// of |x| in the energy norm. has_start: x arrives near the solution. Returns the number of iterations. Throws
@@ -71,8 +70,8 @@ class PreconditionedConjugateGradients final : public LinearSolver {
   int approximate(ConstPoints b, double error, bool has_start, Points x, Points r);
 
  private:
-  SolveReport iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start, Points x, SpectralRadii* radii);
-  SolveReport attempt(const LinearSystem& A, ConstPoints b, const ConstPoints* start, Points x, SpectralRadii* radii);
+  SolveReport iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start, Points x);
+  SolveReport attempt(const LinearSystem& A, ConstPoints b, const ConstPoints* start, Points x);
 
   double tolerance_;
   int iterations_;

@@ -102,7 +102,7 @@ class ImplicitEuler {
   static SolveReport solve(LinearSolver& solver, const LinearSystem& A, PointArray& b, PointArray& dv,
                            SolverMemory& memory, const Release& release) {
     SolveReport report = solver.solve_next(A, b, dv, memory);
-    while (release(dv, b)) report.add(solver.solve_from_guess(A, b, dv));
+    while (release(dv, b)) report.add(solver.solve_from_guess(A, b, dv, memory));
     return report;
   }
 

@@ -258,7 +258,7 @@ private:
                                                 options.preconditioner);
         const bool has_start = m_compliance.start(force, motion);
         const SolveReport report =
-            has_start ? solver.solve_from_guess(system, force, motion) : solver.solve(system, force, motion);
+            has_start ? solver.solve_from_guess(system, force, motion, {}) : solver.solve(system, force, motion);
         msg_info() << report.iterations << " iterations for multipliers, |r| / |b| = " << report.residual;
         return motion;
     }

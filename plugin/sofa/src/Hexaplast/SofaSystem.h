@@ -159,7 +159,7 @@ public:
                 continue;
             }
             MatrixFreeSystem part;
-            part.wants_coarse = system.wants_coarse;
+            part.wants_levels = system.wants_levels;
             part.diagonal.setZero(entry.num_nodes, 3);
             describe(entry, fields, part);
             system.add_part(part, entry.first_node);
