@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Enough of CUDA to run the kernels on the CPU, a thread each: to check them without a card, slowly.
+// Enough of CUDA to run the kernels on the CPU. The threads of a block take turns, each from one barrier to the next:
+// what lacks a barrier has other bits where the turns go backwards.
 #pragma once
 
-#include <barrier>
+#include <ucontext.h>
+
 #include <cstring>
-#include <memory>
-#include <thread>
+#include <functional>
+#include <span>
 #include <vector>
 
 struct float4 {
@@ -28,18 +30,21 @@ inline float4 make_float4(float x, float y, float z, float w) { return {x, y, z,
 struct Index {
   unsigned x;
 };
-inline thread_local Index threadIdx, blockIdx, gridDim;
+inline Index threadIdx, blockIdx, gridDim;
 
-struct Gates {
-  explicit Gates(int threads) : block(threads) {
-    for (int warp = 0; warp < threads / 32; ++warp) warps.push_back(std::make_unique<std::barrier<>>(32));
-  }
-  std::barrier<> block;
-  std::vector<std::unique_ptr<std::barrier<>>> warps;
+struct EmulatedThread {
+  ucontext_t context;
+  char stack[1 << 16];
+  bool is_done;
 };
-inline Gates* gates;
-inline void __syncthreads() { gates->block.arrive_and_wait(); }
-inline void __syncwarp() { gates->warps[threadIdx.x / 32]->arrive_and_wait(); }
+inline std::vector<EmulatedThread> emulated(256);  ///< as many as the largest block has
+inline ucontext_t turns;
+inline std::function<void()> emulated_kernel;
+inline bool goes_backwards = false;
+
+/// All threads of a block that have not returned wait at the same barriers.
+inline void __syncthreads() { swapcontext(&emulated[threadIdx.x].context, &turns); }
+inline void __syncwarp() { __syncthreads(); }
 inline void __threadfence() {}
 inline void __pipeline_memcpy_async(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
 inline void __pipeline_commit() {}
@@ -51,20 +56,34 @@ inline unsigned atomicInc(unsigned* a, unsigned last) {
   return before;
 }
 
+inline void emulate_block(int threads) {
+  for (EmulatedThread& thread : std::span(emulated).first(threads)) {
+    getcontext(&thread.context);
+    thread.context.uc_stack = {.ss_sp = thread.stack, .ss_flags = 0, .ss_size = sizeof thread.stack};
+    thread.context.uc_link = &turns;
+    thread.is_done = false;
+    const auto run = [] {
+      emulated_kernel();
+      emulated[threadIdx.x].is_done = true;
+    };
+    makecontext(&thread.context, run, 0);
+  }
+  for (int left = threads; left > 0;)
+    for (int t = 0; t < threads; ++t) {
+      threadIdx.x = goes_backwards ? threads - 1 - t : t;
+      EmulatedThread& thread = emulated[threadIdx.x];
+      if (thread.is_done) continue;
+      swapcontext(&turns, &thread.context);
+      left -= thread.is_done;
+    }
+}
+
 template <class... Parameters, class... Args>
 void emulate(void (*kernel)(Parameters...), int blocks, int threads, const Args&... args) {
-  Gates here(threads);
-  gates = &here;
-  std::vector<std::thread> team;
-  for (int t = 0; t < threads; ++t)
-    team.emplace_back([&, t] {
-      threadIdx.x = t;
-      gridDim.x = blocks;
-      for (int block = 0; block < blocks; ++block) {
-        blockIdx.x = block;
-        kernel(args...);
-        __syncthreads();
-      }
-    });
-  for (std::thread& thread : team) thread.join();
+  emulated_kernel = [&] { kernel(args...); };
+  gridDim.x = blocks;
+  for (int block = 0; block < blocks; ++block) {
+    blockIdx.x = goes_backwards ? blocks - 1 - block : block;
+    emulate_block(threads);
+  }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // first_kernels [--check]: checks the first kernels for a GPU against the formulas of the library in double precision,
-// and measures them at three sizes; --check: no times. Without a device it says so. Compiled by a C++ compiler instead
-// of nvcc it checks alone, on the CPU.
+// and measures them at three sizes; --check: no times. Compiled by a C++ compiler instead of nvcc it checks alone, on
+// the CPU. scripts/gpu_check reads its lines of JSON.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -224,14 +224,14 @@ struct Body {
   }
   void add_step() { launch(update, node_blocks, kNodesOfBlock, at.num_nodes, p, Ap, dv, r, block_sum, scalars); }
   Direction next() const { return {p, r, &static_cast<Scalars*>(scalars)->beta}; }
-  /// 25 iterations from 0.
-  void solve() {
+  /// From 0.
+  void solve(int iterations) {
     copy_on_device(r, rhs, r.bytes());
     for (float4* const vector : {static_cast<float4*>(p), static_cast<float4*>(dv), static_cast<float4*>(Ap)})
       copy_on_device(vector, zero, zero.bytes());
     copy_on_device(scalars, start, sizeof(Scalars));
     add_step();  // rr
-    for (int k = 0; k < kIterations; ++k) {
+    for (int k = 0; k < iterations; ++k) {
       multiply_by(next());
       sum(next());
       add_step();
@@ -305,11 +305,12 @@ double greatest_error(const Numbers& found, const Numbers& right) {
   return greatest;
 }
 
-bool holds = true;
-void bound(const char* what, double value, double limit) {
-  const bool fine = value <= limit;
-  holds = holds && fine;
-  std::printf("  %-46s %9.2e  limit %.0e  %s\n", what, value, limit, fine ? "" : "FAILS");
+void print_row(const char* json, const auto&... values) {
+  std::printf(json, values...);
+  std::puts("");
+}
+void bound(const Size& size, const char* what, double error, double limit) {
+  print_row(R"({"check": "%s", "hexahedra": %d, "error": %g, "limit": %g})", what, size.count(), error, limit);
 }
 
 /// Every kernel against the formulas in double precision.
@@ -318,7 +319,6 @@ void compare(const Size& size) {
   Body body(grid);
   History before(grid), after(grid);
   const double modulus = 2 * kMu + kLambda;
-  std::printf("Against double precision, %d hexahedra:\n", size.count());
   Numbers force(3 * grid.num_nodes), G(grid.G.size()), tau(grid.tau.size()), strain(grid.tau.size());
   std::vector<Answers> right;
   double fraction = 0;
@@ -341,7 +341,7 @@ void compare(const Size& size) {
   }
 
   body.linearize_at(before);
-  bound("force / ((2 mu + lambda) edge^2)",
+  bound(size, "force / ((2 mu + lambda) edge^2)",
         greatest_error(nodal(grid, body.partial.values()), force) / (modulus * kEdge * kEdge), 2e-6);
 
   body.p.set(random_vector(grid.num_nodes));
@@ -360,9 +360,9 @@ void compare(const Size& size) {
     for (int k = 0; k < 2; ++k) stored[e].weight[k] = weight[place_of(e, 2, k)];
   }
   body.multiply_by({body.p, nullptr, nullptr});
-  const Numbers product = nodal(grid, body.partial.values());
-  bound("product, of its coefficients", error_in_norm(product, product_of(grid, stored, p)), 1e-6);
-  bound("product, of exact ones", error_in_norm(product, product_of(grid, right, p)), 5e-4);  // halves round by that
+  const Numbers product = nodal(grid, body.partial.values());  // halves round by 5e-4
+  bound(size, "product, of its coefficients", error_in_norm(product, product_of(grid, stored, p)), 1e-6);
+  bound(size, "product, of exact ones", error_in_norm(product, product_of(grid, right, p)), 5e-4);
 
   Numbers r = p, d(r.size()), dv(r.size());  // conjugate gradients in double precision
   double rr = dot(r, r), beta = 0;
@@ -375,22 +375,22 @@ void compare(const Size& size) {
     const double next = dot(r, r);
     beta = next / rr, rr = next;
   }
-  body.solve();
-  bound("25 iterations", error_in_norm(numbers_of(body.dv.values()), dv), 1e-4);
+  body.solve(kIterations);
+  bound(size, "25 iterations", error_in_norm(numbers_of(body.dv.values()), dv), 1e-4);
 
   body.flow_to(before, after);
   const std::vector<std::uint8_t> left = body.left.values();
-  bound("hexahedra that the flow leaves over", double(left.size() - std::count(left.begin(), left.end(), 0)), 0);
-  bound("G after the flow, per unit of fraction", greatest_error(after.G.values(), G) / fraction, 1e-6);
-  bound("tau after the flow / (2 mu + lambda)", greatest_error(after.tau.values(), tau) / modulus, 2e-6);
-  bound("strain of the flow, per unit of fraction", greatest_error(after.strain.values(), strain) / fraction, 1e-6);
+  bound(size, "hexahedra that the flow leaves over", double(left.size() - std::count(left.begin(), left.end(), 0)), 0);
+  bound(size, "G after the flow, per unit of fraction", greatest_error(after.G.values(), G) / fraction, 1e-6);
+  bound(size, "tau after the flow / (2 mu + lambda)", greatest_error(after.tau.values(), tau) / modulus, 2e-6);
+  bound(size, "strain of the flow, per unit of fraction", greatest_error(after.strain.values(), strain) / fraction,
+        1e-6);
   const std::vector<float> mean = after.mean.values();
-  bound("Gm after the flow", greatest_error(Numbers(mean.begin(), mean.end()), mean_of(G)), 5e-7);
+  bound(size, "Gm after the flow", greatest_error(Numbers(mean.begin(), mean.end()), mean_of(G)), 5e-7);
 }
 
-#ifdef __CUDACC__
-/// Ten repeats of a step have the same bits.
-void compare_repeats(const Size& size) {
+/// Repeats of a step have the same bits; emulation goes backwards in every other one.
+void compare_repeats(const Size& size, int repeats) {
   const Grid grid(size);
   Body body(grid);
   History before(grid), after(grid);
@@ -403,7 +403,7 @@ void compare_repeats(const Size& size) {
     };
     body.linearize_at(before);
     add(body.partial.values()), add(body.coef.values());
-    body.solve();
+    body.solve(5);
     add(body.dv.values());
     body.flow_to(before, after);
     add(after.G.values()), add(after.tau.values()), add(after.mean.values());
@@ -411,10 +411,17 @@ void compare_repeats(const Size& size) {
   };
   const std::uint64_t first = hash_of_step();
   int others = 0;
-  for (int k = 1; k < 10; ++k) others += hash_of_step() != first;
-  bound("other hashes in 10 repeats", others, 0);
+  for (int k = 1; k < repeats; ++k) {
+#ifndef __CUDACC__
+    goes_backwards = k % 2 == 1;
+#endif
+    others += hash_of_step() != first;
+  }
+  print_row(R"({"hash": "%016llx", "hexahedra": %d})", static_cast<unsigned long long>(first), size.count());
+  bound(size, "other hashes in repeats", others, 0);
 }
 
+#ifdef __CUDACC__
 /// [us] of one of the calls that follow one another in a graph: the median of 60 graphs.
 double time_of(int calls, const std::function<void()>& call) {
   cudaGraph_t graph;
@@ -445,7 +452,7 @@ double time_of(int calls, const std::function<void()>& call) {
 }
 
 /// Times at one size.
-void measure(const Size& size, double bandwidth) {
+void measure(const Size& size) {
   const Grid grid(size);
   Body body(grid);
   History before(grid), after(grid);
@@ -453,11 +460,9 @@ void measure(const Size& size, double bandwidth) {
   body.linearize_at(before);
   for (Array<float4>* const vector : {&body.p, &body.r, &body.rhs}) vector->set(random_vector(grid.num_nodes));
   body.scalars.set(body.start.values());
-  std::printf("%d hexahedra, %d nodes\n", count, grid.num_nodes);
   const auto row = [&](const char* name, double bytes, int repeats, const std::function<void()>& call) {
-    const double time = time_of(repeats, call), rate = bytes * count / time * 1e-3;
-    std::printf("  %-24s %9.2f us  %6.0f B/hexahedron %6.0f GB/s %4.0f %%\n", name, time, bytes, rate,
-                100 * rate / bandwidth);
+    print_row(R"({"time": "%s", "hexahedra": %d, "us": %g, "B/hexahedron": %g})", name, count, time_of(repeats, call),
+              bytes);
   };
   // bytes as kernels ask for them: a brick has 75 nodes
   const double in_brick = 75.0 / kWidth, nodes = double(grid.num_nodes) / count, corners = 8 + 4 * in_brick;
@@ -467,52 +472,51 @@ void measure(const Size& size, double bandwidth) {
   row("product, p = r + beta p", product + 32 * in_brick, calls, [&] { body.multiply_by(body.next()); });
   row("sum of nodes, p.Ap", 72 * nodes + 20 * in_brick, calls, [&] { body.sum(body.next()); });
   row("update, r.r", 96 * nodes, calls, [&] { body.add_step(); });
-  row("25 iterations", kIterations * (product + 52 * in_brick + 168 * nodes), 1, [&] { body.solve(); });
+  row("25 iterations", kIterations * (product + 52 * in_brick + 168 * nodes), 1, [&] { body.solve(kIterations); });
   row("linearize", place + 576 + 256 + 8 + sums, calls, [&] { body.linearize_at(before); });
   row("flow", place + 24 + 2 * 704 + 1, calls, [&] { body.flow_to(before, after); });
-  const auto each = [&](auto... bytes) { return double((bytes + ...)) / count; };
-  std::printf(
-      "  memory of a hexahedron: layout %.0f B, vectors %.0f B, coefficients %.0f B, history %.0f B, rest %.0f B\n",
-      each(body.local.bytes(), body.sorted.bytes(), body.begin.bytes(), body.node.bytes(), body.partial_begin.bytes(),
-           body.places.bytes()),
-      each(6 * body.p.bytes(), body.mass.bytes(), body.x.bytes(), body.partial.bytes()),
-      each(body.coef.bytes(), body.weight.bytes()), each(before.bytes()), each(body.rest.bytes()));
+  const auto memory = [&](const char* name, auto... bytes) {
+    print_row(R"({"memory": "%s", "hexahedra": %d, "B/hexahedron": %g})", name, count, double((bytes + ...)) / count);
+  };
+  memory("layout", body.local.bytes(), body.sorted.bytes(), body.begin.bytes(), body.node.bytes(),
+         body.partial_begin.bytes(), body.places.bytes());
+  memory("vectors", 6 * body.p.bytes(), body.mass.bytes(), body.x.bytes(), body.partial.bytes());
+  memory("coefficients", body.coef.bytes(), body.weight.bytes());
+  memory("history", before.bytes());
+  memory("rest", body.rest.bytes());
 }
 #endif
 
-int run([[maybe_unused]] bool has_times) {
+void run([[maybe_unused]] bool has_times) {
+  constexpr Size kSmall{8, 8, 4};
 #ifdef __CUDACC__
-  int devices = 0;
-  if (cudaGetDeviceCount(&devices) != cudaSuccess || devices == 0) {
-    std::puts("no device");
-    return 0;
-  }
   cudaDeviceProp device;
   int clock = 0, width = 0;
   CHECK(cudaGetDeviceProperties(&device, 0));
   CHECK(cudaDeviceGetAttribute(&clock, cudaDevAttrMemoryClockRate, 0));
   CHECK(cudaDeviceGetAttribute(&width, cudaDevAttrGlobalMemoryBusWidth, 0));
   CHECK(cudaStreamCreate(&stream));
-  const double bandwidth = 2.0 * clock * (width / 8) * 1e-6;  // [GB/s]
-  std::printf("%s, %d multiprocessors, %.0f GB/s by its clock, nvcc %d.%d.%d\n", device.name,
-              device.multiProcessorCount, bandwidth, __CUDACC_VER_MAJOR__, __CUDACC_VER_MINOR__, __CUDACC_VER_BUILD__);
+  print_row(R"({"device": "%s", "multiprocessors": %d, "GB/s": %g, "compiler": "nvcc %d.%d.%d"})", device.name,
+            device.multiProcessorCount, 2.0 * clock * (width / 8) * 1e-6, __CUDACC_VER_MAJOR__, __CUDACC_VER_MINOR__,
+            __CUDACC_VER_BUILD__);
   compare({16, 16, 8});
-  compare_repeats({32, 32, 20});
-  if (!has_times) return holds ? 0 : 1;
+  compare_repeats(kSmall, 10);
+  compare_repeats({32, 32, 20}, 10);
+  if (!has_times) return;
   {
     const std::size_t gigabyte = std::size_t(1) << 30;
     Array<char> from(gigabyte), to(gigabyte);
-    const double time = time_of(1, [&] { copy_on_device(to, from, gigabyte); });
-    std::printf("copy on the device: %.0f GB/s\n", 2 * gigabyte / time * 1e-3);
+    print_row(R"({"copy": "on the device", "GB/s": %g})",
+              2e-3 * gigabyte / time_of(1, [&] { copy_on_device(to, from, gigabyte); }));
   }
-  for (const Size& size : {Size{32, 32, 20}, Size{64, 40, 40}, Size{128, 100, 80}}) measure(size, bandwidth);
+  for (const Size& size : {Size{32, 32, 20}, Size{64, 40, 40}, Size{128, 100, 80}}) measure(size);
 #else
-  compare({8, 4, 2});
+  compare(kSmall);
+  compare_repeats(kSmall, 2);
 #endif
-  return holds ? 0 : 1;
 }
 
 }  // namespace
 }  // namespace hexaplast::one_number
 
-int main(int argc, char** argv) { return hexaplast::one_number::run(argc < 2 || std::string(argv[1]) != "--check"); }
+int main(int argc, char** argv) { hexaplast::one_number::run(argc < 2 || std::string(argv[1]) != "--check"); }
