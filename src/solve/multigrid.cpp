@@ -64,14 +64,9 @@ void apply(MultigridLevel& level) {
   });
 }
 
-/// r -= A d.
+/// r -= (A - D) d.
 void subtract_product(MultigridLevel& level) {
   const Partition& partition = level.partition();
-  if (level.has_diagonal)
-    parallel_for(partition.num_chunks, [&](int chunk) {
-      const auto [first, size] = OwnedRange(partition, chunk);
-      for (std::size_t i = first; i < first + size; ++i) level.r[i] -= level.diagonal[i] * level.d[i];
-    });
   multiply(*level.of.op, -level.factor, level.d, level.r);
   parallel_for(partition.num_chunks, [&](int chunk) {
     reduce_ghosts(partition, chunk, level.r.data());
@@ -218,7 +213,6 @@ void Multigrid::set_diagonals(const PointArray& diagonal, const NodeMask& free, 
   MultigridLevel& fine = levels_.front();
   const Partition& partition = fine.partition();
   to_slots(partition, diagonal, fine.diagonal);
-  fine.has_diagonal = !diagonal.isZero(0);
   invert_sum(partition, fine.factor, fine.of.diagonal, fine.diagonal, fine.inverse);
   fine.fixed.find(partition, [&](int slot, int axis) { return free(partition.node_of_slot[slot], axis) == 0; });
   fine.mark_fixed();
@@ -263,7 +257,6 @@ void Multigrid::descend(const MultigridLevel& finer, MultigridLevel& level) cons
       level.diagonal[4 * static_cast<std::size_t>(slot) + axis] = static_cast<float>(sum);
     }
   });
-  level.has_diagonal = std::ranges::any_of(level.diagonal, [](float entry) { return entry != 0; });
   invert_sum(partition, level.factor, level.of.diagonal, level.diagonal, level.inverse);
 }
 
@@ -309,13 +302,17 @@ void smooth(MultigridLevel& level, int degree, double min_fraction, bool leaves_
       b = 2 * next / delta;
       rho = next;
     }
+    // blocks have a part in d: r -= D d waits for them
+    const bool goes_on = leaves_residual || step + 1 < degree, has_blocks = !level.blocks.empty();
     parallel_for(partition.num_chunks, [&](int chunk) {
       const auto [first, size] = OwnedRange(partition, chunk);
       hexaplast::smooth(size, static_cast<float>(a), static_cast<float>(b), level.inverse.data() + first,
-                        level.r.data() + first, level.d.data() + first, level.x.data() + first);
-      if (level.blocks.empty()) return;
+                        goes_on && !has_blocks ? level.diagonal.data() + first : nullptr, level.r.data() + first,
+                        level.d.data() + first, level.x.data() + first);
+      if (!has_blocks) return;
       level.blocks.add_inverse_product(chunk, static_cast<float>(b), level.r, level.d);
       level.blocks.add_inverse_product(chunk, static_cast<float>(b), level.r, level.x);
+      for (std::size_t i = first; goes_on && i < first + size; ++i) level.r[i] -= level.diagonal[i] * level.d[i];
     });
   }
   if (leaves_residual) subtract_product(level);
@@ -345,7 +342,10 @@ void prolong(const MultigridLevel& level, MultigridLevel& finer) {
     if (!finer.blocks.empty()) finer.blocks.follow(chunk, finer.d);
     finer.fixed.clear(chunk, finer.d);
     const auto [first, size] = OwnedRange(partition, chunk);
-    for (std::size_t i = first; i < first + size; ++i) finer.x[i] += finer.d[i];
+    for (std::size_t i = first; i < first + size; ++i) {
+      finer.x[i] += finer.d[i];
+      finer.r[i] -= finer.diagonal[i] * finer.d[i];
+    }
   });
   subtract_product(finer);
 }

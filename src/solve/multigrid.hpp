@@ -15,7 +15,6 @@ struct MultigridLevel {
   float factor = 0;
   AlignedVector<float> diagonal, inverse;  ///< D, and 1 / diag(A); 0 where a block has the inverse
   SlotBlocks<float> blocks;
-  bool has_diagonal = false;  ///< some of `diagonal` is not 0
   ConstrainedDofs fixed;
   std::vector<unsigned char> is_fixed;  ///< the same, per number of a node
   AlignedVector<float> x, r, d, Ad;     ///< x of the finest mesh is lent by the caller of the cycle; Ad serves Lanczos

@@ -40,6 +40,7 @@ void LumpedTerms::find(const MatrixFreeSystem& system, std::span<const NodeGroup
   blocks_.clear();
   ties_.assign(groups.size(), false);
   for (const NodalTerm& other : system.others) other.add_diagonal(diagonal_);
+  if (std::ranges::all_of(system.others, [](const NodalTerm& other) { return other.op->has_diagonal(); })) return;
   for (int axis = 0; axis < 3; ++axis) {
     unit_.setZero(num_nodes, 3);
     columns_[axis].setZero(num_nodes, 3);

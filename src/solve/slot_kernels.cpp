@@ -92,16 +92,18 @@ double dot_all(std::size_t size, const T* a, const T* b) {
   return sum;
 }
 
-template <class T>
-void smooth_all(std::size_t size, T a, T b, const T* inverse, const T* r, T* d_, T* x) {
-  const bool begins = a == T(0);  // whatever an earlier solve has left in d_
-  for_each_register<T>(
+void smooth_float(std::size_t size, float a, float b, const float* inverse, const float* diagonal, float* r, float* d_,
+                  float* x) {
+  const bool begins = a == 0;  // whatever an earlier solve has left in d_
+  for_each_register<float>(
       size, [&](auto d, std::size_t i) __attribute__((always_inline)) {
-        const auto scaled = hn::Mul(hn::Mul(hn::Set(d, b), hn::LoadU(d, inverse + i)), hn::LoadU(d, r + i));
+        const auto residual = hn::LoadU(d, r + i);
+        const auto scaled = hn::Mul(hn::Mul(hn::Set(d, b), hn::LoadU(d, inverse + i)), residual);
         const auto before = begins ? hn::Zero(d) : hn::LoadU(d, d_ + i);
         const auto next = hn::MulAdd(hn::Set(d, a), before, scaled);
         hn::StoreU(next, d, d_ + i);
         hn::StoreU(hn::Add(hn::LoadU(d, x + i), next), d, x + i);
+        if (diagonal) hn::StoreU(hn::NegMulAdd(hn::LoadU(d, diagonal + i), next, residual), d, r + i);
       });
 }
 
@@ -112,10 +114,7 @@ void smooth_all(std::size_t size, T a, T b, const T* inverse, const T* r, T* d_,
   double advance_##T(std::size_t n, T alpha, const T* p, const T* Ap, const T* inverse, T* x, T* r, double& rz) { \
     return advance_all(n, alpha, p, Ap, inverse, x, r, rz);                                                       \
   }                                                                                                               \
-  double dot_##T(std::size_t n, const T* a, const T* b) { return dot_all(n, a, b); }                              \
-  void smooth_##T(std::size_t n, T a, T b, const T* inverse, const T* r, T* d, T* x) {                            \
-    smooth_all(n, a, b, inverse, r, d, x);                                                                        \
-  }
+  double dot_##T(std::size_t n, const T* a, const T* b) { return dot_all(n, a, b); }
 HEXAPLAST_SLOT_KERNELS(double)
 HEXAPLAST_SLOT_KERNELS(float)
 
@@ -129,7 +128,6 @@ namespace hexaplast {
   HWY_EXPORT(turn_##T);                                                                                        \
   HWY_EXPORT(advance_##T);                                                                                     \
   HWY_EXPORT(dot_##T);                                                                                         \
-  HWY_EXPORT(smooth_##T);                                                                                      \
   template <>                                                                                                  \
   void turn_direction(std::size_t n, T beta, const T* r, const T* inverse, const T* diagonal, T* p, T* Ap) {   \
     HWY_DYNAMIC_DISPATCH(turn_##T)(n, beta, r, inverse, diagonal, p, Ap);                                      \
@@ -141,13 +139,15 @@ namespace hexaplast {
   template <>                                                                                                  \
   double slot_dot(std::size_t n, const T* a, const T* b) {                                                     \
     return HWY_DYNAMIC_DISPATCH(dot_##T)(n, a, b);                                                             \
-  }                                                                                                            \
-  template <>                                                                                                  \
-  void smooth(std::size_t n, T a, T b, const T* inverse, const T* r, T* d, T* x) {                             \
-    HWY_DYNAMIC_DISPATCH(smooth_##T)(n, a, b, inverse, r, d, x);                                               \
   }
 HEXAPLAST_EXPORT_SLOT_KERNELS(double)
 HEXAPLAST_EXPORT_SLOT_KERNELS(float)
+
+HWY_EXPORT(smooth_float);
+void smooth(std::size_t n, float a, float b, const float* inverse, const float* diagonal, float* r, float* d,
+            float* x) {
+  HWY_DYNAMIC_DISPATCH(smooth_float)(n, a, b, inverse, diagonal, r, d, x);
+}
 
 }  // namespace hexaplast
 #endif

@@ -22,8 +22,8 @@ template <class T>
 double slot_dot(std::size_t size, const T* a, const T* b);
 
 /// One step of the Chebyshev iteration on r = b - A x: d = a d + b inverse r, x += d. Where a is 0, d arrives with any
-/// content, NaN included.
-template <class T>
-void smooth(std::size_t size, T a, T b, const T* inverse, const T* r, T* d, T* x);
+/// content, NaN included. diagonal: null, or of a D of which the new r -= D d is found too.
+void smooth(std::size_t size, float a, float b, const float* inverse, const float* diagonal, float* r, float* d,
+            float* x);
 
 }  // namespace hexaplast
