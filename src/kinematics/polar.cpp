@@ -23,9 +23,4 @@ Vec3 rotation_log(const Mat3& R) {
   return {w.axis_angle[0], w.axis_angle[1], w.axis_angle[2]};
 }
 
-Mat3 rotation_exp(const Vec3& w) {
-  const scalar::RotationVector<double> vector{{w[0], w[1], w[2]}, w.norm()};
-  return Mat3::Identity() + to_eigen(scalar::rotation_expm1(vector, 1.0));
-}
-
 }  // namespace hexaplast

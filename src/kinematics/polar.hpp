@@ -29,8 +29,7 @@ Polar polar(const SignedSvd& F);
 /// leaves the rotation open, by the decomposition above. R: as many as F.
 void rotations(std::span<const Mat3> F, std::span<Mat3> R);
 
-/// Rotation vector (axis times angle, angle in [0, pi]) of a rotation matrix, and back.
+/// Rotation vector (axis times angle, angle in [0, pi]) of a rotation matrix.
 Vec3 rotation_log(const Mat3& R);
-Mat3 rotation_exp(const Vec3& w);
 
 }  // namespace hexaplast

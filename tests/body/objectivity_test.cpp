@@ -4,7 +4,6 @@
 
 #include "body_state.hpp"
 #include "hexaplast/body.hpp"
-#include "kinematics/polar.hpp"
 #include "support/compare.hpp"
 #include "support/materials.hpp"
 #include "support/motion.hpp"
@@ -43,7 +42,9 @@ TEST(Objectivity, ThePoseInTheWorldDoesNotMatter) {
   for (const double distortion : {0.0, 0.05}) {
     const HexMesh mesh = support::distorted_block({2, 2, 6}, kEdge, distortion, 172);
     const Body expected = driven(mesh, mesh, support::kJoined, kStill);
-    const auto posed = [&](int k, const PointArray& x) { return mapped(x, rotation_exp(k * kStep * spin) * R, shift); };
+    const auto posed = [&](int k, const PointArray& x) {
+      return mapped(x, support::rotation_exp(k * kStep * spin) * R, shift);
+    };
     const Body body = driven(mesh, mesh, support::kJoined, posed);
     EXPECT_GT(support::max_abs(expected.plastic_rest_positions() - mesh.positions()), 0.3 * kEdge) << "it has flowed";
     EXPECT_LE(incongruence(body, expected), 1e-9);
@@ -68,10 +69,10 @@ TEST(Objectivity, OfThePapersModesDependsOnTheFrame) {
       const Body expected = driven(mesh, mesh, settings, kStill);
       const double posed =
           incongruence(driven(mesh, mesh, settings, [&](int, const PointArray& x) { return mapped(x, R); }), expected);
-      const double spinning =
-          incongruence(driven(mesh, mesh, settings,
-                              [&](int k, const PointArray& x) { return mapped(x, rotation_exp(k * kStep * spin)); }),
-                       expected);
+      const double spinning = incongruence(
+          driven(mesh, mesh, settings,
+                 [&](int k, const PointArray& x) { return mapped(x, support::rotation_exp(k * kStep * spin)); }),
+          expected);
       EXPECT_EQ(posed > 1e-9, frame == RotationFrame::kWorld) << posed;
       EXPECT_EQ(spinning > 1e-9, frame == RotationFrame::kWorld) << spinning;
       EXPECT_TRUE(frame == RotationFrame::kBestFit || std::min(posed, spinning) > 1e-2 * kEdge);

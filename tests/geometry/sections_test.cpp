@@ -4,7 +4,6 @@
 #include <numbers>
 
 #include "geometry/axial_pull.hpp"
-#include "kinematics/polar.hpp"
 #include "support/compare.hpp"
 #include "support/motion.hpp"
 #include "support/shapes.hpp"
@@ -36,7 +35,7 @@ TEST(SectionAngle, IsTheAngleOfBestFit) {
   const std::vector<int> section = support::nodes_at(mesh, 2, 0.2);
   for (const double angle : {-3.0, -1.0, 0.3, 2.5}) {
     // stretched as well as turned and moved along: none of these is a turn
-    const Mat3 A = rotation_exp(Vec3(0, 0, angle)) * Vec3(1.1, 1.1, 2).asDiagonal();
+    const Mat3 A = support::rotation_exp(Vec3(0, 0, angle)) * Vec3(1.1, 1.1, 2).asDiagonal();
     EXPECT_NEAR(section_angle(mesh, section, 2, support::mapped(mesh.positions(), A, random.vector(1))), angle, 1e-12);
   }
 }
@@ -51,7 +50,7 @@ TEST(Twist, CountsFullTurns) {
 
 TEST(Twist, OfARigidTurnAboutTheAxisIsZero) {
   const HexMesh mesh = support::block({2, 2, 6}, 0.1);
-  const PointArray turned = support::mapped(mesh.positions(), rotation_exp(Vec3(0, 0, 3.1)), Vec3(1, 2, 3));
+  const PointArray turned = support::mapped(mesh.positions(), support::rotation_exp(Vec3(0, 0, 3.1)), Vec3(1, 2, 3));
   EXPECT_NEAR(twist(mesh, end_sections(mesh), turned), 0, 1e-12);
 }
 

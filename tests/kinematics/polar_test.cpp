@@ -13,6 +13,7 @@
 #include "support/compare.hpp"
 #include "support/golden.hpp"
 #include "support/random.hpp"
+#include "support/shapes.hpp"
 
 namespace hexaplast {
 namespace {
@@ -127,11 +128,11 @@ TEST(RotationLog, GoesThereAndBack) {
   for (int k = 0; k < 2000; ++k) {
     const Vec3 axis = random.direction();
     for (double angle = 1e-16; angle < 3; angle *= 10) {
-      ASSERT_LE((rotation_log(rotation_exp(angle * axis)) - angle * axis).cwiseAbs().maxCoeff(),
+      ASSERT_LE((rotation_log(support::rotation_exp(angle * axis)) - angle * axis).cwiseAbs().maxCoeff(),
                 1e-12 * std::max(1.0, angle));
     }
     const double angle = random.uniform(0, kPi - 1e-5);
-    ASSERT_LE((rotation_log(rotation_exp(angle * axis)) - angle * axis).cwiseAbs().maxCoeff(), 1e-10);
+    ASSERT_LE((rotation_log(support::rotation_exp(angle * axis)) - angle * axis).cwiseAbs().maxCoeff(), 1e-10);
   }
 }
 
@@ -140,8 +141,9 @@ TEST(RotationLog, IsThatOfTheRotationUpToHalfATurn) {
   for (int k = 0; k < 2000; ++k) {
     const Vec3 axis = random.direction();
     for (const double gap : {1.0, 1e-3, 1e-6, 1e-9, 1e-12, 0.0}) {
-      const Mat3 R = rotation_exp((kPi - gap) * axis);
-      ASSERT_LE((rotation_exp(rotation_log(R)) - R).cwiseAbs().maxCoeff(), gap > 1e-6 ? 1e-12 : 1e-8) << "gap " << gap;
+      const Mat3 R = support::rotation_exp((kPi - gap) * axis);
+      ASSERT_LE((support::rotation_exp(rotation_log(R)) - R).cwiseAbs().maxCoeff(), gap > 1e-6 ? 1e-12 : 1e-8)
+          << "gap " << gap;
       ASSERT_LE(rotation_log(R).norm(), kPi + 1e-15);
     }
   }

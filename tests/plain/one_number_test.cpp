@@ -15,6 +15,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace hexaplast {
@@ -52,6 +53,36 @@ TEST(OneNumber, RotationsInSinglePrecisionAreOrthogonalWhereverTheFormOfLanesEnd
         EXPECT_NEAR(RS(i, j), F(i, j), 1e-5);
       }
   }
+}
+
+template <class N>
+void expect_powers_of_rotations(N rounding) {
+  const N axis[] = {2 / N(7), -3 / N(7), 6 / N(7)};
+  const formula::Mat<N> K{{{0, -axis[2], axis[1]}, {axis[2], 0, -axis[0]}, {-axis[1], axis[0], 0}}}, KK = K * K;
+  for (const N angle : {N(0), N(1e-12), N(1e-6), N(0.01), N(0.8), N(1.6), N(2.6), N(3.14159)})
+    for (const N fraction : {N(0.1), N(1)}) {
+      SCOPED_TRACE(angle);
+      const auto rotation = [&](N a, N one) {  // by Rodrigues' formula; one = 0: less the identity
+        formula::Mat<N> R;
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j)
+            R(i, j) = (i == j ? one : 0) + std::sin(a) * K(i, j) + 2 * std::pow(std::sin(a / 2), N(2)) * KK(i, j);
+        return R;
+      };
+      const formula::RotationVector<N> w = formula::rotation_log(rotation(angle, 1));
+      EXPECT_NEAR(w.angle, angle, rounding);
+      if (w.near_half_turn) continue;
+      const formula::Mat<N> power = formula::rotation_expm1(w, fraction), expected = rotation(fraction * angle, 0);
+      for (int i = 0; i < 3; ++i) {
+        EXPECT_NEAR(w.axis_angle[i], angle * axis[i], rounding);
+        for (int j = 0; j < 3; ++j)
+          EXPECT_NEAR(power(i, j), expected(i, j), rounding * std::min(N(1), angle + rounding));
+      }
+    }
+}
+TEST(OneNumber, PowersOfRotationsAreThoseOfRodriguesFormula) {
+  expect_powers_of_rotations<double>(2e-15);
+  expect_powers_of_rotations<float>(1e-6F);
 }
 
 }  // namespace

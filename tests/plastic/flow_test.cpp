@@ -242,7 +242,7 @@ TEST(Flow, IsTheSameWithAndWithoutAScreenAtSmallStrains) {
           for (CornerTensors& G : body.state().history.plastic_inverse) G.fill(plastic.inverse());
           support::take_flowed(body);
           expect_the_same_without_a_screen(
-              body, mapped(body.mesh().positions(), rotation_exp(Vec3(0.7, 0.4, -0.9)) * elastic * plastic));
+              body, mapped(body.mesh().positions(), support::rotation_exp(Vec3(0.7, 0.4, -0.9)) * elastic * plastic));
         }
 }
 
@@ -281,10 +281,10 @@ Body bent_bar(Precision precision, bool placed) {
     const double angle = 0.8 * std::min(step / 300.0, 1.0);
     for (int n = 0; n < x.rows(); ++n) {
       const double along = X(n, 0) / (8 * kEdge);
-      x.row(n) = X.row(n) * rotation_exp(Vec3(angle * along, angle * along, 0)).transpose();
+      x.row(n) = X.row(n) * support::rotation_exp(Vec3(angle * along, angle * along, 0)).transpose();
       x(n, 0) *= 1 + 0.3 * angle * along;
     }
-    if (placed) x = support::mapped(x, rotation_exp(Vec3(0.01 * step, 1, 2)), Vec3(30, -20, 10));
+    if (placed) x = support::mapped(x, support::rotation_exp(Vec3(0.01 * step, 1, 2)), Vec3(30, -20, 10));
     body.flow(x, kStep);
   }
   return body;

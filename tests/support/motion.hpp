@@ -6,8 +6,8 @@
 
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/sections.hpp"
-#include "kinematics/polar.hpp"
 #include "support/materials.hpp"
+#include "support/shapes.hpp"
 
 namespace hexaplast::support {
 

@@ -44,6 +44,9 @@ inline HexMesh distorted_block(std::array<int, 3> cells, double edge, double fra
   return HexMesh(regular.positions() + random.field(regular.num_nodes(), fraction * edge), regular.hexahedra());
 }
 
+/// The rotation by |w| [rad] about w.
+inline Mat3 rotation_exp(const Vec3& w) { return Eigen::AngleAxisd(w.norm(), w.normalized()).toRotationMatrix(); }
+
 /// A x + b for every row x.
 template <class Rows>
 Rows mapped(const Rows& x, const Mat3& A, const Vec3& b = Vec3::Zero()) {
