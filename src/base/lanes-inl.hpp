@@ -14,7 +14,6 @@
 #include <cstdint>
 
 #include "base/blocks.hpp"
-#include "hwy/contrib/math/math-inl.h"
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -61,22 +60,6 @@ HEXAPLAST_INLINE Lanes<T> abs(Lanes<T> a) {
   return hn::Abs(typename Lanes<T>::Register(a));
 }
 template <class T>
-HEXAPLAST_INLINE Lanes<T> log(Lanes<T> a) {
-  return hn::Log(typename Lanes<T>::Tag(), typename Lanes<T>::Register(a));
-}
-template <class T>
-HEXAPLAST_INLINE Lanes<T> sin(Lanes<T> a) {
-  return hn::Sin(typename Lanes<T>::Tag(), typename Lanes<T>::Register(a));
-}
-template <class T>
-HEXAPLAST_INLINE Lanes<T> cos(Lanes<T> a) {
-  return hn::Cos(typename Lanes<T>::Tag(), typename Lanes<T>::Register(a));
-}
-template <class T>
-HEXAPLAST_INLINE Lanes<T> atan(Lanes<T> a) {
-  return hn::Atan(typename Lanes<T>::Tag(), typename Lanes<T>::Register(a));
-}
-template <class T>
 HEXAPLAST_INLINE Lanes<T> min(Lanes<T> a, Lanes<T> b) {
   return hn::Min(typename Lanes<T>::Register(a), typename Lanes<T>::Register(b));
 }
@@ -88,6 +71,16 @@ HEXAPLAST_INLINE Lanes<T> max(Lanes<T> a, Lanes<T> b) {
 template <class T, class Mask>
 HEXAPLAST_INLINE Lanes<T> select(Mask mask, Lanes<T> a, Lanes<T> b) {
   return hn::IfThenElse(mask, typename Lanes<T>::Register(a), typename Lanes<T>::Register(b));
+}
+template <class T>
+HEXAPLAST_INLINE Lanes<T> split(Lanes<T> a, Lanes<T>& exponent) {
+  using B = BitsOf<T>;
+  const typename Lanes<T>::Tag d;
+  const hn::RebindToUnsigned<typename Lanes<T>::Tag> u;
+  const auto word = hn::Add(hn::BitCast(u, a.raw()), hn::Set(u, B::kOne - B::kRootOfHalf));
+  const auto integer = hn::Or(hn::ShiftRight<B::kShift>(word), hn::Set(u, B::kInteger));
+  exponent = hn::Sub(hn::BitCast(d, integer), hn::Set(d, B::kZero));
+  return hn::BitCast(d, hn::Add(hn::And(word, hn::Set(u, B::kFraction)), hn::Set(u, B::kRootOfHalf)));
 }
 template <class T>
 HEXAPLAST_INLINE bool any_positive(Lanes<T> a) {

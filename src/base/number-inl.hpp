@@ -13,6 +13,8 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <numbers>
 #include <type_traits>
 #include <utility>
 
@@ -46,22 +48,6 @@ HEXAPLAST_INLINE T abs(T a) {
   return std::abs(a);
 }
 template <std::floating_point T>
-HEXAPLAST_INLINE T log(T a) {
-  return std::log(a);
-}
-template <std::floating_point T>
-HEXAPLAST_INLINE T sin(T a) {
-  return std::sin(a);
-}
-template <std::floating_point T>
-HEXAPLAST_INLINE T cos(T a) {
-  return std::cos(a);
-}
-template <std::floating_point T>
-HEXAPLAST_INLINE T atan(T a) {
-  return std::atan(a);
-}
-template <std::floating_point T>
 HEXAPLAST_INLINE T min(T a, T b) {
   return b < a ? b : a;
 }
@@ -74,6 +60,27 @@ template <std::floating_point T>
 HEXAPLAST_INLINE T select(bool condition, T a, T b) {
   return condition ? a : b;
 }
+
+/// Bit patterns that split() needs.
+template <class T>
+struct BitsOf {
+  using Word = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
+  static constexpr int kShift = std::numeric_limits<T>::digits - 1;  // of the exponent
+  static constexpr Word kOne = __builtin_bit_cast(Word, T(1));
+  static constexpr Word kRootOfHalf = __builtin_bit_cast(Word, T(std::numbers::sqrt2 / 2));
+  static constexpr Word kFraction = (Word(1) << kShift) - 1;
+  static constexpr Word kInteger = __builtin_bit_cast(Word, T(Word(1) << kShift));  // + k has k in its last bits
+  static constexpr T kZero = T((Word(1) << kShift) + std::numeric_limits<T>::max_exponent - 1);
+};
+/// m in [sqrt(1/2), sqrt(2)) and the exponent of a = m 2^exponent, a positive number that is not subnormal.
+template <std::floating_point T>
+HEXAPLAST_INLINE T split(T a, T& exponent) {
+  using B = BitsOf<T>;
+  const typename B::Word word = __builtin_bit_cast(typename B::Word, a) + (B::kOne - B::kRootOfHalf);
+  exponent = __builtin_bit_cast(T, (word >> B::kShift) | B::kInteger) - B::kZero;
+  return __builtin_bit_cast(T, (word & B::kFraction) + B::kRootOfHalf);
+}
+
 template <std::floating_point T>
 HEXAPLAST_INLINE bool any_positive(T a) {
   return a > 0;

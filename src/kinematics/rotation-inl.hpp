@@ -10,6 +10,7 @@
 #include <cmath>
 #include <concepts>
 
+#include "base/elementary-inl.hpp"
 #include "base/lanes-inl.hpp"
 #include "base/matrix-inl.hpp"
 
@@ -39,11 +40,9 @@ HEXAPLAST_INLINE RotationVector<V> rotation_log(const Mat<V>& R) {
                       out.axis_angle[2] * out.axis_angle[2]);
   out.near_half_turn = bits<T>(not_of(cosine > V(-0.9)));
 
-  // atan2 with the quotient kept below 1
-  const auto steep = sine > abs(cosine);
-  const V quotient = select(steep, cosine, sine) / select(steep, sine, max(abs(cosine), V(kTiny)));
-  const V arc = atan(quotient), half_turn(3.14159265358979323846);
-  out.angle = select(steep, V(0.5) * half_turn - arc, select(cosine < V(0.0), half_turn - arc, arc));
+  // by the tangent of a quarter of the angle, or of what it lacks of pi
+  const V plus = V(1.0) + abs(cosine), acute = V(4.0) * atan(sine / (plus + sqrt(plus + plus)));
+  out.angle = select(cosine < V(0.0), V(3.14159265358979323846) - acute, acute);
   const V stretch = select(sine > V(kTiny), out.angle / max(sine, V(kTiny)), V(1.0));
   for (V& component : out.axis_angle) component *= stretch;
   return out;
@@ -72,14 +71,15 @@ HEXAPLAST_INLINE RotationVector<N> rotation_log(const Mat<N>& R) {
   return {{stretch * v[0], stretch * v[1], stretch * v[2]}, angle};
 }
 
-/// exp(fraction w) - 1.                                                                                          eq. 26
+/// exp(fraction w) - 1, fraction in [0, 1].                                                                      eq. 26
 template <class N>
 HEXAPLAST_INLINE Mat<N> rotation_expm1(const RotationVector<N>& w, N fraction) {
-  const N half = N(0.5) * fraction * w.angle, small(1e-8), sine = sin(half), cosine = cos(half);
+  const N half = N(0.5) * fraction * w.angle, small(1e-8), one(1.0), two(2.0);
+  const N of_quarter = sin(N(0.5) * half), sine = two * of_quarter * sqrt(one - of_quarter * of_quarter);
   // q = (cos, axis sin): the axis is w / angle, and sin / half -> 1
-  const N ratio = N(0.5) * fraction * select(half > small, sine / max(half, small), N(1.0));
+  const N cosine = one - two * of_quarter * of_quarter;
+  const N ratio = N(0.5) * fraction * select(half > small, sine / max(half, small), one);
   const N x = ratio * w.axis_angle[0], y = ratio * w.axis_angle[1], z = ratio * w.axis_angle[2];
-  const N two(2.0);
   return {{{-two * (y * y + z * z), two * (x * y - cosine * z), two * (x * z + cosine * y)},
            {two * (x * y + cosine * z), -two * (x * x + z * z), two * (y * z - cosine * x)},
            {two * (x * z - cosine * y), two * (y * z + cosine * x), -two * (x * x + y * y)}}};

@@ -9,6 +9,7 @@
 
 #include <numbers>
 
+#include "base/elementary-inl.hpp"
 #include "base/lanes-inl.hpp"
 #include "base/matrix-inl.hpp"
 #include "hexaplast/material/material.hpp"
