@@ -15,6 +15,7 @@
 #include "element/isolated-inl.hpp"
 #include "element/relaxation-inl.hpp"
 #include "kinematics/polar-inl.hpp"
+#include "kinematics/rotation-inl.hpp"
 #include "material/stress_norm-inl.hpp"
 #include "plastic/point_flow-inl.hpp"
 #include "plastic/rest_shape-inl.hpp"
@@ -36,6 +37,15 @@ __global__ void laws(ElasticLaw law, double mooney_fraction, const Sym<N>* S, N 
   numbers[0] = dilatation(law, *S);
   numbers[1] = tangent_guard(law, mooney_fraction, *S, mu, k);
   numbers[2] = stress_norm_bound(*sigma, YieldNorm::kVonMises);
+}
+__global__ void energy(const MaterialLanes<N>* of, const SampleLanes<N>* element, const CornerLanes<N>* u, N* density) {
+  ModeLanes<N> gradient;
+  *density = mean_energy_density(*of, *element, pressures(*of, *element, *u, gradient));
+}
+__global__ void rotation_power(const Mat<N>* R, N fraction, Mat<N>* power, std::uint32_t* fails) {
+  const RotationVector<N> w = rotation_log(*R);
+  *power = rotation_expm1(w, fraction);
+  *fails = w.near_half_turn;
 }
 
 __global__ void gradients(const CornerLanes<N>* x, Sampling sampling, RestLanes<true, N>* rest) {
