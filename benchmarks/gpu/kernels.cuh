@@ -266,7 +266,7 @@ __device__ inline Mat<V> history_at(const double* G, const Place& my, int i) {
 
 /// Forces, coefficients and weights at positions x; length [m]: of an edge, by which coefficients become numbers that a
 /// half can be. The pressure of the mean dilatation acts as its gradient does, so that one loop over the samples is
-/// enough.                                                    eq. P1 to P5, E6, E12, E13; elastic/element_pass.cpp
+/// enough.                                                    eq. P1 to P5, E6, E12, E13; elastic/linearize_pass.cpp
 __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 4)
     linearize(Layout at, const float* rest, float length, const double4_32a* x, const double* G,
               const float* mean_plastic, uint4* coef, float* weight, float4* partial) {

@@ -46,7 +46,7 @@ Answers answers(const Hexahedron& hexahedron, const FlowNumbers& rule) {
   ModeLanes<D> of_volume;
   const PressureLanes<D> p = pressures(of, element, x, of_volume);
 
-  // linearize_lanes and finish_force (elastic/element_pass.cpp)
+  // linearize_lanes and finish_force (elastic/linearize_pass.cpp)
   CoefficientWriter<1, false, D, double> writer(element, kKind, D(1.0), out.coef);
   ColumnsTranspose<false, D> acting;
   Sym<D> corotated[8], whole[8], relieved[8], M[8];

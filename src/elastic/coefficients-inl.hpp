@@ -35,6 +35,16 @@ HEXAPLAST_INLINE const auto* coefficients(const ElementOperator<T, Coef>& op, in
   return reinterpret_cast<const typename Stored<Coef>::type*>(op.coefficients(block).data()) + lane;
 }
 
+/// Stores the weights of a register of elements of these moduli [Pa] and volumes [m^3]; length: Model::length.
+template <class V, class T, class Coef>
+HEXAPLAST_INLINE void store_weights(ElementOperator<T, Coef>& op, V volume, double length, V mu, V lambda, int block,
+                                    int lane) {
+  const V per_sample = V(1 / (kCorners * length * length)) * volume;
+  const auto weight = op.weights(block, lane);
+  store_as(per_sample * mu, weight[0]);
+  store_as(per_sample * lambda, weight[1]);
+}
+
 /// Calls f with the StoredElement or StoredOneRotation of a register of elements.
 template <class T, class Coef, class F>
 HEXAPLAST_INLINE void visit_stored(const ElementOperator<T, Coef>& op, int block, int lane, const F& f) {

@@ -1,12 +1,64 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "elastic/cycle_operator.hpp"
-
+// Compiled once per instruction set; the functions at the end choose at run time.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "elastic/cycle_operator.cpp"
+#include "hwy/foreach_target.h"
+//
 #include <algorithm>
 
-#include "elastic/element_pass.hpp"
+#include "elastic/body_elements-inl.hpp"
+#include "elastic/cycle_operator.hpp"
+#include "elastic/one_rotation-inl.hpp"
 #include "hexaplast/base/parallel.hpp"
 
+HWY_BEFORE_NAMESPACE();
+namespace hexaplast::HWY_NAMESPACE {
+
+HEXAPLAST_INLINE Mat<Lanes<double>> load_mean_plastic(const float* from) {
+  using V = Lanes<double>;
+  Mat<V> Gm;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) Gm(r, c) = c > r ? V(0.0) : load_wide(from + of_mean_plastic(r, c) * kBlock);
+  return Gm;
+}
+
+/// Coefficients with one rotation, as if elements were parallelepipeds, of the blocks of a chunk whose entry in
+/// `blocks` is not 0. `op` is of that kind.
+void linearize_as_simple(const Model& model, const Linearization& at, const unsigned char* blocks, int chunk,
+                         ElementOperator<float, Half>& op) {
+  using V = Lanes<double>;
+  const Partition& partition = *model.partition;
+  for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
+    for (int lane = 0; lane < kBlock && blocks[block]; lane += V::kCount) {
+      const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
+      CornerLanes<V> x, u;
+      gather_shapes(partition, block, lane, present, at.plastic_rest.data(), at.current.data(), x, u);
+      ElementLanes<false, V> element;
+      const float* const stored_mean = at.mean_plastic_of(block);
+      Mat<V> mean_plastic;
+      if (stored_mean) mean_plastic = load_mean_plastic(stored_mean + lane);
+      place_mean(x, u, op.kind.sampling, stored_mean ? &mean_plastic : nullptr, element);
+      ModeLanes<V> current, of_volume;
+      modes(u, current);
+      volume_of(current, of_volume);
+      const MaterialLanes<V> material = material_of(model, block, lane);
+      store_weights(op, load(at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane), model.length,
+                    material.mu, material.lambda, block, lane);
+      const Mat<V> j = scaled(V(model.length), element.j);
+      const ElementModuli<V> of(op.kind, false, material.mu, material.lambda);
+      ModeStiffness<V> stiffness(j, op.kind.sampling.corner_weight, of.mu, of.free);
+      store_one_rotation(element.rest, j, stiffness, of_volume, V(model.length),
+                         StoredOneRotation(coefficients(op, block, lane)));
+    }
+}
+
+}  // namespace hexaplast::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace hexaplast {
+
+HWY_EXPORT(linearize_as_simple);
 
 namespace {
 
@@ -57,8 +109,9 @@ void CycleOperator::update(const Model& model, const Linearization& at) {
     is_simple_[block] = !is_thin_[block] && is_well_shaped(at, block);
     keeps_its_own_[block] = !is_simple_[block];
   });
-  parallel_for(partition.num_chunks,
-               [&](int chunk) { linearize_simple(model, at, is_simple_.data(), chunk, simple_); });
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    HWY_DYNAMIC_DISPATCH(linearize_as_simple)(model, at, is_simple_.data(), chunk, simple_);
+  });
 
   const auto* wide = std::get_if<ElementOperator<double, double>>(&at.op);
   if (!wide) return;
@@ -84,3 +137,4 @@ void CycleOperator::add_diagonal(int chunk, float factor, float* diagonal) const
 }
 
 }  // namespace hexaplast
+#endif

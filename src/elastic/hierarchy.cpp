@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <type_traits>
 
-#include "elastic/element_pass.hpp"
 #include "hexaplast/base/parallel.hpp"
 
 namespace hexaplast {

@@ -8,7 +8,9 @@
 #include <numeric>
 #include <span>
 
-#include "elastic/element_pass.hpp"
+#include "elastic/energy_pass.hpp"
+#include "elastic/exact_product.hpp"
+#include "elastic/linearize_pass.hpp"
 #include "hexaplast/base/parallel.hpp"
 
 namespace hexaplast {
@@ -133,38 +135,20 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
               at.of_chunks.begin() + 4 * static_cast<std::ptrdiff_t>(first[chunk + 1]), 0.0);
   };
   const double thin_from = Recovery::from(model.settings);
-  std::visit(
-      [&]<class T, class Coef>(ElementOperator<T, Coef>& op) {
-        op.kind.branches = {.sum = branches.moduli(), .in_step = branches.modulus()};
-        const ElementPass<T, Coef> pass{.partition = partition,
-                                        .plastic_rest = at.plastic_rest.data(),
-                                        .current = at.current.data(),
-                                        .lame = model.lame_blocks.data(),
-                                        .present = at.present.data(),
-                                        .is_general = at.is_general.data(),
-                                        .plastic_inverse = history.plastic_inverse_of(0),
-                                        .has_flowed = at.has_flowed.data(),
-                                        .branches = branches,
-                                        .settings = model.settings,
-                                        .screens = screens && model.can_flow(),
-                                        .least_yield = at.least_yield.data(),
-                                        .thin_from = thin_from,
-                                        .safe_strain = 1 - std::cbrt(std::max(thin_from, 0.0)),
-                                        .length = model.length,
-                                        .op = op,
-                                        .force = at.of_chunks.data(),
-                                        .volume = at.volume.data(),
-                                        .screen = at.screen.data(),
-                                        .thin = at.thin.data(),
-                                        .mean_plastic = at.mean_plastic.data()};
-        parallel_for(partition.num_chunks, [&](int chunk) {
-          if (!at.is_stale[chunk]) return;
-          clear(partition.first_node, chunk);
-          clear(partition.first_ghost, chunk);
-          linearize_elements(pass, chunk);
-        });
-      },
-      at.op);
+  std::visit([&](auto& op) { op.kind.branches = {.sum = branches.moduli(), .in_step = branches.modulus()}; }, at.op);
+  const LinearizePass pass{.model = model,
+                           .history = history,
+                           .branches = branches,
+                           .screens = screens && model.can_flow(),
+                           .thin_from = thin_from,
+                           .safe_strain = 1 - std::cbrt(std::max(thin_from, 0.0)),
+                           .at = at};
+  parallel_for(partition.num_chunks, [&](int chunk) {
+    if (!at.is_stale[chunk]) return;
+    clear(partition.first_node, chunk);
+    clear(partition.first_ghost, chunk);
+    linearize_elements(pass, chunk);
+  });
   std::ranges::fill(at.is_stale, 0);
   std::ranges::copy(at.of_chunks, at.force.begin());
   parallel_for(partition.num_chunks, [&](int chunk) { reduce_ghosts(partition, chunk, at.force.data()); });
