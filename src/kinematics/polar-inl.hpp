@@ -118,16 +118,21 @@ HEXAPLAST_NOINLINE PolarLanes<N> polar_by_svd(const Mat<N>& F) {
   return {transposed_product(svd.U, svd.V), along_axes(svd.d, svd.V), 0};
 }
 
+/// The same of the lanes that are doubtful.
+template <class V>
+HEXAPLAST_NOINLINE void replace_doubtful(const Mat<V>& F, PolarLanes<V>& polar) {
+  const PolarLanes<V> found = polar_by_svd(F);
+  polar.R = select_bits(polar.doubtful, found.R, polar.R);
+  polar.S = select_bits(polar.doubtful, found.S, polar.S);
+}
+
 /// By the closed form, and where that leaves the rotation open by the singular value decomposition.
 template <int kCount, class V>
 HEXAPLAST_NOINLINE void safe_polars(const Mat<V>* F, PolarLanes<V>* out) {
   polars<kCount>(F, out);
   for (int m = 0; m < kCount; ++m)
-    if (const std::uint32_t open = out[m].doubtful; open != 0) [[unlikely]] {
-      const PolarLanes<V> found = polar_by_svd(F[m]);
-      out[m].R = select_bits(open, found.R, out[m].R);
-      out[m].S = select_bits(open, found.S, out[m].S);
-    }
+    if (out[m].doubtful != 0) [[unlikely]]
+      replace_doubtful(F[m], out[m]);
 }
 /// Of single matrices by the singular value decomposition.
 template <int kCount, std::same_as<double> N>
