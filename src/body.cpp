@@ -393,7 +393,7 @@ ElementFields Body::fields(ConstPoints x) const {
     const auto& yield_stress = state_->history.yield_stress[e];
     for (const double strain : plastic_strain) out.plastic_strain[e] += strain / kCorners;
     out.yield_stress[e] = *std::max_element(yield_stress.begin(), yield_stress.end());
-    if (!state_->history.alive[e]) return;
+    if (!state_->history.alive[e] || !state_->is_plain()) return;
 
     const Hexahedron& corners = state_->model.mesh.hexahedra()[e];
     const Settings& settings = state_->model.settings;
@@ -402,9 +402,7 @@ ElementFields Body::fields(ConstPoints x) const {
     const Lame& k = state_->model.lame[e];
     const CornerTensors* G = state_->history.plastic_inverse_of(e);
     const Branches of_element = state_->history.branches(branches).of(e);
-    ElementSamples samples = state_->is_plain()
-                                 ? plain::Element(plastic_rest, current, k, settings, G, of_element).samples()
-                                 : element_samples(plastic_rest, current, k, settings, G, of_element);
+    ElementSamples samples = plain::Element(plastic_rest, current, k, settings, G, of_element).samples();
     if (G) samples.stress = isolated_stress(plastic_rest, *G, samples, settings.yield_stress_measure).relieved;
     out.volume_ratio[e] = samples.volume / state_->model.volume[e];
     for (int i = 0; i < kCorners; ++i) {
@@ -414,6 +412,9 @@ ElementFields Body::fields(ConstPoints x) const {
       out.strain[e] = std::max(out.strain[e], (stretch.array() - 1).abs().maxCoeff());
     }
   });
+  if (!state_->is_plain())
+    find_fields(state_->model, state_->history, x, branches, state_->slots,
+                {out.volume_ratio.data(), out.stress_norm.data(), out.strain.data()});
   return out;
 }
 

@@ -8,7 +8,6 @@
 #include <numeric>
 #include <span>
 
-#include "elastic/energy_pass.hpp"
 #include "elastic/exact_product.hpp"
 #include "elastic/linearize_pass.hpp"
 #include "hexaplast/base/parallel.hpp"
@@ -76,6 +75,26 @@ void add_product(const ElementOperator<T, Coef>& op, double factor, ConstPoints 
   parallel_for(partition.num_chunks, [&](int chunk) { op.add_product(chunk, T(1), argument.data(), product.data()); });
   parallel_for(partition.num_chunks, [&](int chunk) { reduce_ghosts(partition, chunk, product.data()); });
   add_slots(partition, -factor, product, df);
+}
+
+/// Calls visit(EvaluatedBlock) for all blocks at x, in parallel.
+template <class Visit>
+void for_each_block_at(const Model& model, const History& history, ConstPoints x, std::span<const BranchStep> steps,
+                       SlotScratch& slots, const Visit& visit) {
+  const Partition& partition = *model.partition;
+  slots.resize(partition);
+  to_slots(partition, history.plastic_rest_positions, slots.first);
+  to_slots(partition, x, slots.second);
+  const Branches branches = history.branches(steps);
+  parallel_for(partition.num_blocks, [&](int block) {
+    visit(EvaluatedBlock{.model = model,
+                         .plastic_inverse = flowed_at(partition, history, block),
+                         .branches = branches,
+                         .plastic_rest = slots.first.data(),
+                         .current = slots.second.data(),
+                         .present = present(partition, history, block),
+                         .block = block});
+  });
 }
 
 }  // namespace
@@ -201,23 +220,22 @@ void add_stiffness_blocks(const Model& model, const History& history, const Line
 double energy(const Model& model, const History& history, ConstPoints x, SlotScratch& slots, ProductWorkspace& work,
               std::span<const BranchStep> steps) {
   if (work.version == history.version && work.x == x) return work.sum;
-  const Partition& partition = *model.partition;
-  slots.resize(partition);
-  AlignedVector<double>&plastic_rest = slots.first, &current = slots.second;
-  to_slots(partition, history.plastic_rest_positions, plastic_rest);
-  to_slots(partition, x, current);
-  work.energy.resize(partition.num_blocks);
-  work.thin.resize(partition.num_blocks);
-  const Branches branches = history.branches(steps);
-  parallel_for(partition.num_blocks, [&](int block) {
-    work.energy[block] = block_energy(model, flowed_at(partition, history, block), branches, plastic_rest.data(),
-                                      current.data(), present(partition, history, block), block, &work.thin[block]);
-  });
+  work.energy.resize(model.partition->num_blocks);
+  work.thin.resize(model.partition->num_blocks);
+  for_each_block_at(model, history, x, steps, slots,
+                    [&](const EvaluatedBlock& at) { work.energy[at.block] = block_energy(at, &work.thin[at.block]); });
   work.recovery.find(model, history, work.thin, x);
   work.sum = std::accumulate(work.energy.begin(), work.energy.end(), 0.0) + work.recovery.energy();
   work.x = x;
   work.version = history.version;
   return work.sum;
+}
+
+void find_fields(const Model& model, const History& history, ConstPoints x, std::span<const BranchStep> steps,
+                 SlotScratch& slots, const EvaluatedFields& fields) {
+  const bool yields = !history.plastic_inverse.empty();
+  for_each_block_at(model, history, x, steps, slots,
+                    [&](const EvaluatedBlock& at) { block_fields(at, yields, fields); });
 }
 
 double energy(const Model& model, const History& history, ConstPoints x) {

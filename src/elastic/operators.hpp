@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "elastic/evaluate_pass.hpp"
 #include "hexaplast/base/block_matrix.hpp"
 #include "state/linearization.hpp"
 
@@ -71,5 +72,9 @@ void add_stiffness_blocks(const Model& model, const History& history, const Line
 double energy(const Model& model, const History& history, ConstPoints x, SlotScratch& slots, ProductWorkspace& work,
               std::span<const BranchStep> branches = {});
 double energy(const Model& model, const History& history, ConstPoints x);
+
+/// Writes the fields of the elements that are there, at x.
+void find_fields(const Model& model, const History& history, ConstPoints x, std::span<const BranchStep> branches,
+                 SlotScratch& slots, const EvaluatedFields& fields);
 
 }  // namespace hexaplast

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/body.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <limits>
 #include <sstream>
 
 #include "body_state.hpp"
+#include "element/samples.hpp"
 #include "hexaplast/base/error.hpp"
 #include "mesh/trilinear.hpp"
+#include "plastic/isolated_flow.hpp"
+#include "plastic/point_flow.hpp"
 #include "support/bar.hpp"
 #include "support/compare.hpp"
 #include "support/dense.hpp"
@@ -154,6 +158,43 @@ TEST_F(YieldingBody, ShowsWhatItIs) {
   for (const double V : body.state().model.volume) sum += V;
   EXPECT_DOUBLE_EQ(body.initial_volume(), sum);
   EXPECT_NEAR(body.volume(body.mesh().positions()), sum, 1e-14);
+}
+
+TEST(Fields, AreThoseOfEachHexahedronByItself) {
+  const HexMesh mesh = support::distorted_block({5, 4, 3}, 0.01, 0.2, 71);
+  const PointArray at_flow = mesh.positions() + Random(72).field(mesh.num_nodes(), 0.002),
+                   x = mesh.positions() + Random(73).field(mesh.num_nodes(), 0.003);
+  const Material elastic{.young_modulus = 1e4, .poisson_ratio = 0.45};
+  for (const auto& [material, settings] : std::initializer_list<std::pair<Material, Settings>>{
+           {elastic, {.law = ElasticLaw::kStableNeoHookean}},
+           {kYielding, {.yield_norm = YieldNorm::kFrobenius}},
+           {kYielding, {.yield_stress_measure = YieldStressMeasure::kCauchy}},
+           {kYielding, {.relaxation = {0.5, 0.1}, .yield_norm = YieldNorm::kSpectral}}}) {
+    Body body(mesh, {material}, settings);
+    body.set_time_step(kStep);
+    body.flow(at_flow, kStep);
+    body.remove(std::array{7});
+    const History& history = body.state().history;
+    const std::vector<BranchStep> sudden = branch_steps(settings, 0);
+    const ElementFields fields = body.fields(x);
+    for (int e = 0; e < mesh.num_elements(); ++e) {
+      const Hexahedron& corners = mesh.hexahedra()[e];
+      const ElementPoints rest = gather(history.plastic_rest_positions, corners);
+      const CornerTensors* G = history.plastic_inverse_of(e);
+      ElementSamples samples = element_samples(rest, gather(x, corners), body.state().model.lame[e], settings, G,
+                                               history.branches(sudden).of(e));
+      if (G) samples.stress = isolated_stress(rest, *G, samples, settings.yield_stress_measure).relieved;
+      double norm = 0, strain = 0;
+      for (int i = 0; i < kCorners && e != 7; ++i) {
+        norm = std::max(norm, stress_norm(samples.stress[i], settings.yield_norm));
+        const Eigen::SelfAdjointEigenSolver<Mat3> stretch(samples.polar[i].S);
+        strain = std::max(strain, (stretch.eigenvalues().array() - 1).abs().maxCoeff());
+      }
+      EXPECT_NEAR(fields.stress_norm[e], norm, 1e-10 * norm);
+      EXPECT_NEAR(fields.strain[e], strain, 1e-11);
+      EXPECT_NEAR(fields.volume_ratio[e], e == 7 ? 0 : 1, 1e-12);
+    }
+  }
 }
 
 TEST_F(YieldingBody, IsCopiedWithAllThatItIs) {
