@@ -63,7 +63,7 @@ py::object value_of(const Row<Options>& row, const Options& options) {
 }
 
 template <class Options>
-void assign(const Row<Options>& row, py::handle value, Options& options) {
+void convert(const Row<Options>& row, py::handle value, Options& options) {
   try {
     if (row.at.type == MemberType::kReal) return row.at.set(options, value.cast<double>());
     if (row.at.type == MemberType::kInteger) return row.at.set(options, value.cast<int>());
@@ -76,6 +76,16 @@ void assign(const Row<Options>& row, py::handle value, Options& options) {
   } catch (const py::cast_error&) {
     throw py::type_error(fmt::format("{}: {} is no {}", row.member, std::string(py::repr(value)), python_type(row)));
   }
+}
+
+/// Throws InputError for a value out of the row's range; the options are then as before.
+template <class Options>
+void assign(const Row<Options>& row, py::handle value, Options& options) {
+  Options changed = options;
+  convert(row, value, changed);
+  for (const double number : row.values(changed))
+    if (!row.admits(number)) throw InputError(fmt::format("{} = {}: must {}", row.member, number, row.condition()));
+  options = std::move(changed);
 }
 
 /// "Material(young_modulus=5000, ...)"
