@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """A body against hand values and difference quotients."""
+import copy
 import math
+import pickle
 import re
 
 import numpy as np
@@ -109,6 +111,11 @@ def test_a_saved_body_goes_on_as_the_one_that_was_not():
     for x in shapes[3:]:
         straight_on.flow(x, 0.01), other.flow(x, 0.01)
     assert other.history_hash() == straight_on.history_hash()
+
+    for again in pickle.loads(pickle.dumps(other)), copy.copy(other), copy.deepcopy(other):
+        assert again.history_hash() == other.history_hash()
+        again.flow(shapes[0], 0.01)
+        assert again.history_hash() != other.history_hash()
 
     before = other.history_hash()
     for damaged in (saved[:-1], saved[:40] + bytes([saved[40] ^ 1]) + saved[41:], b""):
@@ -226,6 +233,8 @@ def test_settings_and_materials_are_plain_data():
     assert settings == hexaplast.Settings()
     settings.relaxation = [0.5, 2]
     assert settings.relaxation == [0.5, 2] and "relaxation=[0.5, 2]" in repr(settings)
+    for one in material, settings:
+        assert repr(pickle.loads(pickle.dumps(one))) == repr(copy.deepcopy(one)) == repr(one)
     for name, words in {
         "bending": ("blended", "assumedCorner", "vertex", "centre"),
         "volumetric": ("sample", "volumeRatio"),
