@@ -12,9 +12,11 @@
 #include "hexaplast/moving_body.hpp"
 #include "motion_record.hpp"
 #include "page/html.hpp"
+#include "record/checkpoint.hpp"
 #include "record/files.hpp"
 #include "record/recorder.hpp"
 #include "record/viewer_states.hpp"
+#include "scene/identity.hpp"
 #include "scene/parts.hpp"
 #include "scene/reader.hpp"
 
@@ -78,18 +80,41 @@ class SceneBody final : public BodyState {
   scene::MechanicalState* state_;
 };
 
+/// What a scene is read from.
+struct Source {
+  path file;
+  std::vector<std::string> assignments, plugins;
+  std::vector<path> plugin_path, mesh_path;
+
+  /// The same in any working directory.
+  py::tuple state() const {
+    const auto absolute = [](std::vector<path> all) {
+      for (path& one : all) one = std::filesystem::absolute(one);
+      return all;
+    };
+    return py::make_tuple(std::filesystem::absolute(file), assignments, plugins, absolute(plugin_path),
+                          absolute(mesh_path));
+  }
+  static Source from(const py::tuple& state) {
+    using Texts = std::vector<std::string>;
+    using Paths = std::vector<path>;
+    return {state[0].cast<path>(), state[1].cast<Texts>(), state[2].cast<Texts>(), state[3].cast<Paths>(),
+            state[4].cast<Paths>()};
+  }
+};
+
 /// A scene in motion, as `hexaplast run` has it.
 class Scene {
  public:
-  Scene(const path& file, const std::vector<std::string>& assignments, const std::vector<std::string>& plugins,
-        std::vector<path> plugin_path, std::vector<path> mesh_path)
-      : scene_(std::make_shared<scene::Scene>(
-            load(file, assignments, plugins, std::move(plugin_path), std::move(mesh_path)))),
+  explicit Scene(const Source& source)
+      : source_(source.state()),
+        scene_(std::make_shared<scene::Scene>(read(source))),
+        identity_(scene::identity_of(*scene_)),
         states_(scene::moving_states(*scene_)),
         shown_states_(scene::shown_states(*scene_)),
         solvers_(scene::integrators_of(*scene_)),
         scene_bodies_(scene::bodies_of(*scene_)),
-        title_(file.stem().string()) {
+        title_(source.file.stem().string()) {
     // the arrays of a body keep the whole scene alive
     for (const scene::SceneBody& of : scene_bodies_) {
       entries_.push_back({.name = of.name, .body = of.field->body()});
@@ -129,6 +154,28 @@ class Scene {
     refresh();
     if (record_) begin_record();
   }
+
+  py::bytes save() {
+    std::string bytes;
+    const output::CheckpointSection sections[] = {{"scene", [&](Archive& archive) { serialize(archive); }}};
+    output::write_checkpoint(
+        [&](const void* data, std::size_t size) { bytes.append(static_cast<const char*>(data), size); }, identity_,
+        sections);
+    return bytes;
+  }
+
+  void load(const std::string_view data) {
+    const std::span<const std::byte> bytes = std::as_bytes(std::span(data));
+    const output::Checkpoint saved("the saved state", {bytes.begin(), bytes.end()});
+    if (saved.scene_hash() != identity_) throw InputError("the saved state is of another scene");
+    Archive archive = saved.section("scene");
+    serialize(archive);
+    refresh();
+    if (record_) begin_record();
+    warn(*scene_);
+  }
+
+  py::tuple state() { return py::make_tuple(source_, save()); }
 
   void record() {
     const Turn turn(taken());
@@ -173,19 +220,18 @@ class Scene {
   std::atomic_flag& taken() { return *taken_; }
 
  private:
-  static scene::Scene load(const path& file, const std::vector<std::string>& assignments,
-                           const std::vector<std::string>& plugins, std::vector<path> plugin_path,
-                           std::vector<path> mesh_path) {
+  static scene::Scene read(const Source& source) {
+    std::vector<path> plugin_path = source.plugin_path;
     plugin_path.push_back(installed_plugins());
     scene::Factory factory;
     scene::PluginLoader loader(factory, plugin_path);
     loader.load("Hexaplast");  // the stock components, which every scene needs
-    for (const std::string& plugin : plugins) loader.load(plugin);
+    for (const std::string& plugin : source.plugins) loader.load(plugin);
 
-    scene::Scene scene = scene::read_scene(file, factory, loader, scene::SearchPath(std::move(mesh_path)));
+    scene::Scene scene = scene::read_scene(source.file, factory, loader, scene::SearchPath(source.mesh_path));
     // a scene with mistakes may lack what an override is meant for: then init reports the mistakes
     if (!scene.diagnostics().has_errors())
-      for (const std::string& assignment : assignments) scene::override_attribute(scene, assignment);
+      for (const std::string& assignment : source.assignments) scene::override_attribute(scene, assignment);
     try {
       scene.init();
     } catch (const std::exception&) {
@@ -193,6 +239,12 @@ class Scene {
       throw;
     }
     return scene;
+  }
+
+  /// As a checkpoint of a run has it.
+  void serialize(Archive& archive) {
+    archive(num_steps_);
+    scene_->serialize(archive);
   }
 
   std::shared_ptr<MotionRecord> new_record() {
@@ -231,7 +283,9 @@ class Scene {
     warn(*scene_);
   }
 
+  py::tuple source_;  // as pickle takes it
   std::shared_ptr<scene::Scene> scene_;
+  std::uint64_t identity_;                                      // of the scene as it was read
   std::vector<scene::MechanicalState*> states_, shown_states_;  // independent ones; those of the bodies
   std::vector<scene::OdeSolver*> solvers_;
   std::vector<scene::SceneBody> scene_bodies_;
@@ -247,7 +301,7 @@ class Scene {
 
 std::unique_ptr<Scene> make_scene(const path& file, const py::dict& overrides, const std::vector<std::string>& plugins,
                                   const std::vector<path>& plugin_path, const std::vector<path>& mesh_path) {
-  return std::make_unique<Scene>(file, assignments_from(overrides), plugins, plugin_path, mesh_path);
+  return std::make_unique<Scene>(Source{file, assignments_from(overrides), plugins, plugin_path, mesh_path});
 }
 
 }  // namespace
@@ -287,6 +341,22 @@ void add_scene(py::module_& module) {
            "From now on, states are kept for show(): of all steps at most 60, at equal distances. reset begins anew")
       .def("_page", &Scene::page)
       .def("reset", &Scene::reset, "Back to the beginning")
+      .def("save", in_turn([](Scene& s) { return s.save(); }),
+           "A checkpoint: time, bodies, contacts and solver memory. What comes after load() has the same bits. "
+           "ValueError\n"
+           "after a step that failed")
+      .def("load", in_turn([](Scene& s, const py::bytes& data) { s.load(std::string_view(data)); }), py::arg("data"),
+           "Takes over what save() of the same scene returned, or a checkpoint that `hexaplast run` wrote. What is "
+           "damaged\n"
+           "or another scene's is a ValueError, and changes nothing")
+      .def("copy", &copy_of, "The same scene, read again, in the same state; it records nothing")
+      .def("__copy__", &copy_of)
+      .def(py::pickle(in_turn([](Scene& s) { return s.state(); }),
+                      [](const py::tuple& state) {
+                        auto made = std::make_unique<Scene>(Source::from(state[0]));
+                        made->load(std::string_view(state[1].cast<py::bytes>()));
+                        return made;
+                      }))
       .def("state_hash", in_turn([](Scene& s) { return s.state_hash(); }),
            "16 hexadecimal digits, as `hexaplast run` prints them");
 

@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Scene files, against what the command makes of them."""
+import copy
 import gc
 import json
+import multiprocessing
+import os
+import pickle
+import re
 
 import numpy as np
 import pytest
@@ -249,3 +254,73 @@ def test_meshes_are_found_in_the_given_directories(tmp_path):
     with pytest.raises(Exception, match="no such file"):
         hexaplast.Scene(scene)
     assert hexaplast.Scene(scene, mesh_path=[tmp_path / "far"]).dt > 0
+
+
+# A strip that flows where a ball presses into it and drags it along. {} is what changes on the way.
+TOUCHED = """<Node dt="0.02" gravity="0 0 0">{}
+  <DefaultAnimationLoop/><EulerImplicitSolver rayleighMass="0.1" rayleighStiffness="0.02"/><MultigridCGLinearSolver/>
+  <Node name="strip">
+    <RegularGridTopology name="grid" n="7 3 3" max="0.06 0.02 0.02"/><MechanicalObject name="nodes"/>
+    <DiagonalMass massDensity="1000"/>
+    <HexahedronElastoplasticFEMForceField name="material" youngModulus="2000" poissonRatio="0.4" yieldStress="60"
+        plasticFlowRate="2"/>
+    <FixedProjectiveConstraint indices="0-56-7 6-62-7"/>
+    <InstrumentContactForceField name="tip" shape="sphere" radius="0.006" friction="0.5" keyTimes="0 0.2 0.6"
+        positions="0.03 0.01 0.028  0.03 0.01 0.02  0.035 0.01 0.02"/>
+    <GraspForceField name="grip" radius="0.01" keyTimes="0" positions="0.03 0.01 0"/>
+    <Probe name="push" value="@tip.force" component="z"/>
+  </Node>
+</Node>"""
+
+
+@pytest.fixture
+def touched(tmp_path):
+    file = tmp_path / "touched.scn"
+    file.write_text(TOUCHED.format(""))
+    return file
+
+
+def go_on(data):
+    """In another process, which is elsewhere."""
+    os.chdir("/")
+    scene = pickle.loads(data)
+    scene.run(10)
+    return scene.state_hash()
+
+
+def test_a_saved_scene_goes_on_with_the_same_bits(touched, monkeypatch):
+    monkeypatch.chdir(touched.parent)
+    scene = hexaplast.Scene(touched.name, {"strip/material.hardening": 0.2})
+    assert scene.run(12).flow.yielded > 0, "the ball touches"
+    saved, pickled, hash_then = scene.save(), pickle.dumps(scene), scene.state_hash()
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        elsewhere = pool.apply_async(go_on, [pickled])
+        copies = [scene.copy(), copy.copy(scene), copy.deepcopy(scene)]
+        scene.run(10)
+        once = scene.state_hash()
+        assert elsewhere.get(60) == once
+    for made in copies:
+        assert made.state_hash() == hash_then and made.num_steps == 12 and made.time == pytest.approx(0.24)
+        made.run(10)
+        assert made.state_hash() == once
+
+    positions = scene.positions
+    for damaged in (saved[:-1], saved[:60] + bytes([saved[60] ^ 1]) + saved[61:], b""):
+        with pytest.raises(ValueError, match="the saved state is (damaged|no checkpoint)"):
+            scene.load(damaged)
+    with pytest.raises(ValueError, match="of another scene"):
+        hexaplast.Scene(touched).load(saved)
+    assert scene.state_hash() == once
+    scene.load(saved)
+    assert scene.state_hash() == hash_then and (positions == scene.positions).all(), "views follow"
+    scene.run(10)
+    assert scene.state_hash() == once
+
+
+def test_a_checkpoint_of_a_run_is_loaded(touched):
+    carry_out(touched, "--steps", 12, "--checkpoint", "every=12", "--frames", 0, "--out", touched.parent / "run")
+    scene = hexaplast.Scene(touched)
+    scene.load((touched.parent / "run" / "checkpoint_000000012.hxc").read_bytes())
+    assert scene.num_steps == 12
+    scene.run(10)
+    assert scene.state_hash() == hexaplast.run(touched, 22).state_hash()
