@@ -231,6 +231,12 @@ void MovingBody::release(std::span<const int> nodes) {
   tell_fixed();
 }
 
+std::vector<unsigned char> MovingBody::fixed() const {
+  std::vector<unsigned char> all(held_.size());
+  std::ranges::transform(held_, all.begin(), [](unsigned char how) { return how != kFree; });
+  return all;
+}
+
 void MovingBody::reset() {
   body.reset();
   euler_.memory().reset();

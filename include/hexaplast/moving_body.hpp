@@ -104,6 +104,9 @@ class MovingBody {
   /// Nodes move freely from now on.
   void release(std::span<const int> nodes);
 
+  /// Per node: 1 where it is fixed or prescribed.
+  std::vector<unsigned char> fixed() const;
+
   /// Back to the beginning: the initial body at rest, at time 0, without solver memory. Nodes that are fixed stay so.
   void reset();
 

@@ -18,6 +18,7 @@ class GripField final : public PartForce<parts::Grasp>, public scene::Instrument
     if (!part().is_closed()) return {};
     return part().tool_at(time);
   }
+  Pose pose(double time) const override { return {.position = part().tool_at(time)}; }
   double potential_energy(double time, ConstPoints x) const override { return *part().potential_energy(time, x); }
 };
 
@@ -33,6 +34,7 @@ class InstrumentField final : public PartForce<parts::Instrument>, public scene:
   }
 
   std::optional<Vec3> place(double time) const override { return part().pose_at(time).position; }
+  Pose pose(double time) const override { return part().pose_at(time); }
   std::optional<scene::ContactEnergy> contact_energy() const override {
     const InstrumentContact& contact = part().contact();
     return scene::ContactEnergy{contact.work(), contact.energy(), contact.friction_loss()};

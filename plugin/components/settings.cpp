@@ -10,6 +10,7 @@
 #include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
 #include "parts/attribute_change.hpp"
+#include "scene/changes.hpp"
 
 namespace hexaplast::components {
 namespace {
@@ -34,10 +35,7 @@ class AttributeChange final : public scene::Component, public scene::Stateful {
       reject("component",
              fmt::format("leads to {} '{}', must lead to a component", target->class_name(), target->name()));
     require_order();
-    changeable_ = dynamic_cast<const scene::Changeable*>(component_);
-    std::vector<std::string_view> known;
-    for (const auto& data : component_->all_data())
-      if (may_change(*data)) known.push_back(data->attribute().name);
+    const std::vector<std::string_view> known = scene::attributes_that_may_change(*component_);
     if (known.empty())
       reject("component", fmt::format("leads to {} '{}', which reads its attributes once, when the scene begins",
                                       component_->class_name(), component_->name()));
@@ -91,13 +89,6 @@ class AttributeChange final : public scene::Component, public scene::Stateful {
 
   using Change = std::optional<scene::Value>;  // none: not given
 
-  bool may_change(const scene::Data& data) const {
-    const attributes::Attribute& attribute = data.attribute();
-    return attribute.access == attributes::Access::kInput && attribute.type != attributes::Type::kLink &&
-           attribute.name != "name" &&
-           (changeable_ ? changeable_->may_change(attribute.name) : component_->looks_by_itself());
-  }
-
   std::vector<Change> values() {
     std::vector<Change> all;
     for (const std::optional<std::string_view> one : parts::values_of_changes(text("values"))) try {
@@ -130,7 +121,6 @@ class AttributeChange final : public scene::Component, public scene::Stateful {
   }
 
   scene::Component* component_ = nullptr;
-  const scene::Changeable* changeable_ = nullptr;  // the same; null: it is not told of changes
   scene::Data* data_ = nullptr;
   std::vector<Change> values_;
   std::vector<double> times_;  // [s]

@@ -22,7 +22,7 @@ namespace {
 using Name = std::array<char, 8>;
 
 constexpr Name kMagic = {'H', 'X', 'P', 'C', 'K', 'P', 'T', '\0'};
-constexpr std::uint32_t kFormatVersion = 14;
+constexpr std::uint32_t kFormatVersion = 15;
 constexpr std::size_t kNumKept = 2;
 
 Name padded(std::string_view name) {
@@ -31,11 +31,11 @@ Name padded(std::string_view name) {
   return bytes;
 }
 
-/// Writes to a file what `contents` passes on, and its checksum.
-void write_checked(WholeFile& file, const std::function<void(Archive&)>& contents) {
+/// Passes on what `contents` writes, and its checksum.
+void write_checked(const Archive::Sink& sink, const std::function<void(Archive&)>& contents) {
   StateHash hash;
   Archive archive([&](const void* data, std::size_t size) {
-    file.write(data, size);
+    sink(data, size);
     hash.add(data, size);
   });
   contents(archive);
@@ -63,21 +63,26 @@ void require_checksum(Archive& archive, std::span<const std::byte> bytes) {
 
 }  // namespace
 
-void write_checkpoint(const fs::path& directory, long step, std::uint64_t scene_hash,
+void write_checkpoint(const Archive::Sink& sink, std::uint64_t scene_hash,
                       std::span<const CheckpointSection> sections) {
-  WholeFile file(directory / fmt::format("checkpoint_{:09}.hxc", step));
-  write_checked(file, [&](Archive& archive) {
+  write_checked(sink, [&](Archive& archive) {
     Name magic = kMagic;
     std::uint32_t version = kFormatVersion, count = static_cast<std::uint32_t>(sections.size());
     archive(magic, version, count, scene_hash);
   });
   for (const CheckpointSection& section : sections)
-    write_checked(file, [&](Archive& archive) {
+    write_checked(sink, [&](Archive& archive) {
       Name name = padded(section.name);
       std::uint64_t size = serialized_size(section.serialize);
       archive(name, size);
       section.serialize(archive);
     });
+}
+
+void write_checkpoint(const fs::path& directory, long step, std::uint64_t scene_hash,
+                      std::span<const CheckpointSection> sections) {
+  WholeFile file(directory / fmt::format("checkpoint_{:09}.hxc", step));
+  write_checkpoint([&](const void* data, std::size_t size) { file.write(data, size); }, scene_hash, sections);
   file.commit();
 
   const std::vector<fs::path> all = checkpoints_in(directory);
@@ -85,7 +90,10 @@ void write_checkpoint(const fs::path& directory, long step, std::uint64_t scene_
     if (::unlink(all[i].c_str()) != 0) throw OutputError(all[i], "cannot be removed", errno);
 }
 
-Checkpoint::Checkpoint(fs::path file) : file_(std::move(file)), bytes_(contents_of(file_)) {
+Checkpoint::Checkpoint(fs::path file) : Checkpoint(file, contents_of(file)) {}
+
+Checkpoint::Checkpoint(fs::path file, std::vector<std::byte> content)
+    : file_(std::move(file)), bytes_(std::move(content)) {
   const std::span<const std::byte> all(bytes_);
   Archive archive(all);
   Name magic{};
@@ -115,6 +123,10 @@ Checkpoint::Checkpoint(fs::path file) : file_(std::move(file)), bytes_(contents_
     if (version != kFormatVersion && archive.size() >= sizeof magic + sizeof version) throw;
     throw InputError(fmt::format("{} is damaged: {}", file_.string(), error.what()));
   }
+}
+
+bool Checkpoint::has(std::string_view section) const {
+  return std::ranges::count(sections_, section, &Section::name) > 0;
 }
 
 Archive Checkpoint::section(std::string_view name) const {

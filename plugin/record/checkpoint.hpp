@@ -19,14 +19,17 @@ struct CheckpointSection {
   std::function<void(Archive&)> serialize;
 };
 
-/// Writes checkpoint_<step>.hxc into the directory of a run, whole, and removes all but the newest two there. Throws
-/// OutputError; what was there before is then still there. The format, little-endian, in bytes:
+/// The format of a checkpoint, little-endian, in bytes:
 ///
 ///   8  HXPCKPT and a zero          8  name of a section, padded with zeros
 ///   4  format version              8  size n of its contents
 ///   4  number of sections          n  contents: each list begins with its length (8 bytes)
 ///   8  XXH64 of the scene          8  XXH64 of name, size and contents
 ///   8  XXH64 of the bytes before   and so on for each section
+void write_checkpoint(const Archive::Sink& sink, std::uint64_t scene_hash, std::span<const CheckpointSection> sections);
+
+/// Writes checkpoint_<step>.hxc into the directory of a run, whole, and removes all but the newest two there. Throws
+/// OutputError; what was there before is then still there.
 void write_checkpoint(const std::filesystem::path& directory, long step, std::uint64_t scene_hash,
                       std::span<const CheckpointSection> sections);
 
@@ -37,8 +40,13 @@ class Checkpoint {
   /// or is damaged: every byte of it is covered by a checksum.
   explicit Checkpoint(std::filesystem::path file);
 
+  /// The same from the content of one; messages call it `file`.
+  Checkpoint(std::filesystem::path file, std::vector<std::byte> content);
+
   const std::filesystem::path& file() const { return file_; }
   std::uint64_t scene_hash() const { return scene_hash_; }
+
+  bool has(std::string_view section) const;
 
   /// Throws InputError where there is no such section. The archive must not outlive this.
   Archive section(std::string_view name) const;

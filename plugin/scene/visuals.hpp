@@ -7,6 +7,10 @@
 #include "hexaplast/base/types.hpp"
 #include "scene/node.hpp"
 
+namespace hexaplast {
+struct Pose;
+}  // namespace hexaplast
+
 /// What pictures of a scene ask of its components. Nothing here takes part in a step.
 namespace hexaplast::scene {
 
@@ -81,6 +85,7 @@ class Instrument {
  public:
   virtual ~Instrument() = default;
   virtual std::optional<Vec3> place(double time) const = 0;  ///< [m] while it holds something
+  virtual Pose pose(double time) const = 0;                  ///< along its path
 
   virtual std::optional<ContactEnergy> contact_energy() const { return std::nullopt; }  ///< none: it does not touch
 

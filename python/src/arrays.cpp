@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -84,6 +85,12 @@ py::array taken(PointArray field) {
   const PointArray& values = *kept;
   const py::capsule owner(kept.release(), [](void* memory) { delete static_cast<PointArray*>(memory); });
   return py::array_t<double>({values.rows(), values.cols()}, values.data(), owner);
+}
+
+py::array_t<int> cells_of(const std::vector<Hexahedron>& hexahedra) {
+  py::array_t<int> cells({static_cast<py::ssize_t>(hexahedra.size()), static_cast<py::ssize_t>(kCorners)});
+  std::copy_n(reinterpret_cast<const int*>(hexahedra.data()), cells.size(), cells.mutable_data());
+  return cells;
 }
 
 }  // namespace hexaplast::python

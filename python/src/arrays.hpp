@@ -61,4 +61,7 @@ auto view_of(Get get) {
 /// An array that takes over what a function returned.
 py::array taken(PointArray field);
 
+/// (m, 8)
+py::array_t<int> cells_of(const std::vector<Hexahedron>& hexahedra);
+
 }  // namespace hexaplast::python

@@ -63,7 +63,7 @@ py::object value_of(const Row<Options>& row, const Options& options) {
 }
 
 template <class Options>
-void assign(const Row<Options>& row, py::handle value, Options& options) {
+void convert(const Row<Options>& row, py::handle value, Options& options) {
   try {
     if (row.at.type == MemberType::kReal) return row.at.set(options, value.cast<double>());
     if (row.at.type == MemberType::kInteger) return row.at.set(options, value.cast<int>());
@@ -76,6 +76,16 @@ void assign(const Row<Options>& row, py::handle value, Options& options) {
   } catch (const py::cast_error&) {
     throw py::type_error(fmt::format("{}: {} is no {}", row.member, std::string(py::repr(value)), python_type(row)));
   }
+}
+
+/// Throws InputError for a value out of the row's range; the options are then as before.
+template <class Options>
+void assign(const Row<Options>& row, py::handle value, Options& options) {
+  Options changed = options;
+  convert(row, value, changed);
+  for (const double number : row.values(changed))
+    if (!row.admits(number)) throw InputError(fmt::format("{} = {}: must {}", row.member, number, row.condition()));
+  options = std::move(changed);
 }
 
 /// "Material(young_modulus=5000, ...)"
@@ -106,15 +116,16 @@ void add_options(py::module_& module, const char* name, const char* help, std::s
   py::options without_signatures;
   without_signatures.disable_function_signatures();
   py::class_<Options> type(module, name, help);
-  type.def(py::init([name, rows](const py::kwargs& given) {
-             Options options;
-             for (const auto& [key, value] : given) {
-               const auto* row = find_row(rows, std::string(py::str(key)), Names::kMembers);
-               if (!row) throw py::type_error(fmt::format("{}() has no argument {}", name, std::string(py::str(key))));
-               assign(*row, value, options);
-             }
-             return options;
-           }),
+  const auto from_members = [name, rows](const py::dict& given) {
+    Options options;
+    for (const auto& [key, value] : given) {
+      const auto* row = find_row(rows, std::string(py::str(key)), Names::kMembers);
+      if (!row) throw py::type_error(fmt::format("{}() has no argument {}", name, std::string(py::str(key))));
+      assign(*row, value, options);
+    }
+    return options;
+  };
+  type.def(py::init([from_members](const py::kwargs& given) { return from_members(given); }),
            fmt::format("__init__(self: {}, *, {}) -> None", name, fmt::join(keywords(rows), ", ")).c_str());
   for (const Row<Options>& row : rows) {
     type.def_property(
@@ -122,6 +133,13 @@ void add_options(py::module_& module, const char* name, const char* help, std::s
         [&row](Options& options, py::handle value) { assign(row, value, options); }, help_of(row).c_str());
   }
   type.def("__repr__", [name, rows](const Options& options) { return repr(name, rows, options); });
+  type.def(py::pickle(
+      [rows](const Options& options) {
+        py::dict members;
+        for (const Row<Options>& row : rows) members[std::string(row.member).c_str()] = value_of(row, options);
+        return members;
+      },
+      from_members));
   if constexpr (std::equality_comparable<Options>)
     type.def("__eq__", [](const Options& options, const Options& other) { return options == other; });
 }
@@ -210,6 +228,17 @@ void add_body_state(py::module_& module) {
            "16 hexadecimal digits: equal where the plastic histories are equal to the last bit");
 }
 
+py::bytes saved(const hexaplast::Body& body) {
+  std::ostringstream out(std::ios::binary);
+  body.save(out);
+  return out.str();
+}
+
+void load(hexaplast::Body& body, const py::bytes& data) {
+  std::istringstream in(data, std::ios::binary);
+  body.load(in);
+}
+
 void add_owned_body(py::module_& module) {
   py::class_<Body, BodyState, std::shared_ptr<Body>>(
       module, "Body", "A deformable, plastically flowing body of hexahedra. Evaluating it never changes its history.")
@@ -264,19 +293,27 @@ void add_owned_body(py::module_& module) {
              b.refresh();
            }),
            "Returns to the initial state")
-      .def("save", in_turn([](Body& b) {
-             std::ostringstream out(std::ios::binary);
-             b.body().save(out);
-             return py::bytes(out.str());
-           }),
+      .def("save", in_turn([](Body& b) { return saved(b.body()); }),
            "Plastic history and materials, with a checksum: load() of a body with the same mesh and settings continues "
            "from them, bit for bit. Positions and velocities are not included")
       .def("load", in_turn([](Body& b, const py::bytes& data) {
-             std::istringstream in(data, std::ios::binary);
-             b.body().load(in);
+             load(b.body(), data);
              b.refresh();
            }),
            py::arg("data"), "Takes over what save() returned. What is damaged or another body's is a ValueError")
+      .def(py::pickle(in_turn([](Body& b) {
+                        const HexMesh& mesh = b.body().mesh();
+                        return py::make_tuple(taken(mesh.positions()), cells_of(mesh.hexahedra()), b.body().materials(),
+                                              b.body().settings(), saved(b.body()));
+                      }),
+                      [](const py::tuple& state) {
+                        const RealArray x = points("positions", state[0]);
+                        auto body = std::make_shared<hexaplast::Body>(
+                            HexMesh(as_points(x), hexahedra("hexahedra", state[1])),
+                            state[2].cast<std::vector<Material>>(), state[3].cast<Settings>());
+                        load(*body, state[4].cast<py::bytes>());
+                        return std::make_shared<Body>(std::move(body));
+                      }))
       .def("set_material", in_turn([](Body& b, const std::variant<Material, std::vector<Material>>& material) {
              b.body().set_materials(materials_from(material));
              b.refresh();

@@ -39,6 +39,9 @@ auto in_turn(Call call) {
   return in_turn(call, &Call::operator());
 }
 
+/// Another object in the same state, by what pickle takes.
+inline py::object copy_of(const py::object& self) { return py::module_::import("copy").attr("deepcopy")(self); }
+
 /// What can be read of a body. A step replaces the arrays of a body's history; those that somebody looks at are kept
 /// here, in places that stay, and are filled anew after every change.
 class BodyState {

@@ -40,12 +40,6 @@ void translate(std::exception_ptr thrown) {
   }
 }
 
-py::array_t<int> cells_of(const std::vector<Hexahedron>& hexahedra) {
-  py::array_t<int> cells({static_cast<py::ssize_t>(hexahedra.size()), static_cast<py::ssize_t>(kCorners)});
-  std::copy_n(reinterpret_cast<const int*>(hexahedra.data()), cells.size(), cells.mutable_data());
-  return cells;
-}
-
 py::tuple grid(std::array<int, 3> cells, std::array<double, 3> min, std::array<double, 3> max) {
   const HexMesh mesh = regular_grid(cells, Vec3(min[0], min[1], min[2]), Vec3(max[0], max[1], max[2]));
   return py::make_tuple(taken(mesh.positions()), cells_of(mesh.hexahedra()));

@@ -9,14 +9,20 @@
 
 #include "body.hpp"
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/contact/instrument_contact.hpp"
 #include "hexaplast/moving_body.hpp"
 #include "motion_record.hpp"
 #include "page/html.hpp"
+#include "record/checkpoint.hpp"
 #include "record/files.hpp"
 #include "record/recorder.hpp"
 #include "record/viewer_states.hpp"
+#include "scene/changes.hpp"
+#include "scene/identity.hpp"
 #include "scene/parts.hpp"
 #include "scene/reader.hpp"
+#include "scene/visuals.hpp"
+#include "values.hpp"
 
 namespace hexaplast::python {
 namespace {
@@ -31,26 +37,10 @@ path installed_plugins() {
       .lexically_normal();
 }
 
-/// The value of an override as a scene file has it: numbers with all their digits, several with blanks between them.
-std::string scene_text(py::handle value) {
-  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
-  if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "true" : "false";
-  if (py::hasattr(value, "__iter__")) {
-    std::string text;
-    for (const py::handle entry : value) text += (text.empty() ? "" : " ") + scene_text(entry);
-    return text;
-  }
-  if (PyIndex_Check(value.ptr())) return py::str(py::int_(py::reinterpret_borrow<py::object>(value)));
-  if (PyNumber_Check(value.ptr()))
-    return py::repr(py::float_(py::reinterpret_borrow<py::object>(value))).cast<std::string>();
-  throw py::type_error(
-      fmt::format("overrides: {} is no number, text, or sequence of them", py::repr(value).cast<std::string>()));
-}
-
 std::vector<std::string> assignments_from(const py::dict& overrides) {
   std::vector<std::string> assignments;
   for (const auto& [attribute, value] : overrides)
-    assignments.push_back(py::str(attribute).cast<std::string>() + "=" + scene_text(value));
+    assignments.push_back(py::str(attribute).cast<std::string>() + "=" + scene_text("overrides", value));
   return assignments;
 }
 
@@ -58,6 +48,16 @@ std::vector<std::string> assignments_from(const py::dict& overrides) {
 void warn(scene::Scene& scene) {
   for (const scene::Message& message : scene.diagnostics().take_warnings())
     if (PyErr_WarnEx(PyExc_UserWarning, scene::format(message).c_str(), 1) != 0) throw py::error_already_set();
+}
+
+/// What `read` returns.
+template <class Read>
+auto checked(const Read& read) {
+  try {
+    return read();
+  } catch (const scene::Rejection& rejection) {
+    throw scene::SceneError(rejection.what());
+  }
 }
 
 /// One of the bodies of a scene, with its state.
@@ -78,18 +78,41 @@ class SceneBody final : public BodyState {
   scene::MechanicalState* state_;
 };
 
+/// What a scene is read from.
+struct Source {
+  path file;
+  std::vector<std::string> assignments, plugins;
+  std::vector<path> plugin_path, mesh_path;
+
+  /// The same in any working directory.
+  py::tuple state() const {
+    const auto absolute = [](std::vector<path> all) {
+      for (path& one : all) one = std::filesystem::absolute(one);
+      return all;
+    };
+    return py::make_tuple(std::filesystem::absolute(file), assignments, plugins, absolute(plugin_path),
+                          absolute(mesh_path));
+  }
+  static Source from(const py::tuple& state) {
+    using Texts = std::vector<std::string>;
+    using Paths = std::vector<path>;
+    return {state[0].cast<path>(), state[1].cast<Texts>(), state[2].cast<Texts>(), state[3].cast<Paths>(),
+            state[4].cast<Paths>()};
+  }
+};
+
 /// A scene in motion, as `hexaplast run` has it.
 class Scene {
  public:
-  Scene(const path& file, const std::vector<std::string>& assignments, const std::vector<std::string>& plugins,
-        std::vector<path> plugin_path, std::vector<path> mesh_path)
-      : scene_(std::make_shared<scene::Scene>(
-            load(file, assignments, plugins, std::move(plugin_path), std::move(mesh_path)))),
+  explicit Scene(const Source& source)
+      : source_(source.state()),
+        scene_(std::make_shared<scene::Scene>(read(source))),
+        identity_(scene::identity_of(*scene_)),
         states_(scene::moving_states(*scene_)),
         shown_states_(scene::shown_states(*scene_)),
         solvers_(scene::integrators_of(*scene_)),
         scene_bodies_(scene::bodies_of(*scene_)),
-        title_(file.stem().string()) {
+        title_(source.file.stem().string()) {
     // the arrays of a body keep the whole scene alive
     for (const scene::SceneBody& of : scene_bodies_) {
       entries_.push_back({.name = of.name, .body = of.field->body()});
@@ -124,11 +147,62 @@ class Scene {
 
   void reset() {
     const Turn turn(taken());
+    changes_.put_back();
     scene_->reset();
     num_steps_ = 0;
     refresh();
     if (record_) begin_record();
   }
+
+  py::bytes save() {
+    std::string bytes;
+    const output::CheckpointSection sections[] = {
+        {"scene", [&](Archive& archive) { serialize(archive); }},
+        {"changes", [&](Archive& archive) { changes_.serialize(archive); }},
+    };
+    output::write_checkpoint(
+        [&](const void* data, std::size_t size) { bytes.append(static_cast<const char*>(data), size); }, identity_,
+        sections);
+    return bytes;
+  }
+
+  void load(const std::string_view data) {
+    const std::span<const std::byte> bytes = std::as_bytes(std::span(data));
+    const output::Checkpoint saved("the saved state", {bytes.begin(), bytes.end()});
+    if (saved.scene_hash() != identity_) throw InputError("the saved state is of another scene");
+    changes_.put_back();
+    scene_->reset();
+    if (saved.has("changes")) {
+      Archive changes = saved.section("changes");
+      changes_.serialize(changes);
+    }
+    Archive archive = saved.section("scene");
+    serialize(archive);
+    refresh();
+    if (record_) begin_record();
+    warn(*scene_);
+  }
+
+  py::tuple state() { return py::make_tuple(source_, save()); }
+
+  void set(const std::string& name, const py::object& value) {
+    changes_.set(name, value.is_none() ? std::nullopt : std::optional(scene_text("value", value)));
+  }
+
+  py::object get(const std::string& name) {
+    return checked([&] { return python_value(scene::named_attribute(*scene_, name, "get " + name)); });
+  }
+
+  py::dict probes() {
+    return checked([&] {
+      py::dict values;
+      scene::Readings readings;
+      for (scene::Probe* probe : scene::probes_of(*scene_)) values[probe->name().c_str()] = probe->read(readings);
+      return values;
+    });
+  }
+
+  scene::Scene& get() { return *scene_; }
 
   void record() {
     const Turn turn(taken());
@@ -173,19 +247,18 @@ class Scene {
   std::atomic_flag& taken() { return *taken_; }
 
  private:
-  static scene::Scene load(const path& file, const std::vector<std::string>& assignments,
-                           const std::vector<std::string>& plugins, std::vector<path> plugin_path,
-                           std::vector<path> mesh_path) {
+  static scene::Scene read(const Source& source) {
+    std::vector<path> plugin_path = source.plugin_path;
     plugin_path.push_back(installed_plugins());
     scene::Factory factory;
     scene::PluginLoader loader(factory, plugin_path);
     loader.load("Hexaplast");  // the stock components, which every scene needs
-    for (const std::string& plugin : plugins) loader.load(plugin);
+    for (const std::string& plugin : source.plugins) loader.load(plugin);
 
-    scene::Scene scene = scene::read_scene(file, factory, loader, scene::SearchPath(std::move(mesh_path)));
+    scene::Scene scene = scene::read_scene(source.file, factory, loader, scene::SearchPath(source.mesh_path));
     // a scene with mistakes may lack what an override is meant for: then init reports the mistakes
     if (!scene.diagnostics().has_errors())
-      for (const std::string& assignment : assignments) scene::override_attribute(scene, assignment);
+      for (const std::string& assignment : source.assignments) scene::override_attribute(scene, assignment);
     try {
       scene.init();
     } catch (const std::exception&) {
@@ -193,6 +266,12 @@ class Scene {
       throw;
     }
     return scene;
+  }
+
+  /// As a checkpoint of a run has it.
+  void serialize(Archive& archive) {
+    archive(num_steps_);
+    scene_->serialize(archive);
   }
 
   std::shared_ptr<MotionRecord> new_record() {
@@ -231,7 +310,10 @@ class Scene {
     warn(*scene_);
   }
 
+  py::tuple source_;  // as pickle takes it
   std::shared_ptr<scene::Scene> scene_;
+  scene::Changes changes_{*scene_};
+  std::uint64_t identity_;                                      // of the scene as it was read
   std::vector<scene::MechanicalState*> states_, shown_states_;  // independent ones; those of the bodies
   std::vector<scene::OdeSolver*> solvers_;
   std::vector<scene::SceneBody> scene_bodies_;
@@ -245,9 +327,83 @@ class Scene {
   std::shared_ptr<MotionRecord> record_;  // null: not wanted
 };
 
+/// An instrument of a scene, led by its path: that of the scene file, or from where it is to where it is set.
+class Instrument {
+ public:
+  Instrument(Scene& scene, std::string path) : scene_(scene), path_(std::move(path)) {
+    owner_ = &scene::named_attribute(scene.get(), path_ + ".positions", "instrument " + path_).owner();
+    instrument_ = dynamic_cast<const scene::Instrument*>(owner_);
+    if (!instrument_)
+      throw InputError(
+          fmt::format("instrument {}: {} '{}' is no instrument", path_, owner_->class_name(), owner_->name()));
+  }
+
+  std::atomic_flag& taken() { return scene_.taken(); }
+  const std::string& path() const { return path_; }
+  py::object force() { return scene_.get(path_ + ".force"); }
+
+  py::array pose() const {
+    const Pose pose = present();
+    const Eigen::Vector3d& x = pose.position;
+    const Eigen::Vector4d q = pose.orientation.coeffs();  // x y z w
+    return py::array(py::cast(std::array{x[0], x[1], x[2], q[0], q[1], q[2], q[3]}));
+  }
+
+  /// It goes there within the next step, and stays there.
+  void set_pose(py::handle given) {
+    const Pose from = present(), to = pose_from(given, from);
+    const bool turns = owner_->find_data("orientations");
+    if (!turns && !to.orientation.isApprox(from.orientation))
+      throw InputError(fmt::format("{}: a {} has no orientation", path_, owner_->class_name()));
+    const double now = scene_.time();
+    scene_.set(path_ + ".keyTimes", py::make_tuple(now, now + scene_.dt()));
+    scene_.set(path_ + ".positions", py::make_tuple(list(from.position), list(to.position)));
+    if (turns)
+      scene_.set(path_ + ".orientations",
+                 py::make_tuple(list(from.orientation.coeffs()), list(to.orientation.coeffs())));
+  }
+
+ private:
+  static py::list list(const Eigen::Ref<const Eigen::VectorXd>& numbers) {
+    py::list all;
+    for (const double number : numbers) all.append(number);
+    return all;
+  }
+
+  Pose present() const { return instrument_->pose(scene_.time()); }
+
+  /// (3,) position; (7,) with a quaternion x y z w; (4, 4) rigid motion of the instrument's frame.
+  static Pose pose_from(py::handle given, const Pose& present) {
+    const RealArray array = RealArray::ensure(given);
+    if (!array) throw py::type_error("pose: no array of real numbers");
+    const Eigen::Map<const Eigen::VectorXd> numbers(array.data(), array.size());
+    if (!numbers.allFinite()) throw InputError("pose: must be finite");
+    if (array.ndim() == 1 && array.size() == 3) return {numbers, present.orientation};
+    if (array.ndim() == 1 && array.size() == 7) {
+      const Eigen::Quaterniond turn(Eigen::Vector4d(numbers.tail<4>()));
+      if (!(turn.norm() > 0)) throw InputError("pose: the quaternion is 0 0 0 0, must have a length");
+      return {numbers.head<3>(), turn.normalized()};
+    }
+    if (array.ndim() == 2 && array.shape(0) == 4 && array.shape(1) == 4) {
+      const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> motion(array.data());
+      const Mat3 turn = motion.topLeftCorner<3, 3>();
+      if (!turn.isUnitary(1e-6) || !(turn.determinant() > 0) || motion.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
+        throw InputError("pose: the matrix is no rigid motion");
+      return {motion.topRightCorner<3, 1>(), Eigen::Quaterniond(turn).normalized()};
+    }
+    throw py::value_error(
+        fmt::format("pose: shape {}, must be (3,), (7,) or (4, 4)", py::str(array.attr("shape")).cast<std::string>()));
+  }
+
+  Scene& scene_;
+  std::string path_;
+  scene::Object* owner_;
+  const scene::Instrument* instrument_;
+};
+
 std::unique_ptr<Scene> make_scene(const path& file, const py::dict& overrides, const std::vector<std::string>& plugins,
                                   const std::vector<path>& plugin_path, const std::vector<path>& mesh_path) {
-  return std::make_unique<Scene>(file, assignments_from(overrides), plugins, plugin_path, mesh_path);
+  return std::make_unique<Scene>(Source{file, assignments_from(overrides), plugins, plugin_path, mesh_path});
 }
 
 }  // namespace
@@ -258,6 +414,15 @@ void add_scene(py::module_& module) {
       .def_property_readonly("name", &SceneBody::name, "that of its node, or body_2 where that is no name or another's")
       .def_property_readonly("positions", view_of<SceneBody>(&SceneBody::positions), "(n, 3) [m]")
       .def_property_readonly("velocities", view_of<SceneBody>(&SceneBody::velocities), "(n, 3) [m/s]");
+
+  py::class_<Instrument>(module, "Instrument", "An instrument of a Scene, moved from outside")
+      .def_property_readonly("path", &Instrument::path)
+      .def_property("pose", in_turn([](Instrument& i) { return i.pose(); }),
+                    in_turn([](Instrument& i, py::handle pose) { i.set_pose(pose); }),
+                    "Where it is: (7,) position [m] and orientation, a quaternion x y z w. Set to (3,), (7,) or a "
+                    "matrix (4, 4), it\n"
+                    "moves there steadily within the next step, and stays there")
+      .def_property_readonly("force", in_turn([](Instrument& i) { return i.force(); }), "(3,) [N] as Scene.force");
 
   py::class_<Scene>(module, "Scene",
                     "A scene file in motion, step by step: the same bits as `hexaplast run` computes. positions and\n"
@@ -287,6 +452,41 @@ void add_scene(py::module_& module) {
            "From now on, states are kept for show(): of all steps at most 60, at equal distances. reset begins anew")
       .def("_page", &Scene::page)
       .def("reset", &Scene::reset, "Back to the beginning")
+      .def(
+          "set", in_turn([](Scene& s, const std::string& path, py::object value) { s.set(path, value); }),
+          py::arg("path"), py::arg("value"),
+          "Changes 'node/component.attribute' at the beginning of the next step, as an AttributeChange does: a "
+          "number,\n"
+          "text, or sequence of them; None: as if it were not given. reset takes it back. ValueError, and nothing has\n"
+          "changed, where there is no such attribute, it cannot change in a run, or the value is none of it")
+      .def("get", in_turn([](Scene& s, const std::string& path) { return s.get(path); }), py::arg("path"),
+           "The present value of 'node/component.attribute': a number, text, or new array; None where it is neither\n"
+           "given nor has a default")
+      .def_property_readonly("probes", in_turn([](Scene& s) { return s.probes(); }),
+                             "Of each Probe its present value, by name")
+      .def("force", in_turn([](Scene& s, const std::string& path) { return s.get(path + ".force"); }), py::arg("path"),
+           "(3,) [N] the output `force` of a component: of contact that of the body on the instrument, of a grip that "
+           "of\n"
+           "the tool on the body, in the latest step")
+      .def(
+          "instrument", [](Scene& s, std::string path) { return std::make_unique<Instrument>(s, std::move(path)); },
+          py::arg("path"), py::keep_alive<0, 1>(), "The instrument 'node/component', to be moved by its pose")
+      .def("save", in_turn([](Scene& s) { return s.save(); }),
+           "A checkpoint: time, bodies, contacts and solver memory. What comes after load() has the same bits. "
+           "ValueError\n"
+           "after a step that failed")
+      .def("load", in_turn([](Scene& s, const py::bytes& data) { s.load(std::string_view(data)); }), py::arg("data"),
+           "Takes over what save() of the same scene returned, or a checkpoint that `hexaplast run` wrote. What is "
+           "damaged\n"
+           "or another scene's is a ValueError, and changes nothing")
+      .def("copy", &copy_of, "The same scene, read again, in the same state; it records nothing")
+      .def("__copy__", &copy_of)
+      .def(py::pickle(in_turn([](Scene& s) { return s.state(); }),
+                      [](const py::tuple& state) {
+                        auto made = std::make_unique<Scene>(Source::from(state[0]));
+                        made->load(std::string_view(state[1].cast<py::bytes>()));
+                        return made;
+                      }))
       .def("state_hash", in_turn([](Scene& s) { return s.state_hash(); }),
            "16 hexadecimal digits, as `hexaplast run` prints them");
 

@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include <sstream>
+
 #include "body.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/moving_body.hpp"
@@ -12,22 +14,56 @@
 namespace hexaplast::python {
 namespace {
 
-std::unique_ptr<LinearSolver> solver_from(const std::string& name, double tolerance, int iterations) {
-  if (name == "direct") return nullptr;  // the library's own choice
-  if (name != "cg") throw InputError(fmt::format("solver = '{}' must be one of direct, cg", name));
-  if (!(tolerance > 0 && tolerance < 1))
-    throw InputError(fmt::format("tolerance = {} must lie between 0 and 1", tolerance));
-  if (iterations < 1) throw InputError(fmt::format("iterations = {} must be at least 1", iterations));
-  return std::make_unique<PreconditionedConjugateGradients>(tolerance, iterations, Preconditioner::kAuto);
-}
+/// What a simulation is made with besides its body.
+struct Arguments {
+  double density = 1000, dt = 0.01;
+  std::array<double, 3> gravity = {};
+  double rayleigh_mass = 0, rayleigh_stiffness = 0;
+  std::string solver = "direct";
+  double tolerance = 1e-6;
+  int iterations = 1000;
+
+  Motion motion() const {
+    return {.density = density,
+            .dt = dt,
+            .gravity = Vec3(gravity[0], gravity[1], gravity[2]),
+            .euler = {.rayleigh_mass = rayleigh_mass, .rayleigh_stiffness = rayleigh_stiffness}};
+  }
+
+  std::unique_ptr<LinearSolver> linear_solver() const {
+    if (solver == "direct") return nullptr;  // the library's own choice
+    if (solver != "cg") throw InputError(fmt::format("solver = '{}' must be one of direct, cg", solver));
+    if (!(tolerance > 0 && tolerance < 1))
+      throw InputError(fmt::format("tolerance = {} must lie between 0 and 1", tolerance));
+    if (iterations < 1) throw InputError(fmt::format("iterations = {} must be at least 1", iterations));
+    return std::make_unique<PreconditionedConjugateGradients>(tolerance, iterations, Preconditioner::kAuto);
+  }
+
+  py::tuple state() const {
+    return py::make_tuple(density, dt, gravity, rayleigh_mass, rayleigh_stiffness, solver, tolerance, iterations);
+  }
+  static Arguments from(const py::tuple& state) {
+    Arguments all;
+    std::size_t k = 0;
+    const auto read = [&](auto&... members) {
+      (..., (members = state[k++].cast<std::remove_reference_t<decltype(members)>>()));
+    };
+    read(all.density, all.dt, all.gravity, all.rayleigh_mass, all.rayleigh_stiffness, all.solver, all.tolerance,
+         all.iterations);
+    return all;
+  }
+};
 
 /// A body in motion, and the Python object of that body.
 class Simulation {
  public:
-  Simulation(std::shared_ptr<Body> body, Motion motion, std::unique_ptr<LinearSolver> solver)
-      : body_(std::move(body)),
+  Simulation(std::shared_ptr<Body> body, Arguments arguments)
+      : arguments_(std::move(arguments)),
+        body_(std::move(body)),
         forces_(std::make_shared<PointArray>(PointArray::Zero(body_->body().mesh().num_nodes(), 3))) {
     if (body_->is_in_simulation()) throw InputError("the body is in a simulation already");
+    std::unique_ptr<LinearSolver> solver = arguments_.linear_solver();
+    Motion motion = arguments_.motion();
     motion.load = [forces = forces_](double, ConstPoints, Points f) { f += *forces; };
     // a copy, so that the body is as before where the motion is refused
     moving_ = std::make_shared<MovingBody>(hexaplast::Body(body_->body()), std::move(motion), std::move(solver));
@@ -82,11 +118,21 @@ class Simulation {
     return shown->page(moving_->steps(), moving_->x, moving_->v, conditions());
   }
 
-  /// What the pictures show of nodes from now on.
-  void mark_fixed(const std::vector<int>& nodes, bool are_fixed) {
-    fixed_.resize(static_cast<std::size_t>(num_nodes()), 0);
-    for (const int node : nodes) fixed_[static_cast<std::size_t>(node)] = are_fixed ? 1 : 0;
+  py::bytes save() const {
+    std::ostringstream out(std::ios::binary);
+    moving_->save(out);
+    return out.str();
   }
+
+  void load(const py::bytes& data) {
+    std::istringstream in(data, std::ios::binary);
+    moving_->load(in);
+    body_->refresh();
+    forces_->setZero();
+    if (record_) begin_record();
+  }
+
+  const Arguments& arguments() const { return arguments_; }
 
   void set_state(py::handle positions, py::handle velocities) {
     const RealArray x = points("positions", positions, num_nodes()), v = points("velocities", velocities, num_nodes());
@@ -100,7 +146,9 @@ class Simulation {
   }
 
  private:
-  output::BoundaryConditions conditions() const { return {.fixed = fixed_, .loads = *forces_, .instruments = {}}; }
+  output::BoundaryConditions conditions() const {
+    return {.fixed = moving_->fixed(), .loads = *forces_, .instruments = {}};
+  }
 
   std::shared_ptr<MotionRecord> new_record() const {
     return std::make_shared<MotionRecord>(std::vector<output::Bodies::Entry>{{.name = "body", .body = &moving_->body}},
@@ -112,10 +160,10 @@ class Simulation {
     record_->add(moving_->steps(), moving_->x, moving_->v, conditions());
   }
 
+  Arguments arguments_;
   std::shared_ptr<Body> body_;
   std::shared_ptr<PointArray> forces_;
   std::shared_ptr<MovingBody> moving_;
-  std::vector<unsigned char> fixed_;      // per node; empty: none so far
   std::shared_ptr<MotionRecord> record_;  // null: not wanted
 };
 
@@ -150,11 +198,9 @@ void add_simulation(py::module_& module) {
       .def(py::init([](std::shared_ptr<Body> body, double density, double dt, std::array<double, 3> gravity,
                        double rayleigh_mass, double rayleigh_stiffness, const std::string& solver, double tolerance,
                        int iterations) {
-             const Motion motion{.density = density,
-                                 .dt = dt,
-                                 .gravity = Vec3(gravity[0], gravity[1], gravity[2]),
-                                 .euler = {.rayleigh_mass = rayleigh_mass, .rayleigh_stiffness = rayleigh_stiffness}};
-             return std::make_unique<Simulation>(std::move(body), motion, solver_from(solver, tolerance, iterations));
+             return std::make_unique<Simulation>(
+                 std::move(body),
+                 Arguments{density, dt, gravity, rayleigh_mass, rayleigh_stiffness, solver, tolerance, iterations});
            }),
            py::arg("body").none(false), py::kw_only(), py::arg("density") = 1000.0, py::arg("dt") = 0.01,
            py::arg("gravity") = std::array<double, 3>{0, 0, 0}, py::arg("rayleigh_mass") = 0.0,
@@ -191,27 +237,19 @@ void add_simulation(py::module_& module) {
           },
           py::arg("steps"), py::arg("forces") = py::none(),
           "Several steps under constant nodal forces (n, 3) [N]; reports the worst of them")
-      .def("fix", in_turn([](Simulation& s, py::handle nodes) {
-             const std::vector<int> numbers = indices("nodes", nodes, s.num_nodes());
-             s.get().fix(numbers);
-             s.mark_fixed(numbers, true);
-           }),
+      .def("fix", in_turn([](Simulation& s, py::handle nodes) { s.get().fix(indices("nodes", nodes, s.num_nodes())); }),
            py::arg("nodes"), "Nodes (numbers, or a mask) keep their positions from now on")
       .def(
           "prescribe", in_turn([](Simulation& s, py::handle nodes, py::handle positions) {
             const std::vector<int> numbers = indices("nodes", nodes, s.num_nodes());
             const RealArray to = points("positions", positions, static_cast<Eigen::Index>(numbers.size()));
             s.get().prescribe(numbers, as_points(to));
-            s.mark_fixed(numbers, true);
           }),
           py::arg("nodes"), py::arg("positions"),
           "Nodes (numbers, or a mask) move to positions (one row [m] per node) in the next step, and stand still after "
           "it")
-      .def("release", in_turn([](Simulation& s, py::handle nodes) {
-             const std::vector<int> numbers = indices("nodes", nodes, s.num_nodes());
-             s.get().release(numbers);
-             s.mark_fixed(numbers, false);
-           }),
+      .def("release",
+           in_turn([](Simulation& s, py::handle nodes) { s.get().release(indices("nodes", nodes, s.num_nodes())); }),
            py::arg("nodes"), "Nodes (numbers, or a mask) move freely again")
       .def("set_state", &Simulation::set_state, py::arg("positions"), py::arg("velocities"),
            "Replaces positions (n, 3) [m] and velocities (n, 3) [m/s]")
@@ -220,6 +258,23 @@ void add_simulation(py::module_& module) {
            "begin anew")
       .def("_page", &Simulation::page)
       .def("reset", &Simulation::reset, "Back to the beginning; fixed nodes stay fixed")
+      .def("save", in_turn([](Simulation& s) { return s.save(); }),
+           "Positions, velocities, number of steps, fixed nodes, solver memory and the body, with checksums: what "
+           "comes\n"
+           "after load() has the same bits")
+      .def("load", in_turn([](Simulation& s, const py::bytes& data) { s.load(data); }), py::arg("data"),
+           "Takes over what save() of a simulation with the same mesh, settings and arguments returned. What is "
+           "damaged\n"
+           "or another one's is a ValueError, and changes nothing")
+      .def("copy", &copy_of, "Another simulation with a body of its own in the same state; it records nothing")
+      .def("__copy__", &copy_of)
+      .def(py::pickle(in_turn([](Simulation& s) { return py::make_tuple(s.body(), s.arguments().state(), s.save()); }),
+                      [](const py::tuple& state) {
+                        auto made = std::make_unique<Simulation>(state[0].cast<std::shared_ptr<Body>>(),
+                                                                 Arguments::from(state[1]));
+                        made->load(state[2].cast<py::bytes>());
+                        return made;
+                      }))
       .def("fields", in_turn([](Simulation& s) { return s.get().body.fields(s.get().x); }),
            "Fields at the present positions")
       .def("state_hash", in_turn([](Simulation& s) { return s.get().state_hash(); }),

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """A body against hand values and difference quotients."""
+import copy
 import math
+import pickle
 import re
 
 import numpy as np
@@ -110,6 +112,11 @@ def test_a_saved_body_goes_on_as_the_one_that_was_not():
         straight_on.flow(x, 0.01), other.flow(x, 0.01)
     assert other.history_hash() == straight_on.history_hash()
 
+    for again in pickle.loads(pickle.dumps(other)), copy.copy(other), copy.deepcopy(other):
+        assert again.history_hash() == other.history_hash()
+        again.flow(shapes[0], 0.01)
+        assert again.history_hash() != other.history_hash()
+
     before = other.history_hash()
     for damaged in (saved[:-1], saved[:40] + bytes([saved[40] ^ 1]) + saved[41:], b""):
         with pytest.raises(ValueError):
@@ -184,10 +191,11 @@ def test_members_are_keywords_of_the_constructor(options):
         first = getattr(options(), name)
         words = re.findall(r'"(\w+)"', kind)
         is_list = kind == "list[float]"
-        other = words[-1] if words else [0.5, 2] if is_list else int(first) + 1 if math.isfinite(first) else 7
+        other = words[-1] if words else [0.5, 2] if is_list else first + 1 if kind == "int" else (
+            7 if first == math.inf else first / 2 if first else 0.25)  # within every range
         changed = options(**{name: other})
         assert getattr(changed, name) == other
-        assert f"{name}={other!r}" in repr(changed)
+        assert f"{name}={other!r}".removesuffix(".0") in repr(changed)
         assert isinstance(getattr(changed, name), str if words else list if is_list else int if kind == "int" else float)
         assert not {"yieldStress", "rotationYield", "plasticFlowRate"} & set(re.findall(r"\w+", vars(options)[name].__doc__))
         with pytest.raises(TypeError):
@@ -202,6 +210,19 @@ def test_hexahedra_on_the_same_nodes_are_named():
         hexaplast.Body(positions, np.vstack((hexahedra, hexahedra[1:])), hexaplast.Material())
 
 
+def test_a_member_out_of_its_range_is_refused_at_once():
+    with pytest.raises(ValueError, match=re.escape("young_modulus = -1: must lie in (0, inf) Pa")):
+        hexaplast.Material(young_modulus=-1)
+    material, settings = hexaplast.Material(poisson_ratio=0.3), hexaplast.Settings()
+    with pytest.raises(ValueError, match=re.escape("poisson_ratio = 0.5: must lie in [0, 0.5)")):
+        material.poisson_ratio = 0.5
+    with pytest.raises(ValueError, match="flow_rate = nan"):
+        material.flow_rate = math.nan
+    with pytest.raises(ValueError, match="averaging_steps = 0"):
+        settings.averaging_steps = 0
+    assert material.poisson_ratio == 0.3 and material.flow_rate == 0 and settings == hexaplast.Settings()
+
+
 def test_settings_and_materials_are_plain_data():
     material = hexaplast.Material(yield_stress=7)
     material.flow_rate = 2
@@ -212,6 +233,8 @@ def test_settings_and_materials_are_plain_data():
     assert settings == hexaplast.Settings()
     settings.relaxation = [0.5, 2]
     assert settings.relaxation == [0.5, 2] and "relaxation=[0.5, 2]" in repr(settings)
+    for one in material, settings:
+        assert repr(pickle.loads(pickle.dumps(one))) == repr(copy.deepcopy(one)) == repr(one)
     for name, words in {
         "bending": ("blended", "assumedCorner", "vertex", "centre"),
         "volumetric": ("sample", "volumeRatio"),

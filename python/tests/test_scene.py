@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Scene files, against what the command makes of them."""
+import copy
 import gc
 import json
+import multiprocessing
+import os
+import pickle
+import re
 
 import numpy as np
 import pytest
@@ -249,3 +254,224 @@ def test_meshes_are_found_in_the_given_directories(tmp_path):
     with pytest.raises(Exception, match="no such file"):
         hexaplast.Scene(scene)
     assert hexaplast.Scene(scene, mesh_path=[tmp_path / "far"]).dt > 0
+
+
+# A strip that flows where a ball presses into it and drags it along. {} is what changes on the way.
+TOUCHED = """<Node dt="0.02" gravity="0 0 0">{}
+  <DefaultAnimationLoop/><EulerImplicitSolver rayleighMass="0.1" rayleighStiffness="0.02"/><MultigridCGLinearSolver/>
+  <Node name="strip">
+    <RegularGridTopology name="grid" n="7 3 3" max="0.06 0.02 0.02"/><MechanicalObject name="nodes"/>
+    <DiagonalMass massDensity="1000"/>
+    <HexahedronElastoplasticFEMForceField name="material" youngModulus="2000" poissonRatio="0.4" yieldStress="60"
+        plasticFlowRate="2"/>
+    <FixedProjectiveConstraint indices="0-56-7 6-62-7"/>
+    <InstrumentContactForceField name="tip" shape="sphere" radius="0.006" friction="0.5" keyTimes="0 0.2 0.6"
+        positions="0.03 0.01 0.028  0.03 0.01 0.02  0.035 0.01 0.02"/>
+    <GraspForceField name="grip" radius="0.01" keyTimes="0" positions="0.03 0.01 0"/>
+    <Probe name="push" value="@tip.force" component="z"/>
+  </Node>
+</Node>"""
+
+
+@pytest.fixture
+def touched(tmp_path):
+    file = tmp_path / "touched.scn"
+    file.write_text(TOUCHED.format(""))
+    return file
+
+
+def go_on(data):
+    """In another process, which is elsewhere."""
+    os.chdir("/")
+    scene = pickle.loads(data)
+    scene.run(10)
+    return scene.state_hash()
+
+
+def test_a_saved_scene_goes_on_with_the_same_bits(touched, monkeypatch):
+    monkeypatch.chdir(touched.parent)
+    scene = hexaplast.Scene(touched.name, {"strip/material.hardening": 0.2})
+    assert scene.run(12).flow.yielded > 0, "the ball touches"
+    saved, pickled, hash_then = scene.save(), pickle.dumps(scene), scene.state_hash()
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        elsewhere = pool.apply_async(go_on, [pickled])
+        copies = [scene.copy(), copy.copy(scene), copy.deepcopy(scene)]
+        scene.run(10)
+        once = scene.state_hash()
+        assert elsewhere.get(60) == once
+    for made in copies:
+        assert made.state_hash() == hash_then and made.num_steps == 12 and made.time == pytest.approx(0.24)
+        made.run(10)
+        assert made.state_hash() == once
+
+    positions = scene.positions
+    for damaged in (saved[:-1], saved[:60] + bytes([saved[60] ^ 1]) + saved[61:], b""):
+        with pytest.raises(ValueError, match="the saved state is (damaged|no checkpoint)"):
+            scene.load(damaged)
+    with pytest.raises(ValueError, match="of another scene"):
+        hexaplast.Scene(touched).load(saved)
+    assert scene.state_hash() == once
+    scene.load(saved)
+    assert scene.state_hash() == hash_then and (positions == scene.positions).all(), "views follow"
+    scene.run(10)
+    assert scene.state_hash() == once
+
+
+def test_a_checkpoint_of_a_run_is_loaded(touched):
+    carry_out(touched, "--steps", 12, "--checkpoint", "every=12", "--frames", 0, "--out", touched.parent / "run")
+    scene = hexaplast.Scene(touched)
+    scene.load((touched.parent / "run" / "checkpoint_000000012.hxc").read_bytes())
+    assert scene.num_steps == 12
+    scene.run(10)
+    assert scene.state_hash() == hexaplast.run(touched, 22).state_hash()
+
+
+# before the sixth and the tenth step
+CHANGES = {
+    5: {"strip/material.yieldStress": 30,
+        "strip/tip.positions": [[0.03, 0.01, 0.028], [0.03, 0.012, 0.02], [0.04, 0.01, 0.02]]},
+    9: {"strip/tip.friction": np.float64(0.1), "strip/tip.keyTimes": np.array([0, 0.2, 0.4]),
+        "strip/material.plasticFlowRate": None, "strip/grip.maxForce": 0.05},
+}
+
+
+def as_text(value):
+    return " " if value is None else " ".join(repr(float(number)) for number in np.ravel(value))
+
+
+def test_a_scene_that_is_driven_has_the_bits_of_one_that_changes_by_itself(touched):
+    changes = "".join(
+        f"<AttributeChange component='@{path.split('.')[0]}' attribute='{path.split('.')[1]}' keyTimes='{step * 0.02}' "
+        f"values='{as_text(value)}'/>" for step, of_step in CHANGES.items() for path, value in of_step.items())
+    itself = touched.parent / "itself.scn"
+    itself.write_text(TOUCHED.format(changes))
+    unchanged = hexaplast.run(touched, 16).state_hash()
+
+    scene = hexaplast.Scene(touched)
+    before = scene.get("strip/tip.positions")
+    for round in range(2):
+        for step in range(16):
+            for path, value in CHANGES.get(step, {}).items():
+                scene.set(path, value)
+                assert np.all(scene.get(path) == (0 if value is None else value))
+            if step == 10:
+                saved = scene.save()
+            scene.step()
+        once = scene.state_hash()
+        assert once == hexaplast.run(itself, 16).state_hash() != unchanged
+        scene.reset()
+        assert (scene.get("strip/tip.positions") == before).all() and scene.get("strip/material.yieldStress") == [60]
+    scene.run(16)
+    assert scene.state_hash() == unchanged
+
+    other = hexaplast.Scene(touched)
+    other.set("strip/material.youngModulus", 9000)
+    for loaded in other, scene:  # changes come with the state, and others go
+        loaded.load(saved)
+        assert loaded.get("strip/material.youngModulus") == [2000] and loaded.get("strip/tip.friction") == 0.1
+        loaded.run(6)
+        assert loaded.state_hash() == once
+        loaded.reset()
+        loaded.run(16)
+        assert loaded.state_hash() == unchanged
+    waits = scene.copy()
+    for one in scene, waits:
+        one.set("strip/material.yieldStress", 20)
+    pickled = pickle.loads(pickle.dumps(scene))  # with a change that has not had its effect
+    for one in scene, waits, pickled:
+        one.run(3)
+    assert scene.state_hash() == waits.state_hash() == pickled.state_hash()
+
+
+@pytest.mark.parametrize("path, value, message", [
+    ("strap/tip.friction", 1, "set strap/tip.friction: error: .*'strap'.*\n.*strip"),
+    ("strip/tip.frictions", 1, "has no attribute 'frictions'.*\n.*did you mean 'friction'"),
+    ("strip/tip", 1, "must be PATH.attribute"),
+    ("strip/tip.friction", -1, "InstrumentContactForceField.friction: -1"),
+    ("strip/tip.friction", "much", "'much' is not a number"),
+    ("strip/tip.positions", [1, 2], "2 numbers given, must be groups of 3"),
+    ("strip/tip.force", [1, 2, 3], "has no attribute 'force' that may change"),
+    ("strip/material.precision", "mixed", "has no attribute 'precision' that may change"),
+    ("strip/grid.max", [1, 1, 1], "RegularGridTopology 'grid' reads its attributes once, when the scene begins"),
+    ("strip/nodes.position", [0, 0, 0], "MechanicalObject 'nodes' reads its attributes once"),
+    (".dt", 0.1, "reads its attributes once"),
+])
+def test_what_cannot_change_is_refused_before_anything_happens(touched, path, value, message):
+    scene = hexaplast.Scene(touched)
+    with pytest.raises(ValueError, match=message):
+        scene.set(path, value)
+    assert scene.run(2).steps == 2
+
+
+def test_what_a_component_refuses_in_a_step_is_taken_back(touched):
+    scene = hexaplast.run(touched, 3)
+    saved, hash_then = scene.save(), scene.state_hash()
+    for lead_on in scene.reset, lambda: scene.load(saved):
+        scene.set("strip/tip.keyTimes", [0, 0.5])  # of three positions
+        with pytest.raises(ValueError, match="3 positions given for 2 times"):
+            scene.step()
+        with pytest.raises(ValueError, match="a step has failed"):
+            scene.save()
+        lead_on()
+        assert scene.get("strip/tip.keyTimes").tolist() == [0, 0.2, 0.6]
+    assert scene.state_hash() == hash_then
+    scene.run(3)
+    assert scene.state_hash() == hexaplast.run(touched, 6).state_hash()
+
+
+def test_what_a_scene_shows_is_read(touched):
+    scene = hexaplast.run(touched, 12)
+    assert list(scene.probes) == ["push"] and scene.probes["push"] == scene.force("strip/tip")[2] > 0
+    assert scene.get("strip/nodes.position").shape == (63, 3)
+    assert (scene.get("strip/nodes.position") == scene.positions).all()
+    assert scene.get("strip/tip.shape") == "sphere" and scene.get("strip/tip.active") is True
+    assert scene.get(".dt") == 0.02 and scene.get("strip/grid.n").tolist() == [7, 3, 3]
+    assert scene.get("strip/tip.length") is None and scene.get("strip/push.value") is not None
+    assert scene.get("strip/material.plasticStrain").shape == (24,)
+    with pytest.raises(ValueError, match="has no attribute 'force'"):
+        scene.force("strip/material")
+    with pytest.raises(ValueError, match="(?s)get strip/tip.forces.*did you mean 'force'"):
+        scene.get("strip/tip.forces")
+    with pytest.raises(TypeError, match="value: "):
+        scene.set("strip/tip.friction", object())
+
+
+def test_an_instrument_goes_where_its_pose_is_set(touched):
+    alone = hexaplast.run(touched, 16)
+    scene = hexaplast.Scene(touched)
+    tip = scene.instrument("strip/tip")
+    assert tip.pose.tolist() == [0.03, 0.01, 0.028, 0, 0, 0, 1]
+    path = np.array([[0.03, 0.01, 0.028], [0.03, 0.01, 0.02], [0.035, 0.01, 0.02]])
+    for step in range(1, 17):
+        place = [np.interp(0.02 * step, [0, 0.2, 0.6], along) for along in path.T]
+        tip.pose = place
+        scene.step()
+        assert tip.pose[:3].tolist() == place
+    assert scene.positions == pytest.approx(alone.positions, abs=1e-12)
+    assert tip.force == pytest.approx(alone.force("strip/tip"), rel=1e-6) and tip.force[2] > 0.001
+    scene.step()
+    assert tip.pose[:3].tolist() == place, "it stays"
+
+    half = np.sqrt(0.5)
+    motion = [[0, -1, 0, 0.03], [1, 0, 0, 0.01], [0, 0, 1, 0.021], [0, 0, 0, 1]]
+    for pose in ([0.03, 0.01, 0.021, 0, 0, 2, 2], motion):
+        tip.pose = [0.03, 0.01, 0.03, 0, 0, 0, 1]
+        scene.step()
+        tip.pose = pose
+        scene.step()
+        assert tip.pose == pytest.approx([0.03, 0.01, 0.021, 0, 0, half, half], abs=1e-15)
+    for wrong in ([1, 2], np.eye(4) * 2, [0, 0, 0, 0, 0, 0, 0], [0, 0, np.nan]):
+        with pytest.raises(ValueError, match="pose: "):
+            tip.pose = wrong
+
+    grip = scene.instrument("strip/grip")
+    grip.pose = [0.03, 0.01, -0.002]
+    scene.run(2)
+    assert grip.force[2] < 0 and grip.pose.tolist() == [0.03, 0.01, -0.002, 0, 0, 0, 1]
+    with pytest.raises(ValueError, match="GraspForceField has no orientation"):
+        grip.pose = [0, 0, 0, 0, 0, 1, 1]
+    with pytest.raises(ValueError, match="strip/nodes"):
+        scene.instrument("strip/nodes")
+    del scene
+    gc.collect()
+    assert tip.path == "strip/tip" and tip.pose.shape == (7,)

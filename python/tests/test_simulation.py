@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bodies in motion, against hand values."""
 import concurrent.futures
+import copy
+import multiprocessing
+import pickle
 import threading
 import time
 
@@ -145,6 +148,54 @@ def test_the_same_state_goes_on_with_the_same_bits_whatever_was_before(solver):
     worked.reset()
     worked.run(5)
     assert goes_on(worked) == once, "after a reset, with all hexahedra"
+
+
+def go_on(data):
+    """In another process."""
+    simulation = pickle.loads(data)
+    simulation.run(10)
+    return simulation.state_hash()
+
+
+@pytest.mark.parametrize("solver", ["direct", "cg"])
+def test_what_was_saved_goes_on_with_the_same_bits(solver):
+    body = bar(cells=(3, 3, 8), poisson_ratio=0.45, yield_stress=100, flow_rate=4)
+    simulation = hexaplast.Simulation(body, density=900, dt=0.02, gravity=(1, 2, -3), rayleigh_mass=0.1, solver=solver)
+    z = body.initial_positions[:, 2]
+    simulation.fix(z == 0)
+    assert simulation.run(10).flow.yielded > 0
+    body.remove([30, 31])
+    simulation.prescribe(z == 0.4, simulation.positions[z == 0.4] + [0, 0, 0.01])
+    saved, pickled, time_then = simulation.save(), pickle.dumps(simulation), simulation.time
+
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        elsewhere = pool.apply_async(go_on, [pickled])
+        copies = [simulation.copy(), copy.copy(simulation), copy.deepcopy(simulation)]
+        simulation.run(10)
+        once = simulation.state_hash()
+        assert elsewhere.get(60) == once
+    for made in copies:
+        assert made.body is not body and made.time == time_then and made.body.removed == [30, 31]
+        made.run(10)
+        assert made.state_hash() == once
+        made.reset()
+        assert (made.positions == body.initial_positions).all()
+
+    positions = simulation.positions
+    for damaged in (saved[:-1], saved[:60] + bytes([saved[60] ^ 1]) + saved[61:], b""):
+        with pytest.raises(ValueError):
+            simulation.load(damaged)
+    with pytest.raises(ValueError, match="another"):
+        hexaplast.Simulation(bar(), dt=0.02).load(saved)
+    assert simulation.state_hash() == once
+    simulation.load(saved)
+    assert simulation.time == time_then
+    simulation.run(10)
+    assert simulation.state_hash() == once and simulation.positions is not positions
+    assert (positions == simulation.positions).all(), "views stay"
+
+    both = pickle.loads(pickle.dumps([simulation, body]))
+    assert both[0].body is both[1]
 
 
 def test_a_run_reports_its_worst_step():

@@ -4,13 +4,8 @@
 // refuses what it reads, or goes on from it.
 #include "record/checkpoint.hpp"
 
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <span>
 #include <vector>
 
 #include "hexaplast/base/error.hpp"
@@ -23,8 +18,6 @@ using namespace hexaplast;
 using Bytes = std::vector<std::uint8_t>;
 
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr std::string_view kBar = R"(<Node dt="0.02" gravity="0 0 -9.81">
   <DefaultAnimationLoop/>
@@ -47,21 +40,6 @@ scene::Scene bar() {
   return scene;
 }
 
-/// A file in memory, by a path of its own.
-class MemoryFile {
- public:
-  explicit MemoryFile(const Bytes& bytes) : descriptor_(::memfd_create("checkpoint", 0)) {
-    fuzz::require(::write(descriptor_, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size()), "written");
-  }
-  ~MemoryFile() { ::close(descriptor_); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-  fs::path path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
-
- private:
-  int descriptor_;
-};
-
 Bytes good_file() {
   scene::Scene scene = bar();
   bool has_torn = false;
@@ -71,13 +49,14 @@ Bytes good_file() {
       has_torn = has_torn || (field->body() && !field->body()->removed().empty());
   }
   fuzz::require(has_torn, "the bar tears");
-  const fs::path folder = fs::temp_directory_path() / ("hexaplast_fuzz_" + std::to_string(::getpid()));
-  fs::create_directory(folder);
   const output::CheckpointSection sections[] = {{"scene", [&](Archive& archive) { scene.serialize(archive); }}};
-  output::write_checkpoint(folder, 40, 0, sections);
-  std::ifstream file(folder / "checkpoint_000000040.hxc", std::ios::binary);
-  const Bytes bytes{std::istreambuf_iterator<char>(file), {}};
-  fs::remove_all(folder);
+  Bytes bytes;
+  output::write_checkpoint(
+      [&](const void* data, std::size_t size) {
+        const auto* first = static_cast<const std::uint8_t*>(data);
+        bytes.insert(bytes.end(), first, first + size);
+      },
+      0, sections);
   return bytes;
 }
 
@@ -132,9 +111,9 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (kind != 0) change(bytes, data + 1, size - 1);
   if (kind == 2) mend(bytes);
 
-  const MemoryFile file(bytes);
+  const std::span<const std::byte> content = std::as_bytes(std::span(bytes));
   try {
-    const output::Checkpoint checkpoint(file.path());
+    const output::Checkpoint checkpoint("input", {content.begin(), content.end()});
     fuzz::require(kind == 2 || bytes == good, "only what is undamaged is read");
     Archive archive = checkpoint.section("scene");
     scene::Scene scene = bar();

@@ -12,6 +12,7 @@
 #include "hexaplast/base/parallel.hpp"
 #include "page/report.hpp"
 #include "runner/run/scene_record.hpp"
+#include "scene/identity.hpp"
 
 namespace hexaplast::runner {
 namespace {
@@ -34,7 +35,7 @@ output::Manifest describe_run(scene::Scene& scene) {
   std::error_code error;  // a directory that has gone has no name
   return {.version = HEXAPLAST_VERSION,
           .working_directory = std::filesystem::current_path(error).string(),
-          .scene_hash = hash_scene(scene),
+          .scene_hash = scene::hash_scene(scene),
           .components = record_scene(scene),
           .threads = num_threads(),
           .simd = simd_target(),

@@ -40,6 +40,7 @@
 #include "runner/study/measured.hpp"
 #include "runner/subcommand.hpp"
 #include "scene/description.hpp"
+#include "scene/identity.hpp"
 #include "scene/visuals.hpp"
 
 namespace hexaplast::runner {
@@ -117,6 +118,7 @@ void write_checkpoint(Simulation& simulation, output::Recorder& recorder, RunRec
   const output::CheckpointSection sections[] = {
       {"run", [&](Archive& archive) { serialize(archive, record); }},
       {"scene", [&](Archive& archive) { simulation.serialize(archive); }},
+      {"totals", [&](Archive& archive) { simulation.serialize_totals(archive); }},
       {"output", [&](Archive& archive) { recorder.save(archive); }},
   };
   output::write_checkpoint(*record.options.out, simulation.latest().step, simulation.scene_identity(), sections);
@@ -150,7 +152,7 @@ output::StatePlan data_plan_of(Simulation& simulation, long num_steps, const Run
                      {"version", HEXAPLAST_VERSION},
                      {"simd", std::string(simd_target())},
                      {"scene", options.scene.file.filename().string()},
-                     {"scene_hash", hash_scene(simulation.scene())},
+                     {"scene_hash", scene::hash_scene(simulation.scene())},
                      {"steps", std::to_string(num_steps)},
                      {"dt", fmt::format("{}", simulation.dt())}};
   for (const std::string& assignment : options.scene.overrides) {
@@ -252,10 +254,12 @@ std::string energy_line(const EnergyBalance& energy, double put_in) {
 void restore(Simulation& simulation, const output::Checkpoint& start) {
   const std::string file = start.file().string();
   if (start.scene_hash() != simulation.scene_identity()) throw another_scene(start);
-  Archive archive = start.section("scene");
+  Archive scene = start.section("scene"), totals = start.section("totals");
   try {
-    simulation.serialize(archive);
-    if (archive.rest() != 0) throw InputError(fmt::format("{} bytes are left", archive.rest()));
+    simulation.serialize(scene);
+    simulation.serialize_totals(totals);
+    if (scene.rest() + totals.rest() != 0)
+      throw InputError(fmt::format("{} bytes are left", scene.rest() + totals.rest()));
   } catch (const InputError& error) {
     throw InputError(fmt::format("{} cannot be resumed: {}", file, error.what()));
   }

@@ -9,18 +9,15 @@
 #include "hexaplast/base/archive.hpp"
 #include "hexaplast/base/hash.hpp"
 #include "scene/document.hpp"
-#include "scene/interfaces.hpp"
+#include "scene/identity.hpp"
 #include "scene/reader.hpp"
 
 namespace hexaplast::runner {
 namespace {
 
-using attributes::Access;
 using attributes::Attribute;
 
 constexpr std::size_t kMaxText = 240;  // [byte] longer values are described
-
-std::string text_of(scene::Data& data) { return data.link().empty() ? scene::write_value(data.value()) : data.link(); }
 
 std::string hash_of(std::string_view text) {
   StateHash hash;
@@ -34,26 +31,10 @@ std::string shortened(const std::string& text) {
                      scene::split_words(text).size(), hash_of(text));
 }
 
-bool is_worth_recording(const scene::Data& data) {
-  const Attribute& attribute = data.attribute();
-  return data.is_given() && attribute.access != Access::kIgnored && attribute.access != Access::kOutput &&
-         attribute.name != "name";
-}
-
 bool has_default_value(scene::Data& data) {
   const Attribute& attribute = data.attribute();
   return data.link().empty() && !attribute.initial.empty() &&
          data.value() == scene::read_value(attribute, attribute.initial);
-}
-
-/// Calls visit(path, object) for a node, its components, and what is below.
-template <class Visit>
-void for_each_object(scene::Node& node, const Visit& visit) {
-  const std::string path = node.path();
-  visit(path, static_cast<scene::Object&>(node));
-  for (const auto& component : node.components())
-    visit((path == "/" ? "" : path) + "/" + component->name(), static_cast<scene::Object&>(*component));
-  for (const auto& child : node.children()) for_each_object(*child, visit);
 }
 
 void add(scene::Element& element, Archive& archive) {
@@ -68,53 +49,18 @@ void add(scene::Element& element, Archive& archive) {
 
 std::vector<output::ComponentRecord> record_scene(scene::Scene& scene) {
   std::vector<output::ComponentRecord> records;
-  for_each_object(scene.root(), [&](const std::string& path, scene::Object& object) {
+  scene::for_each_object(scene.root(), [&](const std::string& path, scene::Object& object) {
     if (object.class_name() == attributes::kRequiredPlugin.class_name) return;
     output::ComponentRecord record{path, std::string(object.class_name()), std::string(object.description().help), {}};
     for (const auto& data : object.all_data()) {
-      if (!is_worth_recording(*data) || has_default_value(*data)) continue;
+      if (!scene::takes_part(*data) || has_default_value(*data)) continue;
       const Attribute& attribute = data->attribute();
-      record.attributes.push_back({std::string(attribute.name), shortened(text_of(*data)), std::string(attribute.unit),
-                                   std::string(attribute.help)});
+      record.attributes.push_back({std::string(attribute.name), shortened(scene::text_of(*data)),
+                                   std::string(attribute.unit), std::string(attribute.help)});
     }
     records.push_back(std::move(record));
   });
   return records;
-}
-
-std::string hash_scene(scene::Scene& scene) {
-  StateHash hash;
-  // with its length, so that no two different scenes run together into one text
-  const auto add = [&](std::string_view text) {
-    const std::uint64_t size = text.size();
-    hash.add(&size, sizeof size);
-    hash.add(text.data(), text.size());
-  };
-  for_each_object(scene.root(), [&](const std::string& path, scene::Object& object) {
-    add(path);
-    add(object.class_name());
-    for (const auto& data : object.all_data()) {
-      if (!is_worth_recording(*data)) continue;
-      add(data->attribute().name);
-      add(text_of(*data));
-    }
-  });
-  return hash.text();
-}
-
-std::uint64_t identity_of(scene::Scene& scene) {
-  StateHash hash;
-  Archive archive([&](const void* data, std::size_t size) { hash.add(data, size); });
-  std::string graph = hash_scene(scene);
-  archive(graph);
-  for (scene::Topology* topology : scene.root().all<scene::Topology>()) {
-    PointArray positions = topology->positions();
-    std::vector<Hexahedron> hexahedra = topology->hexahedra();
-    std::vector<double> fill(topology->fill().begin(), topology->fill().end());
-    archive(positions, hexahedra, fill);
-  }
-  for (scene::MechanicalState* state : scene.root().all<scene::MechanicalState>()) archive(state->positions());
-  return hash.value();
 }
 
 std::uint64_t hash_scene_files(const SceneOptions& options) {

@@ -8,7 +8,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "runner/exit_code.hpp"
-#include "runner/run/scene_record.hpp"
+#include "scene/identity.hpp"
 #include "scene/visuals.hpp"
 
 namespace hexaplast::runner {
@@ -135,15 +135,17 @@ void Simulation::reset() {
 
 void Simulation::serialize(Archive& archive) {
   long step = latest_.step;
-  SolveReport solve{.iterations = latest_.solver_iterations, .residual = latest_.residual};
-  double step_ms = latest_.step_ms;
-  archive(step, solve.iterations, solve.residual, step_ms, totals_.step_ms, totals_.iterations, totals_.stalled_solves,
-          totals_.stalled_newton, totals_.threshold_solves, totals_.stalled_averaging, totals_.rolled_back,
-          totals_.first_removal, totals_.latest_removal, totals_.max_inverted, totals_.max_inverted_in,
-          totals_.energy_put_in);
-  for (long& steps : totals_.steps_by_preconditioner) archive(steps);
+  archive(step);
   scene_.serialize(archive);
-  if (archive.reads()) latest_ = record_of(step, solve, step_ms);
+  if (archive.reads()) latest_ = record_of(step, {}, 0);
+}
+
+void Simulation::serialize_totals(Archive& archive) {
+  archive(latest_.solver_iterations, latest_.residual, latest_.step_ms, totals_.step_ms, totals_.iterations,
+          totals_.stalled_solves, totals_.stalled_newton, totals_.threshold_solves, totals_.stalled_averaging,
+          totals_.rolled_back, totals_.first_removal, totals_.latest_removal, totals_.max_inverted,
+          totals_.max_inverted_in, totals_.energy_put_in);
+  for (long& steps : totals_.steps_by_preconditioner) archive(steps);
 }
 
 long Simulation::saved_step(Archive archive) {

@@ -53,6 +53,9 @@ class Simulation {
   /// bit. Throws InputError when it was another scene's (Scene::serialize).
   void serialize(Archive& archive);
 
+  /// What belongs to its steps besides: figures of the latest one, and totals. To be read after the above.
+  void serialize_totals(Archive& archive);
+
   /// The step after which a checkpoint was written, without reading the rest.
   static long saved_step(Archive archive);
 

@@ -10,9 +10,9 @@
 #include "runner/exit_code.hpp"
 #include "runner/run/boundary_conditions.hpp"
 #include "runner/run/common_options.hpp"
-#include "runner/run/scene_record.hpp"
 #include "runner/study/measured.hpp"
 #include "runner/subcommand.hpp"
+#include "scene/identity.hpp"
 #include "scene/reader.hpp"
 
 namespace hexaplast::runner {
@@ -119,7 +119,7 @@ void describe_scene(const SceneOptions& options) {
   scene::Component* settings = find_settings(scene);
   Json found = {{"version", HEXAPLAST_VERSION},
                 {"simd", simd_target()},
-                {"scene_hash", hash_scene(scene)},
+                {"scene_hash", scene::hash_scene(scene)},
                 {"steps", settings && settings->is_given("steps") ? Json(settings->integer("steps")) : Json(nullptr)},
                 {"input", lost_input(scene, places)}};
   found["free"] = describe_free(scene, asked.value("free", Json::array()));
