@@ -56,12 +56,12 @@ struct Body::State {
   double checked_dt = kNone;                  // time step that passed check_time_step
   double time_step = kNone;                   // of what follows
   std::vector<BranchStep> branches;           // how they take it
-  SlotScratch slots;                          // of solvers and of `energy`
+  SlotScratch slots;                          // of solvers, `energy` and `fields`
   ProductWorkspace product;                   // of add_stiffness_product and energy
   DoublePrecisionOperator exact;              // of mixed precision
   std::deque<RecoveryTerm> springs;           // of the systems described since `linearize`, one for each factor
   std::deque<plain::StiffnessTerm> terms;     // the same of a plain body
-  std::optional<ElementHierarchy> hierarchy;  // made when a solver first asks for coarse operators
+  std::optional<ElementHierarchy> hierarchy;  // made when a solver first asks for levels
   ReleasedShape released;                     // of isolated rest shapes, made when it is first asked for
 };
 

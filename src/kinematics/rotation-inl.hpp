@@ -25,8 +25,7 @@ struct RotationVector {
   std::uint32_t near_half_turn = 0;  ///< bit per lane: the axis is lost in rounding; ask the quaternion
 };
 
-// Lanes use sine and cosine. The quaternion is accurate for the smallest angles and at pi, but finding it branches;
-// tests/elastic/kernels_test.cpp compares the two.
+// Lanes use sine and cosine. The quaternion is accurate for the smallest angles and at pi, but finding it branches.
 template <class V>
 HEXAPLAST_INLINE RotationVector<V> rotation_log(const Mat<V>& R) {
   using T = ScalarOf<V>;

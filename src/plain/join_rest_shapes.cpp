@@ -67,7 +67,8 @@ class Joining final : public LinearSystem {
              AveragingReport& report) {
     projects_ = projects;
     PointArray& dx = history_.averaging_increment;  // the latest one is a good guess
-    const SolveReport solved = solver.solve_from_guess(*this, -gradient, dx, {});
+    SolverMemory none;
+    const SolveReport solved = solver.solve_from_guess(*this, -gradient, dx, none);
     report.iterations += solved.iterations;
     report.residual = solved.residual;
     report.converged = report.converged && solved.converged;

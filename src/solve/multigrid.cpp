@@ -36,7 +36,7 @@ bool SolverMemory::is_valid() const {
 void SolverMemory::serialize(Archive& archive) {
   std::uint64_t count = radii.size();
   archive(is_first, start, count);
-  if (count > archive.rest() && archive.reads())
+  if (archive.reads() && count > archive.rest() / sizeof(SpectralRadii::of_level))
     throw InputError(fmt::format("{} spectral radii are announced", count));
   radii.resize(count);
   for (SpectralRadii& of_body : radii) of_body.serialize(archive);
@@ -167,7 +167,7 @@ void MultigridLevel::resize() {
 }
 
 // Terms beside the bodies do not raise the spectral radii: they add the same to A and to D. So these are found without
-// them, and serve all solves of a step, however contacts come and go.
+// them, and are valid for all solves of a step, however contacts come and go.
 bool Multigrid::setup(const KernelBody& body, const NodalPart& rest, SpectralRadii& radii) {
   levels_.resize(body.levels.size());
   for (std::size_t k = 0; k < levels_.size(); ++k) {

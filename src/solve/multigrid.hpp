@@ -17,9 +17,9 @@ struct MultigridLevel {
   SlotBlocks<float> blocks;
   ConstrainedDofs fixed;
   std::vector<unsigned char> is_fixed;  ///< the same, per number of a node
-  AlignedVector<float> x, r, d, Ad;     ///< x of the finest mesh is lent by the caller of the cycle; Ad serves Lanczos
-  std::vector<double> partial;          ///< sums per chunk
-  double radius = 1;                    ///< of D^-1 A: what the smoother takes for the upper end of its spectrum
+  AlignedVector<float> x, r, d, Ad;  ///< x of the finest mesh is borrowed from the caller of the cycle; Ad: of Lanczos
+  std::vector<double> partial;       ///< sums per chunk
+  double radius = 1;                 ///< of D^-1 A: what the smoother takes for the upper end of its spectrum
 
   const Partition& partition() const { return of.op->partition(); }
   void resize();

@@ -239,11 +239,19 @@ SolveReport PreconditionedConjugateGradients::solve_next(const LinearSystem& A, 
 }
 
 SolveReport PreconditionedConjugateGradients::solve_from_guess(const LinearSystem& A, ConstPoints b, Points x,
-                                                               const SolverMemory& memory) {
-  spaces_->radii = memory.radii;
-  for (SpectralRadii& radii : spaces_->radii) radii.num_solves = 0;  // they serve the whole step
-  const ConstPoints start(x);                                        // which is read before x is written
-  return iterate(A, b, &start, x);
+                                                               SolverMemory& memory) {
+  std::vector<SpectralRadii>& radii = spaces_->radii;
+  radii = memory.radii;
+  for (SpectralRadii& of_body : radii) of_body.num_solves = 0;  // valid in the whole step
+  const ConstPoints start(x);                                   // which is read before x is written
+  const SolveReport report = iterate(A, b, &start, x);
+  for (std::size_t k = 0; k < radii.size(); ++k)
+    if (k < memory.radii.size() && radii[k].of_level == memory.radii[k].of_level)
+      radii[k] = memory.radii[k];
+    else
+      radii[k].update(report.iterations);
+  memory.radii = radii;
+  return report;
 }
 
 namespace {
@@ -270,6 +278,7 @@ void run(CgSpace& space, ConstPoints b, const ConstPoints* start, double norm_b,
 PreparedSystem PreconditionedConjugateGradients::prepare(const LinearSystem& A, SolverMemory& memory) {
   PreparedSystem prepared;
   spaces_->radii = memory.radii;
+  for (SpectralRadii& radii : spaces_->radii) radii.num_solves = 0;  // valid for all solvers of A
   spaces_->latest = &spaces_->choose(A, preconditioner_);
   memory.radii = spaces_->radii;
   const PreconditionedBy preconditioner = spaces_->preconditioned_by;

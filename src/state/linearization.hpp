@@ -61,7 +61,7 @@ struct Linearization {
   bool is_current = false;              ///< what follows belongs to x and the plastic rest shape
   std::vector<unsigned char> is_stale;  ///< per chunk: where it does not
   bool is_screened = false;             ///< `screen` is filled
-  long revision = 0;                    ///< grows whenever something of what follows changes
+  long revision = 0;                    ///< grows with every linearization that is computed
   PointArray x;                         ///< [m] current positions
   AlignedVector<double> current;        ///< [m] slots
   AlignedVector<double> of_chunks;      ///< [N] slots: forces of the elements of each chunk

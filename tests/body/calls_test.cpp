@@ -248,12 +248,13 @@ TEST_F(SizesOfCalls, OfEverySolver) {
   ConjugateGradients cg{ConjugateGradientSettings{}};
   PreconditionedConjugateGradients pcg(1e-6, 10);
   PointArray b = PointArray::Ones(4, 3), y = PointArray::Zero(4, 3);
+  SolverMemory memory;
   for (LinearSolver* solver :
        {static_cast<LinearSolver*>(&cholesky), static_cast<LinearSolver*>(&cg), static_cast<LinearSolver*>(&pcg)}) {
     expect_refusals({{"solve", "b", 4, [&](PointArray& wrong) { solver->solve(A, wrong, y); }},
                      {"solve", "x", 4, [&](PointArray& wrong) { solver->solve(A, b, wrong); }},
-                     {"solve", "b", 4, [&](PointArray& wrong) { solver->solve_from_guess(A, wrong, y, {}); }},
-                     {"solve", "x", 4, [&](PointArray& wrong) { solver->solve_from_guess(A, b, wrong, {}); }}});
+                     {"solve", "b", 4, [&](PointArray& wrong) { solver->solve_from_guess(A, wrong, y, memory); }},
+                     {"solve", "x", 4, [&](PointArray& wrong) { solver->solve_from_guess(A, b, wrong, memory); }}});
   }
 }
 

@@ -137,7 +137,8 @@ TEST(Compliance, BeginsTheMotionOfMultipliersNearIt) {
   EXPECT_LE(dot(error, A_error), 0.04 * dot(expected, A_expected)) << "a fifth in the energy norm";
 
   PreconditionedConjugateGradients solver(1e-3, 100, Preconditioner::kAuto);
-  EXPECT_LE(solver.solve_from_guess(slab, b, x, {}).residual, 1e-3);
+  SolverMemory none;
+  EXPECT_LE(solver.solve_from_guess(slab, b, x, none).residual, 1e-3);
   EXPECT_FALSE(Compliance().start(b, x));
   compliance.reset();
   EXPECT_FALSE(compliance.start(b, x));

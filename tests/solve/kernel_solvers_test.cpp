@@ -77,15 +77,15 @@ TEST(ConjugateGradients, ReportTheTrueResidualOfAMixedBody) {
   }
 }
 
-// Rounding of the stiffness, which such a body does not feel, is far above the forces that it feels. (At 7e10 and 2,700
-// one of twenty densities loses a step or more: its vibrations then are a hundred times its weight.)
+// Rounding of the stiffness, which such a body does not feel, is far above the forces that it feels. To 1 % some steps
+// may leave the weight out: theory.md section 9.5, limits.
 TEST(MixedPrecision, LetsStiffBodiesFallAsTheyMust) {
-  for (const auto& [young_modulus, density] : {std::pair{1e11, 7800.0}, {2e11, 7800.0}, {5e10, 2700.0}})
+  for (const auto& [young_modulus, density] : {std::pair{1e11, 7800.0}, {2e11, 7800.0}, {7e10, 2700.0}})
     for (const Preconditioner preconditioner : {Preconditioner::kMultigrid, Preconditioner::kDiagonal}) {
       Body bar(support::block({3, 3, 10}, 0.01), {Material{.young_modulus = young_modulus, .poisson_ratio = 0.3}},
                {.precision = Precision::kMixed});
       MovingBody falling(std::move(bar), {.density = density, .dt = 0.01, .gravity = {0, 0, -9.81}},
-                         std::make_unique<PreconditionedConjugateGradients>(0.01, 500, preconditioner));
+                         std::make_unique<PreconditionedConjugateGradients>(1e-3, 500, preconditioner));
       const RunReport report = falling.run(20);
       EXPECT_NEAR(falling.v.col(2).mean(), -9.81 * 0.2, 0.02 * 9.81 * 0.2) << young_modulus;
       EXPECT_TRUE(report.solve.converged);
@@ -169,7 +169,8 @@ TEST_P(KernelSolvers, RecoverFromWhatIsNoNumber) {
   EXPECT_TRUE(solver.solve(A, b, after).converged);
   EXPECT_EQ(after, before);
   after.setConstant(NAN);
-  EXPECT_TRUE(solver.solve_from_guess(A, b, after, {}).converged) << "a start that is no number is none";
+  SolverMemory none;
+  EXPECT_TRUE(solver.solve_from_guess(A, b, after, none).converged) << "a start that is no number is none";
 }
 
 // Squares of what is far from 1 are beyond single precision: the same bits, times the power of two.
@@ -185,8 +186,9 @@ TEST_P(KernelSolvers, DoNotFeelTheSizeOfTheRightHandSide) {
     EXPECT_EQ(scaled.residual, report.residual) << power;
     EXPECT_EQ(of_scaled, scale * x) << power;
     of_scaled = scale * x;
+    SolverMemory none;
     of_scaled(300, 1) *= 1.1;
-    EXPECT_TRUE(solver.solve_from_guess(A, scale * b, of_scaled, {}).converged) << power;
+    EXPECT_TRUE(solver.solve_from_guess(A, scale * b, of_scaled, none).converged) << power;
   }
 }
 

@@ -273,6 +273,72 @@ TEST(SpectralRadii, OfEarlierStepsServeAsWellAsThePresentOnes) {
   EXPECT_NEAR(iterations, iterations_anew, 0.03 * iterations_anew);
 }
 
+// Too small a radius makes a cycle indefinite, or smooth badly: it is found anew, in the same step.
+TEST(SpectralRadii, ThatAreTooSmallAreFoundAnew) {
+  MovingBody bar = flowing_bar();
+  bar.step();
+  const double right = bar.solver_memory().radii.at(0).of_level[0];
+  for (double& radius : bar.solver_memory().radii.at(0).of_level) radius *= 0.2;
+  bar.step();
+  EXPECT_EQ(bar.latest.preconditioner, PreconditionedBy::kMultigrid);
+  EXPECT_TRUE(bar.latest.converged);
+  EXPECT_NEAR(bar.solver_memory().radii.at(0).of_level[0], right, 0.1 * right);
+}
+
+/// M + h^2 K of two bodies side by side.
+class TwoBodies final : public LinearSystem {
+ public:
+  int num_nodes() const override { return 2 * count_; }
+  void apply(ConstPoints p, Points Ap) const override {
+    Ap = 1e-3 * p;
+    for (int k = 0; k < 2; ++k)
+      bodies_[k].add_stiffness_product(-1e-3, p.middleRows(k * count_, count_), Ap.middleRows(k * count_, count_));
+  }
+  void assemble(BlockMatrix&) const override { FAIL(); }
+  bool describe(MatrixFreeSystem& system) const override {
+    system.diagonal.setZero(num_nodes(), 3);
+    system.constraints.reset(num_nodes());
+    for (int k = 0; k < 2; ++k) {
+      MatrixFreeSystem part;
+      part.wants_levels = system.wants_levels;
+      part.diagonal.setConstant(count_, 3, 1e-3);
+      part.constraints.reset(count_);
+      bodies_[k].describe(-1e-3, part);
+      system.add_part(part, k * count_);
+    }
+    return true;
+  }
+  void linearize(double stretch) {
+    for (Body& body : bodies_) body.linearize(stretch * body.mesh().positions());
+  }
+
+ private:
+  std::array<Body, 2> bodies_{{{support::block({8, 8, 12}, 0.01), {{.young_modulus = 1e6}}},
+                               {support::block({8, 8, 12}, 0.01), {{.young_modulus = 1e4}}}}};
+  int count_ = bodies_[0].mesh().num_nodes();
+};
+
+TEST(SpectralRadii, OfSeveralBodiesServeTheNextSteps) {
+  TwoBodies system;
+  PreconditionedConjugateGradients solver(1e-6, 300, Preconditioner::kMultigrid);
+  const PointArray b = support::Random(81).field(system.num_nodes(), 1);
+  PointArray x(b.rows(), 3);
+  SolverMemory memory;
+  for (int step = 1; step < 5; ++step) {
+    system.linearize(1 + 0.001 * step);
+    EXPECT_TRUE(solver.solve_next(system, b, x, memory).converged);
+    ASSERT_EQ(memory.radii.size(), 2U);
+    for (const SpectralRadii& of_body : memory.radii) EXPECT_EQ(of_body.num_solves, step);
+  }
+  memory.radii[1].of_level[0] *= 0.2;
+  const double spoiled = memory.radii[1].of_level[0];
+  EXPECT_TRUE(solver.solve_from_guess(system, b, x = PointArray::Zero(b.rows(), 3), memory).converged);
+  EXPECT_GT(memory.radii[1].of_level[0], 2 * spoiled) << "what a further solve finds is kept";
+  memory.radii.pop_back();
+  EXPECT_TRUE(solver.solve_next(system, b, x, memory).converged);
+  EXPECT_EQ(memory.radii.size(), 2U) << "those of another number of bodies are not used";
+}
+
 TEST(SpectralRadii, ThatCannotBeAreRefused) {
   for (const auto& spoil :
        {+[](SpectralRadii& radii) { radii.num_levels = SpectralRadii::kMaxLevels + 1; },

@@ -208,7 +208,8 @@ TEST(OtherTerms, AStartLeavesHeldNodesWhereTheyAre) {
       PreconditionedConjugateGradients solver(tolerance, 2000, Preconditioner::kMultigrid);
       solver.solve(slab, b, x);
       for (const int n : slab.held) x(n, 0) = 1e-6 * x.norm();
-      EXPECT_TRUE(solver.solve_from_guess(slab, b, x, {}).converged);
+      SolverMemory none;
+      EXPECT_TRUE(solver.solve_from_guess(slab, b, x, none).converged);
       for (const int n : slab.held) EXPECT_TRUE(x.row(n).isZero(0));
     }
 }

@@ -197,7 +197,7 @@ TEST_F(Solvers, RecoverFromWhatIsNoNumber) {
              [&] { solver->solve_next(DenseSystem(spoiled), b, again, memory); },
              [&] {
                again = nan;
-               solver->solve_from_guess(DenseSystem(A), b, again, {});
+               solver->solve_from_guess(DenseSystem(A), b, again, memory);
              }}) {
       try {
         trouble();
@@ -210,7 +210,8 @@ TEST_F(Solvers, RecoverFromWhatIsNoNumber) {
   }
   PreconditionedConjugateGradients pcg(1e-10, 1000);
   PointArray x = nan;
-  EXPECT_TRUE(pcg.solve_from_guess(DenseSystem(A), b, x, {}).converged) << "a start that is no number is none";
+  SolverMemory none;
+  EXPECT_TRUE(pcg.solve_from_guess(DenseSystem(A), b, x, none).converged) << "a start that is no number is none";
   EXPECT_TRUE(agrees(x, exact, 1e-8));
 }
 

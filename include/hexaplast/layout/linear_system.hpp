@@ -243,7 +243,7 @@ struct SpectralRadii {
 struct SolverMemory {
   bool is_first = true;              ///< nothing has been solved: SOFA's rules are relaxed then
   PointArray start;                  ///< the latest solution, to start from; without rows: there is none
-  std::vector<SpectralRadii> radii;  ///< per body of the system; others: nothing has been estimated
+  std::vector<SpectralRadii> radii;  ///< per body of the system; of another number of bodies they are not used
 
   void reset() { *this = {}; }
 
@@ -266,9 +266,9 @@ class LinearSolver {
     return solve(A, b, x);
   }
 
-  /// A further solve within the step of the latest solve_next, of nearly the same A, for an x that arrives near the
-  /// solution; the tolerance still refers to b.
-  virtual SolveReport solve_from_guess(const LinearSystem& A, ConstPoints b, Points x, const SolverMemory& /*memory*/) {
+  /// A further solve within the step of the latest solve_next, for an x that arrives near the solution; the tolerance
+  /// still refers to b. A memory in which nothing is costs the estimates of a first solve.
+  virtual SolveReport solve_from_guess(const LinearSystem& A, ConstPoints b, Points x, SolverMemory& /*memory*/) {
     return solve(A, b, x);
   }
 };

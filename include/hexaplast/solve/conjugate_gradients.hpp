@@ -58,7 +58,7 @@ class PreconditionedConjugateGradients final : public LinearSolver {
   PreconditionedConjugateGradients(PreconditionedConjugateGradients&&) noexcept;
   SolveReport solve(const LinearSystem& A, ConstPoints b, Points x) override;
   SolveReport solve_next(const LinearSystem& A, ConstPoints b, Points x, SolverMemory& memory) override;
-  SolveReport solve_from_guess(const LinearSystem& A, ConstPoints b, Points x, const SolverMemory& memory) override;
+  SolveReport solve_from_guess(const LinearSystem& A, ConstPoints b, Points x, SolverMemory& memory) override;
 
   /// For many right-hand sides of one A (Compliance): prepares what their solves share. A stays as it is until the last
   /// of them. memory: of all solvers of this A.

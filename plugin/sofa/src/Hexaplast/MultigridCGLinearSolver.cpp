@@ -257,8 +257,9 @@ private:
         PreconditionedConjugateGradients solver(std::min(kOfMultipliers, options.tolerance), options.iterations,
                                                 options.preconditioner);
         const bool has_start = m_compliance.start(force, motion);
+        SolverMemory none;
         const SolveReport report =
-            has_start ? solver.solve_from_guess(system, force, motion, {}) : solver.solve(system, force, motion);
+            has_start ? solver.solve_from_guess(system, force, motion, none) : solver.solve(system, force, motion);
         msg_info() << report.iterations << " iterations for multipliers, |r| / |b| = " << report.residual;
         return motion;
     }
