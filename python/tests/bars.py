@@ -2,10 +2,13 @@
 """Bars of 1 m along x and a section of 0.25 m^2, held at x = 0, and the command that runs them. Without lateral contraction the
 elongation under a force F is F / (E A) exactly, whatever the mesh."""
 import contextlib
+import copy
 import importlib
 import io
+import multiprocessing
 import os
 import pathlib
+import pickle
 import signal
 import subprocess
 import sys
@@ -81,6 +84,25 @@ def contracting(is_confined):
     scene = PULLED.replace("poissonRatio='0' ", "poissonRatio='0.1' volumetric='sample' bending='blended' recovery='none' ")
     return scene.replace("<FixedProjectiveConstraint indices='0 3 6 9'/>",
                          "<PartialFixedProjectiveConstraint indices='0 3 6 9' fixedDirections='1 0 0'/>" + across)
+
+
+def _go_on(pickled):
+    os.chdir("/")  # a scene that was read by a relative path is found
+    motion = pickle.loads(pickled)
+    motion.run(10)
+    return motion.state_hash()
+
+
+def copies_before_running_on(motion):
+    """Copies of a simulation or scene, which then runs on for ten steps; and its hash after them, which one that was pickled
+    has in another process."""
+    pickled = pickle.dumps(motion)
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        elsewhere = pool.apply_async(_go_on, [pickled])
+        copies = [motion.copy(), copy.copy(motion), copy.deepcopy(motion)]
+        motion.run(10)
+        assert elsewhere.get(60) == motion.state_hash()
+    return copies, motion.state_hash()
 
 
 def processes(*words):
