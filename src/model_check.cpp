@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include "body_state.hpp"
@@ -17,6 +18,8 @@ namespace {
 
 constexpr double kNearlyIncompressible = 0.49;  // above, trilinear hexahedra lock in bending
 constexpr double kLargeYieldStrain = 0.5;
+constexpr double kLargestExtent = 2;  // [m]
+constexpr double kLargestMass = 500;  // [kg]
 
 }  // namespace
 
@@ -88,6 +91,23 @@ std::vector<std::string> model_warnings(const ModelCheck& check, Names names) {
       fmt::format(
           "pressure waves cross the body in {:.3g} time steps: vibrations are damped, only slow loads are resolved",
           check.steps_across));
+  return sentences;
+}
+
+std::vector<std::string> size_warnings(const ModelCheck& check, const Vec3& gravity) {
+  std::vector<std::string> sentences;
+  constexpr std::string_view kUnit = "are its coordinates in millimetres? They are read as metres";
+  if (check.extent.maxCoeff() > kLargestExtent)
+    sentences.push_back(fmt::format("the body is {:.3g} m long: {}", check.extent.maxCoeff(), kUnit));
+  else if (check.mass > kLargestMass)
+    sentences.push_back(fmt::format("the body weighs {:.3g} kg: {}", check.mass, kUnit));
+  // a column of height L that stands on the ground is shortened by rho g L^2 / 2 E
+  const double shortened = check.density * gravity.cwiseAbs().dot(check.extent) / (2 * check.max_young_modulus);
+  if (shortened > 1)
+    sentences.push_back(
+        fmt::format("its own weight would shorten the body by {:.3g} times its height, as it is {:.3g} "
+                    "kg/m^3 at {:.3g} Pa: are density and Young's modulus in SI units?",
+                    shortened, check.density, check.max_young_modulus));
   return sentences;
 }
 

@@ -42,6 +42,10 @@ ModelCheck check_model(const Body& body, double mass, double dt);
 /// what concerns the mesh check_shapes.
 std::vector<std::string> model_warnings(const ModelCheck& check, Names names = Names::kMembers);
 
+/// One sentence for each size that no tissue has, as bodies have them whose coordinates are in millimetres.
+/// gravity: [m/s^2].
+std::vector<std::string> size_warnings(const ModelCheck& check, const Vec3& gravity);
+
 /// One sentence for each limit of fracture that nothing can reach, or beyond which elements begin.
 std::vector<std::string> fracture_warnings(const std::vector<Material>& materials, Names names = Names::kMembers);
 

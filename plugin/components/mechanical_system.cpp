@@ -8,7 +8,6 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
-#include "model_check.hpp"
 #include "scene/parts.hpp"
 #include "scene/potential.hpp"
 
@@ -174,14 +173,24 @@ double NodeSystem::recovery_work() const {
   return work;
 }
 
+ModelCheck NodeSystem::check(const scene::ForceField& body, const Layer& layer) const {
+  auto& state = dynamic_cast<scene::MechanicalState&>(*layer.state);
+  return check_model(*body.body(), scene::total_mass(scene::masses_of(node_, state), state), node_.clock().dt);
+}
+
 double NodeSystem::highest_frequency() const {
   double frequency = 0;
   for_each_body([&](const scene::ForceField& body, const Layer& layer) {
-    auto& state = dynamic_cast<scene::MechanicalState&>(*layer.state);
-    const double mass = scene::total_mass(scene::masses_of(node_, state), state);
-    frequency = std::max(frequency, check_model(*body.body(), mass, node_.clock().dt).highest_frequency);
+    frequency = std::max(frequency, check(body, layer).highest_frequency);
   });
   return frequency;
+}
+
+void NodeSystem::warn_of_sizes() const {
+  for_each_body([&](const scene::ForceField& body, const Layer& layer) {
+    for (const std::string& sentence : size_warnings(check(body, layer), node_.clock().gravity))
+      component_of(body).remark(scene::Severity::kWarning, "", sentence);
+  });
 }
 
 scene::Component& NodeSystem::strongest_damper(double time) const {

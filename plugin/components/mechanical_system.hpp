@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "model_check.hpp"
 #include "scene/interfaces.hpp"
 #include "solve/layered_system.hpp"
 
@@ -39,6 +40,8 @@ class NodeSystem final : public LayeredSystem {
   double recovery_work() const;      ///< [J] of the bodies
   double highest_frequency() const;  ///< [rad/s] about that of the bodies' fastest vibration; 0: nothing vibrates
 
+  void warn_of_sizes() const;  ///< remarks of bodies that have a size of no tissue
+
   /// Of what damps explicitly, at the moment.
   scene::Component& strongest_damper(double time) const;
 
@@ -51,6 +54,7 @@ class NodeSystem final : public LayeredSystem {
   /// visit(body, layer) for each body.
   template <class Visit>
   void for_each_body(const Visit& visit) const;
+  ModelCheck check(const scene::ForceField& body, const Layer& layer) const;
 
   scene::Node& node_;
   bool constraints_changed_ = false;

@@ -25,7 +25,9 @@ class SystemSolver : public scene::OdeSolver, public scene::Stateful {
     system_.emplace(node());
     if (linear_solver_->needs_matrix())
       system_->require_matrix(fmt::format("{} '{}'", linear_solver_->class_name(), linear_solver_->name()));
-    if (begins) system_->project_motion(0);
+    if (!begins) return;
+    system_->project_motion(0);
+    system_->warn_of_sizes();
   }
 
   /// Told by constraints of what it moves that hold other nodes from now on.

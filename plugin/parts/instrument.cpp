@@ -185,11 +185,24 @@ bool Instrument::comes_near(ConstPoints x, ConstPoints v, double dt, const Pose&
 
 void Instrument::look_at_start(double time, const OfTwo<ConstPoints>& x) {
   if (!options_.contact.active) return;
-  if (options_.is_prescribed)
+  if (options_.is_prescribed) {
     look("rigid", "begins", prescribed_[0], x.first);
-  else
+  } else {
     look("positions", "begins", pose_at(time), x.first);
+    if (!path_comes_near(x.first))
+      warn("positions",
+           "the path never comes near the body as it is at the beginning: nothing is touched unless the body moves "
+           "there; are both in metres?");
+  }
   has_looked_at_start_ = true;
+}
+
+bool Instrument::path_comes_near(ConstPoints x) const {
+  const PointArray at_rest = PointArray::Zero(x.rows(), 3);
+  const std::vector<double>& times = options_.key_times;
+  for (std::size_t k = 0; k < times.size(); ++k)
+    if (comes_near(x, at_rest, 0, pose_at(times[k]), pose_at(times[std::min(k + 1, times.size() - 1)]))) return true;
+  return false;
 }
 
 void Instrument::look(const char* option, const char* begins, const Pose& pose, ConstPoints x) {

@@ -101,6 +101,7 @@ class Instrument final : public ContactForce {
   SurfaceSamples planned_samples(const Solid& solid) const;
   void make_samples();
   bool comes_near(ConstPoints x, ConstPoints v, double dt, const Pose& from, const Pose& to) const;
+  bool path_comes_near(ConstPoints x) const;
   void look(const char* option, const char* begins, const Pose& pose, ConstPoints x);
   void follow_surface();  // where hexahedra have gone since the last call
 

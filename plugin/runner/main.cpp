@@ -50,6 +50,7 @@ int main(int argc, char** argv) {
   app.add_subcommand("sweep", "Run a scene for every combination of attribute values; continues what was begun");
   app.add_subcommand("fit", "Find the attribute values with which a scene repeats a measured curve");
   refuse_empty_values(app);
+  if (argc == 1) return report_errors("hexaplast", [&] { return app.exit(CLI::CallForHelp()); });
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

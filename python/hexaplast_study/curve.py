@@ -86,6 +86,7 @@ def read_target(file, compare):
         refuse(file, head_line, "no column is called time or force: the curve is over neither (the first line names columns)")
     is_over_time = "time" in names
     along = names.index("time" if is_over_time else "force")
+    compare = [f"probe_{name}" if name not in names and f"probe_{name}" in names else name for name in compare]
     for name in compare:
         if name not in names or names.index(name) == along:
             refuse(file, head_line, f"no column that could be compared is called '{name}' (--compare)")

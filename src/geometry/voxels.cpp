@@ -103,8 +103,8 @@ std::array<int, 2> range_of_cells(const LabelledVolume& volume, const Places& pl
 /// Counts the labels of the voxels in one cell after the other.
 class LabelCount {
  public:
-  LabelCount(const LabelledVolume& volume, const Places& places, int coarsening)
-      : volume_(volume), places_(places), coarsening_(coarsening) {}
+  LabelCount(const LabelledVolume& volume, const Places& places, const VoxelCells& cells)
+      : volume_(volume), places_(places), coarsening_(cells.coarsening), covers_(cells.covers) {}
 
   /// Place of the label of a cell; 0: it is background.
   int place(const GridCell& cell) {
@@ -133,13 +133,14 @@ class LabelCount {
     for (const unsigned char place : found_) count_[place] = 0;
     found_.clear();
     const std::int64_t size = std::int64_t{coarsening_} * coarsening_ * coarsening_;
-    return 2 * std::int64_t{total} >= size ? best : 0;
+    return covers_ || 2 * std::int64_t{total} >= size ? best : 0;
   }
 
  private:
   const LabelledVolume& volume_;
   const Places& places_;
   int coarsening_;
+  bool covers_;
   std::array<int, 256> count_{};
   std::vector<unsigned char> found_;
 };
@@ -165,7 +166,7 @@ Chosen choose(const LabelledVolume& volume, const VoxelCells& options) {
   const Extent extent = extent_of(volume, places);
 
   Chosen chosen;
-  LabelCount count(volume, places, options.coarsening);
+  LabelCount count(volume, places, options);
   const int N = options.coarsening;
   for (int k = extent.min[2] / N; k <= extent.max[2] / N; ++k)
     for (int j = extent.min[1] / N; j <= extent.max[1] / N; ++j) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "model_check.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
@@ -203,6 +206,21 @@ TEST(ModelCheck, EachUnwiseChoiceIsNamed) {
             std::string::npos);
   EXPECT_NE(only_warning([](ModelCheck& s) { s.yield_strain = 0.75; }).find("0.75"), std::string::npos);
   EXPECT_NE(only_warning([](ModelCheck& s) { s.steps_across = 0.5; }).find("0.5 time steps"), std::string::npos);
+}
+
+// A cube of 1 m and 1,000 kg; at 9.81 m/s^2 it stands under rho g L = 9,810 Pa.
+TEST(ModelCheck, SizesOfNoTissueAreNamed) {
+  const Vec3 gravity(0, 0, -9.81);
+  const auto warnings = [&](double edge, double mass, double young_modulus) {
+    const Body body(support::block({1, 1, 1}, edge), {{.young_modulus = young_modulus, .poisson_ratio = 0.3}});
+    const std::vector<std::string> sentences = size_warnings(check_model(body, mass, 0.01), gravity);
+    return fmt::format("{}", fmt::join(sentences, "; "));
+  };
+  EXPECT_EQ(warnings(0.1, 1, 3000), "");
+  EXPECT_NE(warnings(100, 1, 3000).find("100 m long: are its coordinates in millimetres?"), std::string::npos);
+  EXPECT_NE(warnings(1, 501, 1e6).find("weighs 501 kg"), std::string::npos);
+  EXPECT_EQ(warnings(1, 400, 0.51 * 400 * 9.81), "");
+  EXPECT_NE(warnings(1, 400, 0.49 * 400 * 9.81).find("shorten the body by 1.02 times its height"), std::string::npos);
 }
 
 }  // namespace

@@ -493,10 +493,11 @@ TEST(InstrumentContactForceField, SaysWhatIsWrong) {
 }
 
 TEST(InstrumentContactForceField, WarnsOfWhatIsHardlyMeant) {
-  const auto warnings = [](const std::string& attributes) {
-    scene::Scene scene = read_and_init(block("<InstrumentContactForceField keyTimes='0' " + attributes + "'/>"));
+  const auto warnings_along = [](const std::string& path) {
+    scene::Scene scene = read_and_init(block("<InstrumentContactForceField " + path + "'/>"));
     return warnings_of(scene);
   };
+  const auto warnings = [&](const std::string& attributes) { return warnings_along("keyTimes='0' " + attributes); };
   EXPECT_NE(warnings("radius='1e-4' maxSubdivision='4' positions='0 0 1").find("slips between them"),
             std::string::npos);
   const std::string ball = "radius='.008' positions='.03 .03 ";
@@ -508,6 +509,10 @@ TEST(InstrumentContactForceField, WarnsOfWhatIsHardlyMeant) {
                      "0 1 3  0 3 2  1 2 3' radius='.008' positions='.04 .04 .03"),
             "")
       << "in the gap between a surface and its cage";
+  const std::string from_above = "radius='.008' keyTimes='0 1' positions='.03 .03 .1  .03 .03 ";
+  EXPECT_EQ(warnings_along(from_above + ".038"), "");
+  EXPECT_NE(warnings_along(from_above + ".05").find("positions: the path never comes near the body"),
+            std::string::npos);
 
   // pressed deeper than half of its thickness: once
   scene::Scene plate = read_and_init(

@@ -77,6 +77,7 @@ class LabelledVolume {
 struct VoxelCells {
   std::vector<int> labels = {};  ///< of voxels that count, the others are background; empty: all but 0
   int coarsening = 1;            ///< voxels along each edge of a hexahedron
+  bool covers = false;           ///< every voxel that counts lies in a hexahedron
   bool largest_part = false;     ///< only the largest part that is connected by faces
   double mm_per_length = 1000;   ///< of the positions: 1000 for m
 };
@@ -94,12 +95,11 @@ struct VoxelMesh {
   int num_left_out = 0;     ///< hexahedra that are not of the largest part
 };
 
-/// One hexahedron for each cell of coarsening^3 voxels of which at least half have a label that counts, beginning with
-/// voxel (0, 0, 0); what lies beyond the volume is background. The hexahedron has the most frequent of these labels; of
-/// equally frequent ones the smallest. All hexahedra have positive volumes, also where the axes of the volume are
-/// left-handed.
-/// Throws InputError for a coarsening < 1, for a label that is 0, given twice or that no voxel has, for more than
-/// kMaxVoxelCells hexahedra, and where no hexahedron is left.
+/// One hexahedron for each cell of coarsening^3 voxels of which at least half, or where `covers` any, have a label that
+/// counts, beginning with voxel (0, 0, 0); what lies beyond the volume is background. The hexahedron has the most
+/// frequent of these labels; of equally frequent ones the smallest. All hexahedra have positive volumes, also where the
+/// axes of the volume are left-handed. Throws InputError for a coarsening < 1, for a label that is 0, given twice or
+/// that no voxel has, for more than kMaxVoxelCells hexahedra, and where no hexahedron is left.
 VoxelMesh mesh_of_voxels(const LabelledVolume& volume, const VoxelCells& cells);
 
 /// A closed surface around the hexahedra of one label.

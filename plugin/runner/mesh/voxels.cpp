@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "formats/text.hpp"
@@ -18,6 +19,7 @@
 #include "hexaplast/formats/whole_file.hpp"
 #include "runner/mesh/command.hpp"
 #include "runner/mesh/file.hpp"
+#include "runner/mesh/voxel_scene.hpp"
 #include "runner/standard_output.hpp"
 #include "runner/subcommand.hpp"
 
@@ -29,9 +31,13 @@ struct MeshVoxelsOptions {
   std::vector<int> labels;  ///< empty: all but 0
   int coarsening = 1;
   bool largest_part = false;
-  std::string unit = "m";  ///< of the written lengths: m, cm or mm
-  bool ascii = false;      ///< numbers as text
-  bool surfaces = false;   ///< besides, FILE_LABEL.obj for each label
+  std::string unit = "m";       ///< of the written lengths: m, cm or mm
+  bool ascii = false;           ///< numbers as text
+  bool surfaces = false;        ///< besides, FILE_LABEL.obj for each label
+  bool covers = false;          ///< VoxelCells::covers
+  std::filesystem::path scene;  ///< to write; empty: none
+  std::string hold = "back";    ///< VoxelScene::hold
+  bool force = false;           ///< an older scene is replaced
   std::filesystem::path out;
 };
 
@@ -55,21 +61,83 @@ void write_vtu(const std::filesystem::path& file, const VoxelMesh& made, bool as
   out.commit();
 }
 
-/// "body.vtu" and 2 make "body_2.obj".
-std::filesystem::path surface_place(std::filesystem::path out, int label) {
+/// "body.vtu" and "2" make "body_2.obj".
+std::filesystem::path surface_place(std::filesystem::path out, std::string_view of) {
   const std::string stem = out.stem().string();
-  return out.replace_filename(fmt::format("{}_{}.obj", stem, label));
+  return out.replace_filename(fmt::format("{}_{}.obj", stem, of));
+}
+
+VoxelSurface smooth_surface(const VoxelMesh& made, int label, const ImportedVolume& found, const VoxelCells& cells) {
+  return surface_of_label(made, label, cells.coarsening / cells.mm_per_length * found.volume.axes());
+}
+
+void write_surface(const std::filesystem::path& file, const ExportedMesh& surface, const ImportedVolume& found) {
+  WholeFile out(output_place(file, InputFiles(found.files)));
+  out.write(obj_text(surface));
+  out.commit();
 }
 
 void write_surfaces(const MeshVoxelsOptions& options, const ImportedVolume& found, const VoxelCells& cells,
                     const VoxelMesh& made) {
-  const Mat3 cell = cells.coarsening / cells.mm_per_length * found.volume.axes();
   for (const int label : std::set<int>(made.labels.begin(), made.labels.end())) {
-    const VoxelSurface surface = surface_of_label(made, label, cell);
-    WholeFile file(output_place(surface_place(options.out, label), InputFiles(found.files)));
-    file.write(obj_text({.points = coordinates_of(surface.positions), .quads = surface.quads}));
-    file.commit();
+    const VoxelSurface surface = smooth_surface(made, label, found, cells);
+    write_surface(surface_place(options.out, std::to_string(label)),
+                  {.points = coordinates_of(surface.positions), .quads = surface.quads}, found);
   }
+}
+
+/// The surface around all that has a label, as fine as the image unless that makes it too large.
+VoxelSurface outer_surface(const ImportedVolume& found, VoxelCells cells) {
+  constexpr double kMostHexahedra = 250'000;
+  double num_voxels = 0;
+  for (std::size_t l = 1; l <= found.volume.labels().size(); ++l)
+    num_voxels += static_cast<double>(found.volume.count(l));
+  const auto least = static_cast<int>(std::ceil(std::cbrt(num_voxels / kMostHexahedra)));
+  if (least < cells.coarsening) {
+    cells.coarsening = std::max(least, 1);
+    cells.covers = false;
+  }
+  VoxelMesh fine = mesh_of_voxels(found.volume, cells);
+  std::ranges::fill(fine.labels, 1);
+  return smooth_surface(fine, 1, found, cells);
+}
+
+/// A scene and the surface that it embeds, before they are written.
+struct PlannedScene {
+  std::filesystem::path surface_file;
+  VoxelSurface surface;
+  std::string text = {};
+
+  void write(const MeshVoxelsOptions& options, const ImportedVolume& found) const {
+    std::vector<Triangle> triangles;  // contact takes these alone
+    for (const auto& [a, b, c, d] : surface.quads) triangles.insert(triangles.end(), {{a, b, c}, {a, c, d}});
+    write_surface(surface_file, {.points = coordinates_of(surface.positions), .triangles = triangles}, found);
+    WholeFile out(output_place(options.scene, InputFiles(found.files)));
+    out.write(text);
+    out.commit();
+  }
+};
+
+PlannedScene plan_scene(const MeshVoxelsOptions& options, const ImportedVolume& found, const VoxelCells& cells,
+                        const VoxelMesh& made) {
+  const auto seen_from_scene = [&](const std::filesystem::path& of) {
+    return std::filesystem::absolute(of)
+        .lexically_normal()
+        .lexically_relative(std::filesystem::absolute(options.scene).lexically_normal().parent_path())
+        .generic_string();
+  };
+  PlannedScene scene{.surface_file = surface_place(options.out, "surface"), .surface = outer_surface(found, cells)};
+  const VoxelScene words{.title = options.scene.stem().string(),
+                         .mesh_file = seen_from_scene(options.out),
+                         .surface_file = seen_from_scene(scene.surface_file),
+                         .hold = options.hold,
+                         .names = found.volume.names};
+  try {
+    scene.text = scene_of_voxels(words, made, scene.surface.positions);
+  } catch (const InputError& error) {
+    throw UsageError(fmt::format("--hold: {}", error.what()));
+  }
+  return scene;
 }
 
 void print_summary(const MeshVoxelsOptions& options, const LabelledVolume& volume, const VoxelMesh& made) {
@@ -115,20 +183,35 @@ void warn_of_lost_labels(const MeshVoxelsOptions& options, const LabelledVolume&
 /// are; surfaces of the labels too (.obj), if they are wanted.
 void make_voxels(const MeshVoxelsOptions& options) {
   require_vtu(options.out);
+  if (!options.scene.empty() && options.unit != "m")
+    throw UsageError("--scene: scenes are in metres: leave --unit out");
+  if (!options.scene.empty() && !options.force && std::filesystem::exists(options.scene))
+    throw OutputError(
+        fmt::format("{} is there already: take another name, or --force to replace it", options.scene.string()));
   const VoxelCells cells{.labels = options.labels,
                          .coarsening = options.coarsening,
+                         .covers = options.covers,
                          .largest_part = options.largest_part,
                          .mm_per_length = mm_per(options.unit)};
   const ImportedVolume found =
       load_file(options.segmentation, [&] { return read_volume(options.segmentation, cells); });
   const VoxelMesh made = mesh_of_voxels(found.volume, cells);
+  std::optional<PlannedScene> scene;
+  if (!options.scene.empty())
+    scene.emplace(load_file(options.segmentation, [&] { return plan_scene(options, found, cells, made); }));
   write_vtu(output_place(options.out, InputFiles(found.files)), made, options.ascii);
   if (options.surfaces) write_surfaces(options, found, cells, made);
+  if (scene) scene->write(options, found);
   print_summary(options, found.volume, made);
   if (!found.has_frame)
     spdlog::warn("{}: warning: the file does not say where left, back and head are: its axes are taken for x, y and z",
                  options.segmentation.string());
   warn_of_lost_labels(options, found.volume, made);
+  if (scene && made.num_parts > 1)
+    spdlog::warn(
+        "warning: the scene holds a side of {} unconnected parts, of which some may be free to fly: "
+        "--largest-part keeps one",
+        made.num_parts);
   if (made.num_hinges > 0)
     spdlog::warn("warning: hexahedra meet at {} nodes without sharing a face there: they fold freely about them",
                  made.num_hinges);
@@ -156,11 +239,29 @@ void add_mesh_voxels(CLI::App& mesh, Call& call) {
       ->type_name("N")
       ->check(CLI::Range(1, kMaxCoarsening))
       ->capture_default_str();
+  command.add_flag("--cover", options.covers,
+                   "Make a hexahedron wherever any voxel has a label, so that all of them lie within the mesh");
   command.add_flag("--largest-part", options.largest_part,
                    "Leave out hexahedra that are not connected by faces to the largest part");
   command.add_flag("--ascii", options.ascii, "Write numbers as text, as SOFA's MeshVTKLoader reads them");
   command.add_flag("--surfaces", options.surfaces,
                    "Write a smooth surface around the hexahedra of each label, too: FILE_LABEL.obj");
+  CLI::Option* scene =
+      command
+          .add_option("--scene", options.scene,
+                      "Write a scene of this mesh, too: a material for each label, supports, a ball that presses in, "
+                      "probes, and a smooth surface, FILE_surface.obj")
+          ->type_name("FILE.scn");
+  command
+      .add_option(
+          "--hold", options.hold,
+          "What that scene holds: the nodes of a side (left, right, back, front, head or foot), or of a box [m]")
+      ->type_name("SIDE|'X Y Z X Y Z'")
+      ->check(CLI::Validator([](const std::string& word) { return is_hold(word) ? "" : "must be a side or a box"; }, "",
+                             "hold"))
+      ->capture_default_str()
+      ->needs(scene);
+  command.add_flag("--force", options.force, "Replace an older scene")->needs(scene);
   command.add_option("--unit", options.unit, "Unit of the coordinates that are written")
       ->type_name("m|cm|mm")
       ->check(CLI::IsMember({"m", "cm", "mm"}))

@@ -36,6 +36,7 @@ struct Findings {
   Vec3 load = Vec3::Zero();  // [N] their sum
   double load_size = 0;      // [N] the sum of their sizes
   double dt = 0;             // [s]
+  Vec3 gravity;              // [m/s^2]
   std::optional<int> steps;  // of the scene's RunSettings
   double memory = 0;         // [byte] most that the process has held
   struct Body {
@@ -45,7 +46,7 @@ struct Findings {
   std::vector<Body> bodies;
   int num_hexahedra = 0;
   std::vector<RegionFigure> regions;
-  std::vector<std::string> warnings;  // but what the body itself has remarked, check_shapes
+  std::vector<std::string> warnings;  // but what was remarked before: check_shapes, size_warnings
 };
 
 /// Whether something is between the state, or one that follows it, and another state: that one may hold it.
@@ -98,6 +99,7 @@ void try_step(scene::Scene& scene, Findings& found) {
 Findings look_at(scene::Scene& scene) {
   Findings found;
   found.dt = scene.dt();
+  found.gravity = scene.root().clock().gravity;
   if (scene::Component* settings = find_settings(scene); settings && settings->is_given("steps"))
     found.steps = settings->integer("steps");
 
@@ -193,6 +195,7 @@ Json json_of(const Findings& found) {
   Json bodies = Json::array();
   for (const Findings::Body& body : found.bodies) {
     std::ranges::copy(check_shapes(body.model.quality), std::back_inserter(warnings));
+    std::ranges::copy(size_warnings(body.model, found.gravity), std::back_inserter(warnings));
     bodies.push_back(json_of(body.model));
     bodies.back()["name"] = body.name;
   }

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "hexaplast/formats/mesh_import.hpp"
+#include "hexaplast/geometry/embed.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 #include "hexaplast/mesh/quality.hpp"
 #include "support/cost.hpp"
@@ -107,6 +108,57 @@ TEST_F(MeshVoxels, ShippedMeshIsThatOfTheDrawing) {
   const std::string page = content(HEXAPLAST_SOURCE_DIR "/docs/commands.md");
   const std::string printed = of_file.out.substr(of_file.out.find('\n'));
   EXPECT_TRUE(has(page, printed)) << of_file.out;
+}
+
+// Coarse cells of which half count leave out voxels at the border.
+TEST_F(MeshVoxels, CoverKeepsEveryVoxel) {
+  draw(".mha");
+  for (const std::string options : {" -o fine.vtu", " --coarsen 3 -o half.vtu", " --coarsen 3 --cover -o cover.vtu"})
+    succeeds("mesh voxels liver.mha" + options);
+  const ImportedMesh fine = written("fine.vtu").mesh;
+  PointArray centres(static_cast<Eigen::Index>(fine.hexahedra.size()), 3);
+  for (std::size_t e = 0; e < fine.hexahedra.size(); ++e)
+    centres.row(static_cast<Eigen::Index>(e)) = gather(fine.positions, fine.hexahedra[e]).colwise().mean();
+  const auto num_outside = [&](const std::string& file) {
+    const ImportedMesh mesh = written(file).mesh;
+    return Embedding(mesh.positions, mesh.hexahedra, centres).num_outside();
+  };
+  EXPECT_EQ(num_outside("cover.vtu"), 0);
+  EXPECT_GT(num_outside("half.vtu"), 100);
+}
+
+TEST_F(MeshVoxels, SceneOfASegmentationRuns) {
+  draw(".seg.nrrd");
+  const std::string make = "mesh voxels liver.seg.nrrd --coarsen 3 --largest-part --cover -o meshes/liver.vtu ";
+  std::filesystem::create_directory(directory_ / "meshes");
+  succeeds(make + "--scene 'a & b.scn'");
+  const Outcome checked = succeeds("check 'a & b.scn' --json");
+  EXPECT_EQ(checked.err, "");
+  const Json found = Json::parse(checked.out);
+  ASSERT_EQ(found["regions"].size(), 2u) << "the liver has the material of the body";
+  EXPECT_EQ(found["regions"][0]["path"], "organ/tumour");
+  EXPECT_GT(found["held_nodes"], 10);
+  EXPECT_LT(found["held_nodes"], found["nodes"].get<int>() / 4);
+  const ImportedMesh surface = read_mesh(directory_ / "meshes/liver_surface.obj"),
+                     mesh = written("meshes/liver.vtu").mesh;
+  EXPECT_LT(Embedding(mesh.positions, mesh.hexahedra, surface.positions).greatest_distance(), 0.5 * 5e-3)
+      << "smoothing moves it by half a voxel at most";
+  EXPECT_EQ(succeeds("run 'a & b.scn' --steps 70 --summary sum").err, "");
+  EXPECT_GT(json("sum")["probes"]["push"], 0.1) << "[N] in the middle of the time for which the ball presses";
+
+  // a scene that is there has been edited, perhaps
+  const std::string before = read("a & b.scn");
+  EXPECT_EQ(hexaplast(make + "--hold left --scene 'a & b.scn'").code, 5);
+  EXPECT_EQ(read("a & b.scn"), before);
+  succeeds(make + "--hold left --scene 'a & b.scn' --force");
+  EXPECT_NE(read("a & b.scn"), before);
+
+  for (const auto& [hold, what] : {std::pair("'9 9 9 9 9 9'", "0 of "), {"above", "a side or a box"}}) {
+    const Outcome wrong = hexaplast(make + "--scene new.scn --hold " + hold);
+    EXPECT_EQ(wrong.code, 2);
+    EXPECT_TRUE(has(wrong.err, what)) << wrong.err;
+    EXPECT_FALSE(std::filesystem::exists(directory_ / "new.scn"));
+  }
 }
 
 // A surface of each label, which other commands read.

@@ -78,6 +78,20 @@ TEST_F(Command, CheckShowsRotationFlowOfABodyThatNeverYields) {
   EXPECT_FALSE(has(never.out, "rates times dt"));
 }
 
+TEST_F(Command, CheckAndRunWarnOfAMeshInMillimetres) {
+  write("bar.scn", replaced(bar(kHeld), "max='1 .5 .5'", "max='100 50 50'"));
+  const std::string warning =
+      "bar.scn:4: warning: HexahedronElastoplasticFEMForceField: the body is 100 m long: are its coordinates in "
+      "millimetres? They are read as metres\n";
+  EXPECT_TRUE(has(succeeds("check bar.scn").err, warning));
+  EXPECT_TRUE(has(succeeds("run bar.scn --steps 1").err, warning));
+  const Json found = Json::parse(hexaplast("check bar.scn --json").out);
+  EXPECT_EQ(std::ranges::count_if(
+                found["warnings"],
+                [](const Json& said) { return said.get<std::string>().find("millimetres") != std::string::npos; }),
+            1);
+}
+
 // The second cube's corner at (1, .5, .5) is pushed behind the plane of its three neighbours.
 TEST_F(Command, CheckAndRunWarnOfCornersThatAreInsideOut) {
   write("bent.scn",
@@ -134,8 +148,8 @@ TEST_F(Command, CheckTakesNoStep) {
 TEST_F(Command, CheckFindsTheNodeForWhichNoStepCanBeSolved) {
   write("node.scn",
         "<Node dt='.01' gravity='9.81 0 0'>\n<DefaultAnimationLoop/><EulerImplicitSolver/>\n<SparseLDLSolver/>"
-        "<MeshTopology hexahedra='0-7' position='0 0 0  1 0 0  1 1 0  0 1 0  0 0 1  1 0 1  1 1 1  0 1 1  5 5 5'/>"
-        "<MechanicalObject/><DiagonalMass massDensity='1000'/><HexahedronElastoplasticFEMForceField/>"
+        "<MeshTopology hexahedra='0-7' position='0 0 0  1 0 0  1 1 0  0 1 0  0 0 1  1 0 1  1 1 1  0 1 1  1 1 1.5'/>"
+        "<MechanicalObject/><DiagonalMass massDensity='100'/><HexahedronElastoplasticFEMForceField youngModulus='1e5'/>"
         "<FixedProjectiveConstraint indices='0 3 4 7'/></Node>");
   const std::string why = "Cholesky: the matrix is not positive definite (node 8 of 9 has no positive pivot along ";
   const Outcome checked = fails("check node.scn", 3, why);

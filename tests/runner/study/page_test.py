@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Runs the commands and scripts of docs/studies.md, in their order, in one directory.
+"""Runs the commands and scripts of a page of docs/, in their order, in one directory.
 
-page_test.py HEXAPLAST DIRECTORY; `sbatch` is a stand-in that carries out all tasks of a job array (slurm_test.py has a real
+page_test.py HEXAPLAST DIRECTORY PAGE; `sbatch` is a stand-in that carries out all tasks of a job array (slurm_test.py has a real
 one)."""
 import os
 import pathlib
@@ -21,7 +21,7 @@ done
 
 
 def main():
-    command, place = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+    command, place, page = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), sys.argv[3]
     shutil.rmtree(place, ignore_errors=True)
     (place / "bin").mkdir(parents=True)
     for name in ("scenes", "examples", "python"):
@@ -31,8 +31,8 @@ def main():
     (place / "bin" / "python3").symlink_to(sys.executable)
     environment = dict(os.environ, PATH=f"{place / 'bin'}:{command.parent}:{os.environ['PATH']}",
                        HEXAPLAST_COMMAND=str(command))
-    blocks = re.findall(r"^```(sh|python)\n(.*?)^```$", (ROOT / "docs" / "studies.md").read_text(), re.MULTILINE | re.DOTALL)
-    if len(blocks) < 9:
+    blocks = re.findall(r"^```(sh|python)\n(.*?)^```$", (ROOT / "docs" / page).read_text(), re.MULTILINE | re.DOTALL)
+    if len(blocks) < 6:
         sys.exit(f"page_test: only {len(blocks)} blocks are found")
     for language, text in blocks:
         script = place / ("block." + language)
