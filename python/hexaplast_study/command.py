@@ -13,6 +13,7 @@ import stat
 import subprocess
 import sys
 import threading
+import time
 
 IS_LINK = ": is a symbolic link, which is not followed here"
 UNFINISHED = stat.S_ISVTX  # of FILE.part: tells what a killed program has left from a stranger's file
@@ -283,6 +284,14 @@ def locked(directory):
 
 # ---- terminals, signals, executors
 
+def duration(seconds):
+    """8 s, 2 min 10 s, 1 h 5 min"""
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    return f"{whole // 60} min {whole % 60} s" if whole < 3600 else f"{whole // 3600} h {whole // 60 % 60} min"
+
+
 class Report:
     """Where a study says what happens: nowhere, or on the terminal."""
 
@@ -291,15 +300,22 @@ class Report:
     def say(self, text):
         pass
 
-    warn = error = progress = say
+    warn = error = say
+
+    def progress(self, done, last, words=""):
+        pass
 
 
 class TerminalReport(Report):
-    """progress is a line that the next message overwrites."""
+    """progress is a line that the next message overwrites; in a log, which is no terminal, a line every ten seconds."""
+
+    BETWEEN_LINES = 10  # [s]
 
     def __init__(self):
         self.is_terminal = sys.stderr.isatty()
         self._has_line = False
+        self._begin = self._latest = time.monotonic()
+        self._first = None
 
     def say(self, text):
         self._clear()
@@ -312,10 +328,18 @@ class TerminalReport(Report):
         self._clear()
         print(text, file=sys.stderr, flush=True)
 
-    def progress(self, text):
+    def progress(self, done, last, words=""):
+        now = time.monotonic()
+        if self._first is None:
+            self._first = done - 1  # what was there before this one counts for no time
+        left = (now - self._begin) / (done - self._first) * (last - done)
+        text = f"{done} of {last}  {words + '  ' if words else ''}{duration(left)} left"
         if self.is_terminal:
             print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
             self._has_line = True
+        elif now - self._latest >= self.BETWEEN_LINES:
+            print(text, file=sys.stderr, flush=True)
+            self._latest = now
 
     def _clear(self):
         if self._has_line:

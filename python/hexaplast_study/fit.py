@@ -573,7 +573,7 @@ def carry_out_fit(experiments, free, executor, *, out, steps, jobs, threads, eva
         num = min(num_jobs(jobs, threads), 2 * len(free) * len(experiments))
         with command.workers(executor, num) as workers:
             runs = Evaluations(free, questions(threads or (1 if executor else max(1, processors // num))), workers, evaluations,
-                               lambda done: report.progress(f"{done} of {evaluations}"))
+                               lambda done: report.progress(done, evaluations, "evaluations at most"))
             search = Search(experiments, free, runs, report)
             search.carry_out(evaluations)
         result = Result(experiments, free, search, runs, evaluations)

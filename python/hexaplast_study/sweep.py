@@ -444,7 +444,7 @@ def carry_out_all(directory, words, executor, report):
                     if not report.is_terminal:
                         report.say(f"{which}: {figures_of(case)}")
                 num_failed += code != 0
-                report.progress(f"{len(directory.cases)} of {num_own}  {num_failed} failed")
+                report.progress(len(directory.cases), num_own, f"{num_failed} failed")
             if not is_written and time.monotonic() - written > TABLE_INTERVAL:
                 directory.write_table()
                 written, is_written = time.monotonic(), True

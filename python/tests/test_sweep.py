@@ -12,6 +12,7 @@ import subprocess
 import h5py
 import numpy as np
 import pytest
+from hexaplast_study import command as study_command
 
 from bars import COMMAND, FLOWING, PULLED, SECTION, command, processes, wait_for
 
@@ -402,6 +403,16 @@ def test_what_is_missing_is_said_and_comes_later(flowing):
     sweep(flowing, "sweep", "--out", "merged", "--merge", second)
     sweep(flowing, *TWELVE, "--steps", "2", "--out", "one")
     assert files(flowing / "merged") == files(flowing / "one")
+
+
+def test_a_log_has_lines_with_the_time_that_is_left(monkeypatch, capsys):
+    now = [100.0]
+    monkeypatch.setattr(study_command.time, "monotonic", lambda: now[0])
+    report = study_command.TerminalReport()
+    for done, at in ((3, 104.0), (4, 111.0), (5, 119.0), (6, 250.0)):  # two were there before: 11 s for two, 150 s for four
+        now[0] = at
+        report.progress(done, 90, "0 failed")
+    assert capsys.readouterr().err == "4 of 90  0 failed  7 min 53 s left\n6 of 90  0 failed  52 min 30 s left\n"
 
 
 def test_what_does_not_belong_together_is_refused(flowing):

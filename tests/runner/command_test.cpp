@@ -57,6 +57,18 @@ TEST_F(Command, VersionAndHelpAreNoErrors) {
 }
 
 // 2: the command line; 3: the scene; 5: files; 6: plugins.
+// The run stands still for most of the ten seconds.
+TEST_F(Command, ALogOfALongRunSaysHowMuchIsLeft) {
+  write("bar.scn", kBar);
+  const Outcome run = shell("{ '" HEXAPLAST_COMMAND
+                            "' run bar.scn --steps 100000000 & sleep 1; kill -STOP $!; sleep 10; "
+                            "kill -CONT $!; sleep 1; kill $!; wait $!; }");
+  EXPECT_TRUE(std::regex_search(run.err, std::regex("^[0-9]+ of 100000000  t = [0-9.]+ s  [0-9]+ yielded  [0-9.e+]+ "
+                                                    "per s  [0-9]+ h [0-9]+ min left\n")))
+      << run.err;
+  EXPECT_FALSE(has(run.err, "\x1b")) << "no control codes";
+}
+
 TEST_F(Command, EndsWithTheCodeOfWhatIsWrongAndSaysIt) {
   write("bar.scn", kBar);
   write("file", "");

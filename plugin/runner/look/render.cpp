@@ -17,6 +17,7 @@
 #include "record/recorded_run.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/run/common_options.hpp"
+#include "runner/run/progress.hpp"
 #include "runner/run/staging.hpp"
 #include "runner/subcommand.hpp"
 
@@ -245,7 +246,12 @@ void render_film(const Subject& subject, const RenderOptions& options, output::R
   for (const RecordedRun::Entry& entry : entries)
     add(entry, run.state(entry, quantity_named(options.field)), options, gallery);
   const auto film = output::open_film(*options.video, static_cast<double>(entries.size() - 1) / seconds);
-  gallery.for_each_drawing([&](int, const output::Drawing& drawing) { film->add(renderer.render(drawing)); });
+  Progress progress(0, static_cast<long>(entries.size()), true);
+  long done = 0;
+  gallery.for_each_drawing([&](int, const output::Drawing& drawing) {
+    film->add(renderer.render(drawing));
+    progress.show(++done, [] { return "pictures"; });
+  });
   film->finish();
 }
 

@@ -195,7 +195,7 @@ void advance(Simulation& simulation, long num_steps, Files& files, const RunOpti
   };
   if (begins) record();
 
-  Progress progress(num_steps, !options.quiet);
+  Progress progress(simulation.latest().step, num_steps, !options.quiet);
   while (simulation.latest().step < num_steps && requested_signal() == 0) {
     try {
       simulation.step();
@@ -212,7 +212,8 @@ void advance(Simulation& simulation, long num_steps, Files& files, const RunOpti
       throw;
     }
     const output::StepRecord& latest = simulation.latest();
-    progress.show(latest.step, latest.time, latest.flow.yielded);
+    progress.show(latest.step,
+                  [&] { return fmt::format("t = {:.3f} s  {} yielded", latest.time, latest.flow.yielded); });
     if (options.checkpoint_every && latest.step % *options.checkpoint_every == 0) save();
   }
   const bool is_ended_early = simulation.latest().step < num_steps;
