@@ -23,6 +23,7 @@ using Box = Eigen::AlignedBox3d;
 // Values to begin with: plausible for a parenchymatous organ, measured on nobody.
 constexpr std::string_view kMaterial = "youngModulus=\"5000\" {}yieldStress=\"400\"";
 constexpr double kHeld = 0.1;     // of the body's length, at least an edge
+constexpr double kLifted = 0.2;   // of that length
 constexpr double kPressed = 0.1;  // of the body's length, at most half of the ball's radius
 
 std::optional<Box> box_in(const std::string& words) {
@@ -102,14 +103,15 @@ std::string scene_of_voxels(const VoxelScene& options, const VoxelMesh& made, co
   const double length = std::abs(away.dot(body.sizes()));
   const double radius = std::max(1.5 * edge, kHeld * body.sizes().maxCoeff());
   const Vec3 at = touched_point(surface, body.center(), away, edge);
-  const Vec3 outside = at + 1.5 * radius * away,
+  const Vec3 outside = at + (1.5 * radius + 2 * kLifted * length) * away, lifted = at + kLifted * length * away,
              pressed = at + (radius - std::min(kPressed * length, radius / 2)) * away;
 
   std::map<int, int> count;
   for (const int label : made.labels) ++count[label];
   const int commonest = std::ranges::max_element(count, {}, [](const auto& each) { return each.second; })->first;
   std::string regions, probes;
-  std::set<std::string> taken = {"nodes", "material", "supports", "surface", "skin", "ball", "loader", "push"};
+  std::set<std::string> taken = {"nodes", "material", "supports", "surface", "skin",
+                                 "ball",  "forceps",  "loader",   "push",    "pull"};
   for (const auto& [label, hexahedra] : count) {
     const auto named = options.names.find(label);
     std::string name = named == options.names.end() ? "" : identifier(named->second);
@@ -131,7 +133,7 @@ std::string scene_of_voxels(const VoxelScene& options, const VoxelMesh& made, co
 <!--
   {title}
 
-  A ball presses into the tissue and draws back. SI units; x to the left, y to the back, z to the head, where the image
+  A ball presses into the tissue and draws back; then forceps draw it out and let go. SI units; x to the left, y to the back, z to the head, where the image
   says so. Materials are values to begin with: replace them by your own.
 -->
 <Node name="root" dt="0.01" gravity="0 0 0">
@@ -149,7 +151,7 @@ std::string scene_of_voxels(const VoxelScene& options, const VoxelMesh& made, co
   <RequiredPlugin pluginName="Sofa.GL.Component.Rendering3D"/>
   <DefaultAnimationLoop/>
   <VisualStyle displayFlags="showVisualModels showBehaviorModels"/>
-  <RunSettings steps="200" outputEvery="20"/>
+  <RunSettings steps="350" outputEvery="25"/>
 
   <Node name="organ">
     <EulerImplicitSolver rayleighMass="0.1" rayleighStiffness="0.02"/>
@@ -179,7 +181,12 @@ std::string scene_of_voxels(const VoxelScene& options, const VoxelMesh& made, co
         embeddedPositions="@surface.position" embeddedTriangles="@surface.triangles"
         keyTimes="0 0.5 1 1.4" positions="{outside}  {pressed}  {pressed}  {outside}"/>
 
+    <!-- They close at 1.5 s on what lies within the radius, and open at 2.6 s. -->
+    <GraspForceField name="forceps" template="Vec3d" radius="{grip:.6g}" stiffness="500" graspTime="1.5" releaseTime="2.6"
+        keyTimes="1.5 2.3" positions="{at}  {lifted}"/>
+
     <Probe name="push" value="@ball.force"/>
+    <Probe name="pull" value="@forceps.force"/>
 {probes}  </Node>
 </Node>
 )",
@@ -187,7 +194,9 @@ std::string scene_of_voxels(const VoxelScene& options, const VoxelMesh& made, co
       fmt::arg("surface", escaped(options.surface_file)),
       fmt::arg("material", fmt::format(kMaterial, "poissonRatio=\"0.45\" ")), fmt::arg("regions", regions),
       fmt::arg("low", numbers(held.min())), fmt::arg("high", numbers(held.max())), fmt::arg("radius", radius),
-      fmt::arg("outside", numbers(outside)), fmt::arg("pressed", numbers(pressed)), fmt::arg("probes", probes));
+      fmt::arg("outside", numbers(outside)), fmt::arg("pressed", numbers(pressed)), fmt::arg("at", numbers(at)),
+      fmt::arg("lifted", numbers(lifted)), fmt::arg("grip", std::max(1.2 * edge, radius / 2)),
+      fmt::arg("probes", probes));
 }
 
 }  // namespace hexaplast::runner
