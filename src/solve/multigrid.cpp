@@ -18,9 +18,11 @@
 namespace hexaplast {
 
 bool SpectralRadii::is_valid_for(const SpectralRadii& other) const {
+  const auto is_near = [](double sum, double other_sum) {
+    return std::abs(sum - other_sum) <= kMaxChangeOfRadii * other_sum;
+  };
   return num_levels == other.num_levels && num_solves < kMaxSolvesOfRadii && factor == other.factor &&
-         diagonal == other.diagonal && num_free == other.num_free &&
-         std::abs(stiffness - other.stiffness) <= kMaxChangeOfRadii * other.stiffness;
+         num_free == other.num_free && is_near(diagonal, other.diagonal) && is_near(stiffness, other.stiffness);
 }
 
 void SpectralRadii::update(int iterations_now) {

@@ -290,7 +290,7 @@ class TwoBodies final : public LinearSystem {
  public:
   int num_nodes() const override { return 2 * count_; }
   void apply(ConstPoints p, Points Ap) const override {
-    Ap = 1e-3 * p;
+    Ap = mass_ * p;
     for (int k = 0; k < 2; ++k)
       bodies_[k].add_stiffness_product(-1e-3, p.middleRows(k * count_, count_), Ap.middleRows(k * count_, count_));
   }
@@ -301,7 +301,7 @@ class TwoBodies final : public LinearSystem {
     for (int k = 0; k < 2; ++k) {
       MatrixFreeSystem part;
       part.wants_levels = system.wants_levels;
-      part.diagonal.setConstant(count_, 3, 1e-3);
+      part.diagonal.setConstant(count_, 3, mass_);
       part.constraints.reset(count_);
       bodies_[k].describe(-1e-3, part);
       system.add_part(part, k * count_);
@@ -309,6 +309,7 @@ class TwoBodies final : public LinearSystem {
     return true;
   }
   void linearize(double stretch) {
+    mass_ = 1e-3 * stretch;
     for (Body& body : bodies_) body.linearize(stretch * body.mesh().positions());
   }
 
@@ -316,6 +317,7 @@ class TwoBodies final : public LinearSystem {
   std::array<Body, 2> bodies_{{{support::block({8, 8, 12}, 0.01), {{.young_modulus = 1e6}}},
                                {support::block({8, 8, 12}, 0.01), {{.young_modulus = 1e4}}}}};
   int count_ = bodies_[0].mesh().num_nodes();
+  double mass_ = 1e-3;
 };
 
 TEST(SpectralRadii, OfSeveralBodiesServeTheNextSteps) {
