@@ -55,7 +55,7 @@ AlignedVector<T> slot_vector(const Partition& partition) {
   return AlignedVector<T>(4 * static_cast<std::size_t>(partition.num_slots), T(0));
 }
 
-/// Two nodal vectors of the kernels that whoever works on a body uses in turn; nobody finds there what he left.
+/// Two nodal vectors of the kernels, scratch of one call on a body: none relies on what an earlier one left there.
 struct SlotScratch {
   AlignedVector<double> first, second;
 

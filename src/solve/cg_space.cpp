@@ -217,8 +217,8 @@ double SlotCgSpace<T>::product(double beta) {
   const AlignedVector<T>& z = preconditioner_ ? z_ : r_;
   parallel_for(partition.num_chunks, [&](int chunk) {
     const auto [first, size] = OwnedRange(partition, chunk);
-    turn_direction(size, static_cast<T>(beta), z.data() + first, scaled_ ? inverse_.data() + first : nullptr,
-                   diagonal_.data() + first, p_.data() + first, Ap_.data() + first);
+    update_search_direction(size, static_cast<T>(beta), z.data() + first, scaled_ ? inverse_.data() + first : nullptr,
+                            diagonal_.data() + first, p_.data() + first, Ap_.data() + first);
   });
   multiply(*op_, factor_, p_, Ap_);
   if (!others_.empty()) add_others();

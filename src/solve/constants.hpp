@@ -29,8 +29,8 @@ constexpr double kRangeEnds = 1e-5;
 /// Lanczos comes from below: by a tenth at most, but where eigenvalues lie close.
 constexpr double kSafety = 1.15;
 
-/// Solves that one estimate serves, and the change of stiffness and of mass that it bears: bodies that flow by a few hundredths per
-/// step change the eigenvalue by less than kSafety allows for in as many.
+/// Solves that one estimate serves, and the change of stiffness and of mass that it bears: bodies that flow by a few
+/// hundredths per step change the eigenvalue by less than kSafety allows for in as many.
 constexpr int kMaxSolvesOfRadii = 8;
 constexpr double kMaxChangeOfRadii = 0.1;
 /// It serves no longer where a solve takes so many times the iterations of the first one.

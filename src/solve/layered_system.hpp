@@ -12,7 +12,7 @@ namespace hexaplast {
 
 /// A mechanical system over states, of which some follow others by mappings: sums over the masses and forces of each.
 /// The states that follow none are one behind the other. What acts on a state that follows is carried up by its
-/// mapping. Whoever derives from it fills in what there is.
+/// mapping. Derived classes fill in what there is.
 class LayeredSystem : public MechanicalSystem, private Projector {
  public:
   LayeredSystem(const LayeredSystem&) = delete;

@@ -262,8 +262,8 @@ void Multigrid::descend(const MultigridLevel& finer, MultigridLevel& level) cons
   invert_sum(partition, level.factor, level.of.diagonal, level.diagonal, level.inverse);
 }
 
-/// Blocks go down lumped, as the diagonal does. A node between coarse ones follows these only as far as its block lets
-/// it (SlotBlocks::follow), and ties them by no more than its own stiffness, as a fixed one does.
+/// Blocks are restricted lumped, as the diagonal is. A node between coarse ones follows these only as far as its block
+/// lets it (SlotBlocks::prolong), and ties them by no more than its own stiffness, as a fixed one does.
 void Multigrid::restrict_blocks(MultigridLevel& finer, MultigridLevel& level) {
   if (finer.blocks.empty()) return;
   const CoarseMesh& mesh = *level.of.mesh;
@@ -277,7 +277,7 @@ void Multigrid::restrict_blocks(MultigridLevel& finer, MultigridLevel& level) {
     Mat3 sum = Mat3::Zero();
     for (int n = mesh.restriction.first[slot]; n < mesh.restriction.first[slot + 1]; ++n)
       if (const int k = block_of_slot_[mesh.restriction.column[n]]; k >= 0)
-        sum += static_cast<double>(mesh.restriction.weight[n]) * entries[k].goes_down;
+        sum += static_cast<double>(mesh.restriction.weight[n]) * entries[k].restricted;
     for (int axis = 0; axis < 3; ++axis)
       if (level.is_fixed[4 * static_cast<std::size_t>(slot) + axis]) {
         sum.row(axis).setZero();
@@ -324,7 +324,7 @@ void smooth(MultigridLevel& level, int degree, double min_fraction, bool leaves_
 void restrict_residual(MultigridLevel& finer, MultigridLevel& level) {
   if (!finer.blocks.empty())  // into d, which prolong overwrites
     parallel_for(finer.partition().num_chunks,
-                 [&](int chunk) { finer.blocks.follow_transposed(chunk, finer.r, finer.d); });
+                 [&](int chunk) { finer.blocks.restrict_residual(chunk, finer.r, finer.d); });
   const Partition& partition = level.partition();
   parallel_for(partition.num_chunks, [&](int chunk) {
     map_nodes(level.of.mesh->restriction, partition, chunk, finer.r, level.r);
@@ -341,7 +341,7 @@ void prolong(const MultigridLevel& level, MultigridLevel& finer) {
   const Partition& partition = finer.partition();
   parallel_for(partition.num_chunks, [&](int chunk) {
     map_nodes(level.of.mesh->prolongation, partition, chunk, level.x, finer.d);
-    if (!finer.blocks.empty()) finer.blocks.follow(chunk, finer.d);
+    if (!finer.blocks.empty()) finer.blocks.prolong(chunk, finer.d);
     finer.fixed.clear(chunk, finer.d);
     const auto [first, size] = OwnedRange(partition, chunk);
     for (std::size_t i = first; i < first + size; ++i) {

@@ -89,7 +89,7 @@ void SlotBlocks<T>::complete(const Partition& partition, AlignedVector<T>& inver
     for (int i = 0; i < 3; ++i) D[i] = of_node[i] > T(0) ? 1 / static_cast<double>(of_node[i]) : 0;
     const BlockAxes along(D, entry.block);
     const Vec3 compliance = along.compliance(), fraction = Vec3::Ones() - compliance;
-    entry.goes_down = along.dual * fraction.asDiagonal() * along.dual.transpose();
+    entry.restricted = along.dual * fraction.asDiagonal() * along.dual.transpose();
     entry.axes = along.axes.template cast<T>();
     entry.dual = along.dual.template cast<T>();
     for (int i = 0; i < 3; ++i) {
@@ -97,7 +97,7 @@ void SlotBlocks<T>::complete(const Partition& partition, AlignedVector<T>& inver
       entry.stiffness[i] = is_rigid ? T(0) : static_cast<T>(along.stiffness[i]);
       entry.inverse[i] = is_rigid ? T(0) : static_cast<T>(compliance[i]);
       entry.rigid[i] = is_rigid ? static_cast<T>(compliance[i]) : T(0);
-      entry.kept[i] = is_rigid ? T(1) : static_cast<T>(fraction[i]);
+      entry.loss[i] = is_rigid ? T(1) : static_cast<T>(fraction[i]);
       if (along.is_coupled[i]) of_node[i] = T(0);
     }
   }
@@ -106,8 +106,8 @@ void SlotBlocks<T>::complete(const Partition& partition, AlignedVector<T>& inver
 template <class T>
 void SlotBlocks<T>::set_coarse(int k) {
   Entry& entry = entries_[k];
-  entry.goes_down = entry.block;
-  for (int i = 0; i < 3; ++i) entry.kept[i] = entry.inverse[i] > T(0) ? T(0) : T(1);
+  entry.restricted = entry.block;
+  for (int i = 0; i < 3; ++i) entry.loss[i] = entry.inverse[i] > T(0) ? T(0) : T(1);
 }
 
 template class SlotBlocks<double>;

@@ -74,11 +74,11 @@ class SlotBlocks {
   struct Entry {
     int slot = 0;
     Mat3 block = Mat3::Zero();                // as it was added
-    Mat3 goes_down = block;                   // to coarser meshes: the block itself, or D and it one behind the other
+    Mat3 restricted = block;                  // for coarser meshes: the block itself, or D and it one behind the other
     Block axes = Block::Zero(), dual = axes;  // BlockAxes
     Vec stiffness = Vec::Zero(), inverse = stiffness, rigid = inverse;  // along the axes: of the block; 1 / (1 + that),
                                                                         // where not rigid, and where it is
-    Vec kept = Vec::Zero();  // how much of what coarse nodes do along an axis does not reach the node
+    Vec loss = Vec::Zero();  // how much of what coarse nodes do along an axis does not reach the node
   };
 
   bool empty() const { return entries_.empty(); }
@@ -120,17 +120,17 @@ class SlotBlocks {
 
   /// x, what the nodes of a coarser mesh do, becomes what these nodes do along: (D + block)^-1 D x where a node hangs
   /// between coarse ones.
-  void follow(int chunk, AlignedVector<T>& x) const {
+  void prolong(int chunk, AlignedVector<T>& x) const {
     for_each(chunk, [&](const Entry& entry) {
-      vec(x, entry) -= entry.axes * entry.kept.cwiseProduct(entry.dual.transpose() * vec(x, entry)).eval();
+      vec(x, entry) -= entry.axes * entry.loss.cwiseProduct(entry.dual.transpose() * vec(x, entry)).eval();
     });
   }
 
   /// The transposed, on r; what r was goes into `before`.
-  void follow_transposed(int chunk, AlignedVector<T>& r, AlignedVector<T>& before) const {
+  void restrict_residual(int chunk, AlignedVector<T>& r, AlignedVector<T>& before) const {
     for_each(chunk, [&](const Entry& entry) {
       vec(before, entry) = vec(r, entry);
-      vec(r, entry) -= entry.dual * entry.kept.cwiseProduct(entry.axes.transpose() * vec(r, entry)).eval();
+      vec(r, entry) -= entry.dual * entry.loss.cwiseProduct(entry.axes.transpose() * vec(r, entry)).eval();
     });
   }
 

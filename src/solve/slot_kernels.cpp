@@ -24,7 +24,7 @@ HEXAPLAST_INLINE void for_each_register(std::size_t size, const Body& body) {
 }
 
 template <class T>
-void turn(std::size_t size, T beta, const T* r, const T* inverse, const T* diagonal, T* p, T* Ap) {
+void update_direction(std::size_t size, T beta, const T* r, const T* inverse, const T* diagonal, T* p, T* Ap) {
   for_each_register<T>(
       size, [&](auto d, std::size_t i) __attribute__((always_inline)) {
         auto z = hn::LoadU(d, r + i);
@@ -109,7 +109,7 @@ void smooth_float(std::size_t size, float a, float b, const float* inverse, cons
 
 #define HEXAPLAST_SLOT_KERNELS(T)                                                                                 \
   void turn_##T(std::size_t n, T beta, const T* r, const T* inverse, const T* diagonal, T* p, T* Ap) {            \
-    turn(n, beta, r, inverse, diagonal, p, Ap);                                                                   \
+    update_direction(n, beta, r, inverse, diagonal, p, Ap);                                                       \
   }                                                                                                               \
   double advance_##T(std::size_t n, T alpha, const T* p, const T* Ap, const T* inverse, T* x, T* r, double& rz) { \
     return advance_all(n, alpha, p, Ap, inverse, x, r, rz);                                                       \
@@ -124,21 +124,21 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace hexaplast {
 
-#define HEXAPLAST_EXPORT_SLOT_KERNELS(T)                                                                       \
-  HWY_EXPORT(turn_##T);                                                                                        \
-  HWY_EXPORT(advance_##T);                                                                                     \
-  HWY_EXPORT(dot_##T);                                                                                         \
-  template <>                                                                                                  \
-  void turn_direction(std::size_t n, T beta, const T* r, const T* inverse, const T* diagonal, T* p, T* Ap) {   \
-    HWY_DYNAMIC_DISPATCH(turn_##T)(n, beta, r, inverse, diagonal, p, Ap);                                      \
-  }                                                                                                            \
-  template <>                                                                                                  \
-  double advance(std::size_t n, T alpha, const T* p, const T* Ap, const T* inverse, T* x, T* r, double& r_z) { \
-    return HWY_DYNAMIC_DISPATCH(advance_##T)(n, alpha, p, Ap, inverse, x, r, r_z);                             \
-  }                                                                                                            \
-  template <>                                                                                                  \
-  double slot_dot(std::size_t n, const T* a, const T* b) {                                                     \
-    return HWY_DYNAMIC_DISPATCH(dot_##T)(n, a, b);                                                             \
+#define HEXAPLAST_EXPORT_SLOT_KERNELS(T)                                                                              \
+  HWY_EXPORT(turn_##T);                                                                                               \
+  HWY_EXPORT(advance_##T);                                                                                            \
+  HWY_EXPORT(dot_##T);                                                                                                \
+  template <>                                                                                                         \
+  void update_search_direction(std::size_t n, T beta, const T* r, const T* inverse, const T* diagonal, T* p, T* Ap) { \
+    HWY_DYNAMIC_DISPATCH(turn_##T)(n, beta, r, inverse, diagonal, p, Ap);                                             \
+  }                                                                                                                   \
+  template <>                                                                                                         \
+  double advance(std::size_t n, T alpha, const T* p, const T* Ap, const T* inverse, T* x, T* r, double& r_z) {        \
+    return HWY_DYNAMIC_DISPATCH(advance_##T)(n, alpha, p, Ap, inverse, x, r, r_z);                                    \
+  }                                                                                                                   \
+  template <>                                                                                                         \
+  double slot_dot(std::size_t n, const T* a, const T* b) {                                                            \
+    return HWY_DYNAMIC_DISPATCH(dot_##T)(n, a, b);                                                                    \
   }
 HEXAPLAST_EXPORT_SLOT_KERNELS(double)
 HEXAPLAST_EXPORT_SLOT_KERNELS(float)

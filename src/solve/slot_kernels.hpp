@@ -11,7 +11,7 @@ namespace hexaplast {
 
 /// p = r inverse + beta p (inverse null: p = r + beta p), and Ap = diagonal p.
 template <class T>
-void turn_direction(std::size_t size, T beta, const T* r, const T* inverse, const T* diagonal, T* p, T* Ap);
+void update_search_direction(std::size_t size, T beta, const T* r, const T* inverse, const T* diagonal, T* p, T* Ap);
 
 /// x += alpha p, r -= alpha Ap. Returns r.r, and in `r_z` r.(inverse r) (inverse null: r.r).
 template <class T>
@@ -21,8 +21,8 @@ double advance(std::size_t size, T alpha, const T* p, const T* Ap, const T* inve
 template <class T>
 double slot_dot(std::size_t size, const T* a, const T* b);
 
-/// One step of the Chebyshev iteration on r = b - A x: d = a d + b inverse r, x += d. Where a is 0, d arrives with any
-/// content, NaN included. diagonal: null, or of a D of which the new r -= D d is found too.
+/// One step of the Chebyshev iteration on r = b - A x: d = a d + b inverse r, x += d. Where a is 0, d may have any
+/// content before, NaN included. diagonal: null, or of a D of which the new r -= D d is found too.
 void smooth(std::size_t size, float a, float b, const float* inverse, const float* diagonal, float* r, float* d,
             float* x);
 

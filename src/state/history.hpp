@@ -25,7 +25,7 @@ struct History {
   std::vector<CornerTensors> plastic_stretch;  ///< per element; empty unless the model tracks it
   std::vector<CornerTensors> plastic_inverse;  ///< G = (F^p)^-1 per element, of isolated rest shapes: in place of y, Pi
                                                ///< and x, which stay as they are; empty until the model can flow
-  std::vector<unsigned char> has_flowed;       ///< per element, of these: some G is not 1. Whoever sets them sets it
+  std::vector<unsigned char> has_flowed;       ///< per element, of these: some G is not 1; set where G is set
   double dissipated_energy = 0;                ///< [J] accumulated plastic work
   std::vector<unsigned char> alive;            ///< per element: 0 once it is removed
   std::vector<int> removed;                    ///< removed elements in the order of their removal

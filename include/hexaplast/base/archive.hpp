@@ -22,7 +22,7 @@ inline constexpr bool kIsFlat<std::array<T, N>> = kIsFlat<T>;
 template <class T, int R, int C, int O>
 inline constexpr bool kIsFlat<Eigen::Matrix<T, R, C, O>> = kIsFlat<T>&& R > 0 && C > 0;
 
-/// Writes values as bytes, or reads them back: whoever has a state lists it once, for both directions.
+/// Writes values as bytes, or reads them back: a class lists its state once, for both directions.
 ///
 ///   void serialize(Archive& archive) { archive(time, positions, names); }
 ///

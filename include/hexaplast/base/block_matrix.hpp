@@ -9,7 +9,7 @@ namespace hexaplast {
 
 /// Square sparse matrix of 3x3 blocks, assembled by adding. The pattern grows with the first assembly and is kept by
 /// clear(), so that later assemblies only add numbers; drop_unused() then leaves the pattern of the latest one,
-/// whatever was assembled before. Terms of rank one stand beside the blocks: whoever reads the blocks alone misses
+/// whatever was assembled before. Terms of rank one stand beside the blocks: who reads the blocks alone misses
 /// them. What names a node throws InputError where that does not exist.
 class BlockMatrix {
  public:

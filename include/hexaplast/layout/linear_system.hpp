@@ -64,7 +64,7 @@ struct KernelBody {
   const ChunkedProduct<double>* exact_operator = nullptr;    ///< beside single_operator: L in double, slower
   double factor = 0;                                         ///< of L
   int first_node = 0;                                        ///< of the system's: where the body's nodes begin
-  SlotScratch* scratch = nullptr;  ///< that the body lends to solvers; without it they do not check their residuals
+  SlotScratch* scratch = nullptr;  ///< of solvers, borrowed from the body; without it they do not check their residuals
   std::span<const LevelOperator> levels = {};  ///< of cycles, from fine to coarse; empty where the mesh has no lattice
 
   /// That of the two which works on numbers T.
@@ -128,7 +128,7 @@ struct MatrixFreeSystem {
 
   bool wants_levels = false;  ///< asks for KernelBody::levels as well
 
-  PointArray scratch;            ///< of whoever fills the system, and then of whoever solves it
+  PointArray scratch;            ///< first of the code that fills the system, then of its solver
   std::vector<NodeGroup> parts;  ///< of add_part: the bodies of each have its nodes only, not all
 
   /// Before it is filled anew; what it allocated stays.
@@ -169,13 +169,14 @@ class LinearSystem {
   /// Ap = A p. Rows of constrained degrees of freedom are zero.
   virtual void apply(ConstPoints p, Points Ap) const = 0;
 
-  /// A += the same operator as blocks, constrained degrees of freedom pinned (BlockMatrix::pin). `A` arrives cleared.
+  /// A += the same operator as blocks, constrained degrees of freedom pinned (BlockMatrix::pin). `A` is
+  /// cleared before.
   virtual void assemble(BlockMatrix& A) const = 0;
 
   /// z = an approximation of A^-1 r, symmetric and positive definite; the default is none (z = r).
   virtual void precondition(ConstPoints r, Points z) const { z = r; }
 
-  /// Writes the system down for the kernels; false where it does not have that form. `system` arrives cleared
+  /// Writes the system down for the kernels; false where it does not have that form. Input: `system`, cleared
   /// (MatrixFreeSystem::clear), with what else was in it: diagonal and constraints are to be set. Allocates nothing
   /// when it was filled before.
   virtual bool describe(MatrixFreeSystem& /*system*/) const { return false; }
@@ -238,8 +239,8 @@ struct SpectralRadii {
   }
 };
 
-/// What one solve of a sequence leaves for the next one: all of it that a result depends on, to the last bit. Whoever
-/// makes the sequence owns it, as a time integrator does beside the motion, and keeps it where the motion is kept.
+/// What one solve of a sequence leaves for the next one: all of it that a result depends on, to the last bit. The
+/// maker of the sequence owns it, as a time integrator does beside the motion, and saves it with the motion.
 struct SolverMemory {
   bool is_first = true;              ///< nothing has been solved: SOFA's rules are relaxed then
   PointArray start;                  ///< the latest solution, to start from; without rows: there is none
@@ -252,10 +253,9 @@ struct SolverMemory {
   void serialize(Archive& archive);
 };
 
-/// Solves A x = b; x arrives with any content. What a solver keeps from one solve to the next is scratch, and factors
-/// of a matrix that it compares: a result depends on A, b and the SolverMemory. Throws InputError
-/// where b or x has another number of rows than A nodes, NumericalError when A is found not to be positive
-/// semi-definite.
+/// Solves A x = b; x may have any content before. What a solver keeps from one solve to the next is scratch, and
+/// factors of a matrix that it compares: a result depends on A, b and the SolverMemory. Throws InputError where b or x
+/// has another number of rows than A nodes, NumericalError when A is found not to be positive semi-definite.
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
@@ -266,8 +266,8 @@ class LinearSolver {
     return solve(A, b, x);
   }
 
-  /// A further solve within the step of the latest solve_next, for an x that arrives near the solution; the tolerance
-  /// still refers to b. A memory in which nothing is costs the estimates of a first solve.
+  /// A further solve within the step of the latest solve_next, for an x that is near the solution already; the
+  /// tolerance still refers to b. A memory in which nothing is costs the estimates of a first solve.
   virtual SolveReport solve_from_guess(const LinearSystem& A, ConstPoints b, Points x, SolverMemory& /*memory*/) {
     return solve(A, b, x);
   }

@@ -65,7 +65,7 @@ class PreconditionedConjugateGradients final : public LinearSolver {
   PreparedSystem prepare(const LinearSystem& A, SolverMemory& memory);
 
   /// x near A^-1 b of the A of the latest prepare, and r = b - A x: ends one iteration after an error of about `error`
-  /// of |x| in the energy norm. has_start: x arrives near the solution. Returns the number of iterations. Throws
+  /// of |x| in the energy norm. has_start: x is near the solution already. Returns the number of iterations. Throws
   /// NumericalError where A is not positive definite.
   int approximate(ConstPoints b, double error, bool has_start, Points x, Points r);
 

@@ -38,7 +38,7 @@ struct EnergyBalance {
 
   void begin(double kinetic_now, double elastic_now);
 
-  /// The next step of the integrator; energies are those that it arrives at. recovery: Body::recovery_work there.
+  /// The next step of the integrator; energies are those at its end. recovery: Body::recovery_work there.
   void add_step(const StepEnergy& step, double kinetic_now, double elastic_now, double recovery);
 
   /// Supports put nodes where they are to be: work of theirs.

@@ -41,7 +41,7 @@ class MechanicalSystem {
   virtual void add_load(double /*time*/, ConstPoints /*x*/, ConstPoints /*v*/, Points /*f*/) {}
   virtual void add_load_product(const OperatorFactors& /*factors*/, ConstPoints /*dx*/, Points /*df*/) const {}
 
-  /// Lets go of one-sided forces that would pull at the end of a step that goes from (x, v) to (x_end, v_end), and adds
+  /// Releases one-sided forces that would pull at the end of a step that goes from (x, v) to (x_end, v_end), and adds
   /// what that changes: force += the change of compute_force(time, x, v), product += that of K v. Returns whether there
   /// were any: the step is then solved again, and this is called again, so that it must come to an end. The default has
   /// no such forces.
@@ -53,7 +53,7 @@ class MechanicalSystem {
   /// Puts x and v where constraints prescribe them at that time, within a step; the default prescribes nothing.
   virtual void prescribe(double /*time*/, Points /*x*/, Points /*v*/) const {}
 
-  /// What constraints leave free in the step, or the equilibrium, that is being solved. `constraints` arrives reset;
+  /// What constraints leave free in the step, or the equilibrium, that is being solved. `constraints` is reset before;
   /// the default constrains nothing.
   virtual void constrain(Constraints& /*constraints*/) const {}
 };
@@ -96,7 +96,7 @@ class ImplicitEuler {
   /// InputError where x or v has not one row per node of the system; x and v are then as before.
   SolveReport step(MechanicalSystem& system, LinearSolver& solver, double time, double dt, Points x, Points v);
 
-  /// A dv = b of a step, and again while `release(dv, b)` has let go of what would pull at the end of the step that dv
+  /// A dv = b of a step, and again while `release(dv, b)` has released what would pull at the end of the step that dv
   /// leads to, and has added to b what that changes. At the end nothing pulls.
   template <class Release>
   static SolveReport solve(LinearSolver& solver, const LinearSystem& A, PointArray& b, PointArray& dv,
@@ -132,8 +132,8 @@ class ImplicitEuler {
     b += force;
   }
 
-  /// What the steps so far have left for the linear solver of the next one. It belongs to x and v: whoever puts others
-  /// in their place, as after a step that has thrown, puts theirs here or resets it.
+  /// What the steps so far have left for the linear solver of the next one. It belongs to x and v: where
+  /// others take their place, as after a step that has thrown, theirs are put here, or it is reset.
   SolverMemory& memory() { return memory_; }
   const SolverMemory& memory() const { return memory_; }
 
