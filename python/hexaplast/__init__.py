@@ -5,6 +5,7 @@ Lengths in m, forces in N, times in s, stresses in Pa. n nodes, m hexahedra.
 """
 
 from ._hexaplast import (
+    Batch,
     Body,
     BodyState,
     Fields,
@@ -27,6 +28,7 @@ from ._hexaplast import (
 from ._notebook import Viewer, show
 
 __all__ = [
+    "Batch",
     "Body",
     "BodyState",
     "Fields",

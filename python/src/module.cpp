@@ -66,6 +66,7 @@ PYBIND11_MODULE(_hexaplast, module) {
 
   add_body(module);
   add_simulation(module);
+  add_batch(module);
   add_scene(module);
   module.def("grid", &grid, py::arg("cells"), py::arg("min"), py::arg("max"),
              "A box of hexahedra between two corners [m]: positions (n, 3) and hexahedra (m, 8), x fastest");

@@ -1,173 +1,173 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "simulation.hpp"
+
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <sstream>
 
-#include "body.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "mesh/lumped_mass.hpp"
-#include "motion_record.hpp"
+#include "picture/gallery.hpp"
 
 namespace hexaplast::python {
 namespace {
 
-/// What a simulation is made with besides its body.
-struct Arguments {
-  double density = 1000, dt = 0.01;
-  std::array<double, 3> gravity = {};
-  double rayleigh_mass = 0, rayleigh_stiffness = 0;
-  std::string solver = "direct";
-  double tolerance = 1e-6;
-  int iterations = 1000;
-
-  Motion motion() const {
-    return {.density = density,
-            .dt = dt,
-            .gravity = Vec3(gravity[0], gravity[1], gravity[2]),
-            .euler = {.rayleigh_mass = rayleigh_mass, .rayleigh_stiffness = rayleigh_stiffness}};
-  }
-
-  std::unique_ptr<LinearSolver> linear_solver() const {
-    if (solver == "direct") return nullptr;  // the library's own choice
-    if (solver != "cg") throw InputError(fmt::format("solver = '{}' must be one of direct, cg", solver));
-    if (!(tolerance > 0 && tolerance < 1))
-      throw InputError(fmt::format("tolerance = {} must lie between 0 and 1", tolerance));
-    if (iterations < 1) throw InputError(fmt::format("iterations = {} must be at least 1", iterations));
-    return std::make_unique<PreconditionedConjugateGradients>(tolerance, iterations, Preconditioner::kAuto);
-  }
-
-  py::tuple state() const {
-    return py::make_tuple(density, dt, gravity, rayleigh_mass, rayleigh_stiffness, solver, tolerance, iterations);
-  }
-  static Arguments from(const py::tuple& state) {
-    Arguments all;
-    std::size_t k = 0;
-    const auto read = [&](auto&... members) {
-      (..., (members = state[k++].cast<std::remove_reference_t<decltype(members)>>()));
-    };
-    read(all.density, all.dt, all.gravity, all.rayleigh_mass, all.rayleigh_stiffness, all.solver, all.tolerance,
-         all.iterations);
-    return all;
-  }
-};
-
-/// A body in motion, and the Python object of that body.
-class Simulation {
- public:
-  Simulation(std::shared_ptr<Body> body, Arguments arguments)
-      : arguments_(std::move(arguments)),
-        body_(std::move(body)),
-        forces_(std::make_shared<PointArray>(PointArray::Zero(body_->body().mesh().num_nodes(), 3))) {
-    if (body_->is_in_simulation()) throw InputError("the body is in a simulation already");
-    std::unique_ptr<LinearSolver> solver = arguments_.linear_solver();
-    Motion motion = arguments_.motion();
-    motion.load = [forces = forces_](double, ConstPoints, Points f) { f += *forces; };
-    // a copy, so that the body is as before where the motion is refused
-    moving_ = std::make_shared<MovingBody>(hexaplast::Body(body_->body()), std::move(motion), std::move(solver));
-    body_->enter_simulation(std::shared_ptr<hexaplast::Body>(moving_, &moving_->body));
-  }
-
-  MovingBody& get() { return *moving_; }
-  const PointArray& positions() const { return moving_->x; }
-  const PointArray& velocities() const { return moving_->v; }
-  const std::vector<double>& masses() const { return moving_->mass(); }
-  const std::shared_ptr<Body>& body() const { return body_; }
-  std::atomic_flag& taken() { return body_->taken(); }
-  int num_nodes() const { return moving_->body.mesh().num_nodes(); }
-
-  /// Steps under constant forces [N], none where they are not given.
-  RunReport run(long steps, py::object forces) {
-    const PointArray external = forces.is_none() ? PointArray::Zero(num_nodes(), 3)
-                                                 : PointArray(as_points(points("forces", forces, num_nodes())));
-    const Turn turn(taken());
-    *forces_ = external;
-    RunReport report;
-    for (long k = 0; k < steps; ++k) {
-      {
-        const py::gil_scoped_release others_may_run;
-        const FlowReport flowed = moving_->step();
-        report.add(moving_->latest, flowed);
-        body_->refresh();
-        if (record_ && record_->wants(moving_->steps()))
-          record_->add(moving_->steps(), moving_->x, moving_->v, conditions());
-      }
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    }
-    return report;
-  }
-
-  void reset() {
-    const Turn turn(taken());
-    moving_->reset();
-    body_->refresh();
-    forces_->setZero();
-    if (record_) begin_record();
-  }
-
-  void record() {
-    const Turn turn(taken());
-    begin_record();
-  }
-
-  std::string page() {
-    const Turn turn(taken());
-    const std::shared_ptr<const MotionRecord> shown = record_ ? record_ : new_record();
-    return shown->page(moving_->steps(), moving_->x, moving_->v, conditions());
-  }
-
-  py::bytes save() const {
-    std::ostringstream out(std::ios::binary);
-    moving_->save(out);
-    return out.str();
-  }
-
-  void load(const py::bytes& data) {
-    std::istringstream in(data, std::ios::binary);
-    moving_->load(in);
-    body_->refresh();
-    forces_->setZero();
-    if (record_) begin_record();
-  }
-
-  const Arguments& arguments() const { return arguments_; }
-
-  void set_state(py::handle positions, py::handle velocities) {
-    const RealArray x = points("positions", positions, num_nodes()), v = points("velocities", velocities, num_nodes());
-    if (!as_points(x).allFinite() || !as_points(v).allFinite())
-      throw InputError("positions and velocities must be finite");
-    const Turn turn(taken());
-    moving_->x = as_points(x);
-    moving_->v = as_points(v);
-    moving_->solver_memory().reset();
-    if (record_) begin_record();
-  }
-
- private:
-  output::BoundaryConditions conditions() const {
-    return {.fixed = moving_->fixed(), .loads = *forces_, .instruments = {}};
-  }
-
-  std::shared_ptr<MotionRecord> new_record() const {
-    return std::make_shared<MotionRecord>(std::vector<output::Bodies::Entry>{{.name = "body", .body = &moving_->body}},
-                                          moving_, "Simulation", moving_->dt(), moving_->steps());
-  }
-
-  void begin_record() {
-    record_ = new_record();
-    record_->add(moving_->steps(), moving_->x, moving_->v, conditions());
-  }
-
-  Arguments arguments_;
-  std::shared_ptr<Body> body_;
-  std::shared_ptr<PointArray> forces_;
-  std::shared_ptr<MovingBody> moving_;
-  std::shared_ptr<MotionRecord> record_;  // null: not wanted
-};
+constexpr int kSmallestPicture = 64, kLargestPicture = 4096;  // [pixels]
 
 }  // namespace
+
+Motion Arguments::motion() const {
+  return {.density = density,
+          .dt = dt,
+          .gravity = Vec3(gravity[0], gravity[1], gravity[2]),
+          .euler = {.rayleigh_mass = rayleigh_mass, .rayleigh_stiffness = rayleigh_stiffness}};
+}
+
+std::unique_ptr<LinearSolver> Arguments::linear_solver() const {
+  if (solver == "direct") return nullptr;
+  if (solver != "cg") throw InputError(fmt::format("solver = '{}' must be one of direct, cg", solver));
+  if (!(tolerance > 0 && tolerance < 1))
+    throw InputError(fmt::format("tolerance = {} must lie between 0 and 1", tolerance));
+  if (iterations < 1) throw InputError(fmt::format("iterations = {} must be at least 1", iterations));
+  return std::make_unique<PreconditionedConjugateGradients>(tolerance, iterations, Preconditioner::kAuto);
+}
+
+py::tuple Arguments::state() const {
+  return py::make_tuple(density, dt, gravity, rayleigh_mass, rayleigh_stiffness, solver, tolerance, iterations);
+}
+
+Arguments Arguments::from(const py::tuple& state) {
+  Arguments all;
+  std::size_t k = 0;
+  const auto read = [&](auto&... members) {
+    (..., (members = state[k++].cast<std::remove_reference_t<decltype(members)>>()));
+  };
+  read(all.density, all.dt, all.gravity, all.rayleigh_mass, all.rayleigh_stiffness, all.solver, all.tolerance,
+       all.iterations);
+  return all;
+}
+
+Simulation::Simulation(std::shared_ptr<Body> body, Arguments arguments)
+    : arguments_(std::move(arguments)),
+      body_(std::move(body)),
+      forces_(std::make_shared<PointArray>(PointArray::Zero(body_->body().mesh().num_nodes(), 3))) {
+  if (body_->is_in_simulation()) throw InputError("the body is in a simulation already");
+  std::unique_ptr<LinearSolver> solver = arguments_.linear_solver();
+  Motion motion = arguments_.motion();
+  motion.load = [forces = forces_](double, ConstPoints, Points f) { f += *forces; };
+  // a copy, so that the body is as before where the motion is refused
+  moving_ = std::make_shared<MovingBody>(hexaplast::Body(body_->body()), std::move(motion), std::move(solver));
+  body_->enter_simulation(std::shared_ptr<hexaplast::Body>(moving_, &moving_->body));
+}
+
+PointArray Simulation::forces_from(const char* name, const py::object& given) const {
+  if (given.is_none()) return PointArray::Zero(num_nodes(), 3);
+  return as_points(points(name, given, num_nodes()));
+}
+
+void Simulation::advance(const PointArray& forces, RunReport& report) {
+  *forces_ = forces;
+  const FlowReport flowed = moving_->step();
+  report.add(moving_->latest, flowed);
+  body_->refresh();
+  if (record_ && record_->wants(moving_->steps())) record_->add(moving_->steps(), moving_->x, moving_->v, conditions());
+}
+
+RunReport Simulation::run(long steps, const py::object& forces) {
+  const PointArray external = forces_from("forces", forces);
+  const Turn turn(taken());
+  RunReport report;
+  for (long k = 0; k < steps; ++k) {
+    {
+      const py::gil_scoped_release others_may_run;
+      advance(external, report);
+    }
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  }
+  return report;
+}
+
+void Simulation::reset() {
+  const Turn turn(taken());
+  moving_->reset();
+  body_->refresh();
+  forces_->setZero();
+  if (record_) begin_record();
+}
+
+void Simulation::record() {
+  const Turn turn(taken());
+  begin_record();
+}
+
+std::string Simulation::page() {
+  const Turn turn(taken());
+  const std::shared_ptr<const MotionRecord> shown = record_ ? record_ : new_record();
+  return shown->page(moving_->steps(), moving_->x, moving_->v, conditions());
+}
+
+py::array Simulation::picture(int width, int height) {
+  for (const auto& [name, size] : {std::pair{"width", width}, std::pair{"height", height}})
+    if (size < kSmallestPicture || size > kLargestPicture)
+      throw InputError(fmt::format("{} = {} must lie in [{}, {}]", name, size, kSmallestPicture, kLargestPicture));
+  const Turn turn(taken());
+  static output::Renderer* const renderer = output::load_renderer().release();  // as long as the process
+  output::Staging staging;
+  staging.gravity = arguments_.motion().gravity;
+  staging.width = width;
+  staging.height = height;
+  const hexaplast::Body& body = moving_->body;
+  output::Gallery gallery(body.mesh(), "Simulation", output::time_decimals(moving_->dt()), staging);
+  gallery.add(moving_->steps(), moving_->time(), moving_->x,
+              output::values_of(staging.quantity, body, moving_->x, moving_->v), body.alive(), conditions());
+  output::Image image;
+  gallery.for_each_drawing([&](int, const output::Drawing& drawing) { image = renderer->render(drawing); });
+  py::array_t<std::uint8_t> pixels({height, width, 3});
+  std::ranges::copy(image.pixels, pixels.mutable_data());
+  return pixels;
+}
+
+py::bytes Simulation::save() const {
+  std::ostringstream out(std::ios::binary);
+  moving_->save(out);
+  return out.str();
+}
+
+void Simulation::load(const py::bytes& data) {
+  std::istringstream in(data, std::ios::binary);
+  moving_->load(in);
+  body_->refresh();
+  forces_->setZero();
+  if (record_) begin_record();
+}
+
+void Simulation::set_state(py::handle positions, py::handle velocities) {
+  const RealArray x = points("positions", positions, num_nodes()), v = points("velocities", velocities, num_nodes());
+  if (!as_points(x).allFinite() || !as_points(v).allFinite())
+    throw InputError("positions and velocities must be finite");
+  const Turn turn(taken());
+  moving_->x = as_points(x);
+  moving_->v = as_points(v);
+  moving_->solver_memory().reset();
+  if (record_) begin_record();
+}
+
+output::BoundaryConditions Simulation::conditions() const {
+  return {.fixed = moving_->fixed(), .loads = *forces_, .instruments = {}};
+}
+
+std::shared_ptr<MotionRecord> Simulation::new_record() const {
+  return std::make_shared<MotionRecord>(std::vector<output::Bodies::Entry>{{.name = "body", .body = &moving_->body}},
+                                        moving_, "Simulation", moving_->dt(), moving_->steps());
+}
+
+void Simulation::begin_record() {
+  record_ = new_record();
+  record_->add(moving_->steps(), moving_->x, moving_->v, conditions());
+}
 
 void add_simulation(py::module_& module) {
   py::class_<RunReport>(module, "StepReport", "What happened in one time step, or in several: the worst of each.")
@@ -227,13 +227,13 @@ void add_simulation(py::module_& module) {
       .def_property_readonly("elastic_energy", in_turn([](Simulation& s) { return s.get().body.energy(s.get().x); }),
                              "[J]")
       .def(
-          "step", [](Simulation& s, py::object forces) { return s.run(1, std::move(forces)); },
+          "step", [](Simulation& s, const py::object& forces) { return s.run(1, forces); },
           py::arg("forces") = py::none(), "One time step under nodal forces (n, 3) [N]; without, under none")
       .def(
           "run",
-          [](Simulation& s, long steps, py::object forces) {
+          [](Simulation& s, long steps, const py::object& forces) {
             if (steps < 1) throw InputError(fmt::format("steps = {} must be at least 1", steps));
-            return s.run(steps, std::move(forces));
+            return s.run(steps, forces);
           },
           py::arg("steps"), py::arg("forces") = py::none(),
           "Several steps under constant nodal forces (n, 3) [N]; reports the worst of them")
@@ -257,6 +257,9 @@ void add_simulation(py::module_& module) {
            "From now on, states are kept for show(): of all steps at most 60, at equal distances. reset and set_state\n"
            "begin anew")
       .def("_page", &Simulation::page)
+      .def(
+          "picture", &Simulation::picture, py::arg("width") = 640, py::arg("height") = 360,
+          "(height, width, 3) uint8: the body as `hexaplast render` draws it. RuntimeError where nothing can draw here")
       .def("reset", &Simulation::reset, "Back to the beginning; fixed nodes stay fixed")
       .def("save", in_turn([](Simulation& s) { return s.save(); }),
            "Positions, velocities, number of steps, fixed nodes, solver memory and the body, with checksums: what "
