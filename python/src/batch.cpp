@@ -53,6 +53,7 @@ class Batch {
       });
     }
     throw_first(errors);
+    for (const Simulation* one : all_) one->warn();
     py::list of_each;
     for (const RunReport& report : reports) of_each.append(report);
     return of_each;

@@ -8,6 +8,7 @@
 #include "body.hpp"
 #include "hexaplast/moving_body.hpp"
 #include "motion_record.hpp"
+#include "tools.hpp"
 
 namespace hexaplast::python {
 
@@ -19,6 +20,8 @@ struct Arguments {
   std::string solver = "direct";
   double tolerance = 1e-6;
   int iterations = 1000;
+  std::string preconditioner = "auto";
+  bool reactions = false;
 
   Motion motion() const;
   std::unique_ptr<LinearSolver> linear_solver() const;  ///< null: the library's own choice
@@ -41,6 +44,23 @@ class Simulation {
   int num_nodes() const { return moving_->body.mesh().num_nodes(); }
   const Arguments& arguments() const { return arguments_; }
 
+  /// [N] of supports, in the latest step. Throws InputError where they are not measured.
+  const PointArray& reactions() const;
+
+  /// With the keywords of Python.
+  std::shared_ptr<SolidTool> add_instrument(const py::dict& arguments);
+  std::shared_ptr<Grip> add_grip(const py::dict& arguments);
+  template <class Kind>
+  std::vector<std::shared_ptr<Kind>> all() const {
+    std::vector<std::shared_ptr<Kind>> found;
+    for (const std::shared_ptr<Tool>& tool : tools_)
+      if (auto one = std::dynamic_pointer_cast<Kind>(tool)) found.push_back(one);
+    return found;
+  }
+
+  /// Of tools, since the last call, as Python's warnings.
+  void warn() const { python::warn(tools_); }
+
   /// Nodal forces [N] from Python, none where they are not given; `name` is that of the argument.
   PointArray forces_from(const char* name, const py::object& given) const;
 
@@ -62,11 +82,15 @@ class Simulation {
   output::BoundaryConditions conditions() const;
   std::shared_ptr<MotionRecord> new_record() const;
   void begin_record();
+  template <class Kind>
+  std::shared_ptr<Kind> add(std::shared_ptr<Kind> tool);
 
   Arguments arguments_;
   std::shared_ptr<Body> body_;
   std::shared_ptr<PointArray> forces_;
   std::shared_ptr<MovingBody> moving_;
+  std::vector<std::shared_ptr<Tool>> tools_;  // whose forces moving_ has
+  PointArray reactions_;
   std::shared_ptr<MotionRecord> record_;  // null: not wanted
 };
 
