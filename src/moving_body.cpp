@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <utility>
 
 #include "base/require.hpp"
@@ -40,8 +41,47 @@ void LoadedBody::compute_force(double time, ConstPoints x, ConstPoints v, Points
   add_load(time, x, v, f);
 }
 
-void LoadedBody::add_load(double time, ConstPoints x, ConstPoints, Points f) {
+void LoadedBody::add_load(double time, ConstPoints x, ConstPoints v, Points f) {
   if (load_) load_(time, x, f);
+  for (StepForces* forces : forces_) forces->add_force(time, x, v, f);
+}
+
+namespace {
+
+/// Each damps by its own Rayleigh factor.
+double stiffness_factor(const OperatorFactors& factors, const StepForces& forces) {
+  return factors.stiffness + factors.damping * forces.rayleigh_stiffness();
+}
+
+template <class All>
+void add_products(const All& all, const OperatorFactors& factors, ConstPoints dx, Points df) {
+  for (const StepForces* forces : all) {
+    if (!forces->is_in_matrix()) continue;
+    if (const double k = stiffness_factor(factors, *forces); k != 0) forces->add_stiffness_product(k, dx, df);
+    if (factors.damping != 0) forces->add_damping_product(factors.damping, dx, df);
+  }
+}
+
+}  // namespace
+
+void LoadedBody::add_load_product(const OperatorFactors& factors, ConstPoints dx, Points df) const {
+  add_products(forces_, factors, dx, df);
+}
+
+void LoadedBody::add_product(ConstPoints p, Points Fp) const { add_products(others_, factors_of_others_, p, Fp); }
+
+bool LoadedBody::release(double time, ConstPoints x, ConstPoints v, ConstPoints x_end, ConstPoints v_end, Points force,
+                         Points product) {
+  bool has_released = false;
+  for (StepForces* forces : forces_) {
+    if (!forces->is_one_sided()) continue;
+    const bool pulled = ImplicitEuler::release_from(
+        force, scratch_, [&](Points f) { forces->add_force(time, x, v, f); },
+        [&](double sign) { forces->add_stiffness_product(sign, v, product); },
+        [&] { return forces->release(x_end, v_end); });
+    has_released = has_released || pulled;
+  }
+  return has_released;
 }
 
 void LoadedBody::add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const {
@@ -49,18 +89,33 @@ void LoadedBody::add_product(const OperatorFactors& factors, ConstPoints dx, Poi
   require_rows("LoadedBody::add_product", "df", df, num_nodes());
   for (int n = 0; n < num_nodes(); ++n) df.row(n) += factors.mass * mass_[n] * dx.row(n);
   if (factors.stiffness != 0) body_->add_stiffness_product(factors.stiffness, dx, df);
+  add_products(forces_, factors, dx, df);
 }
 
 void LoadedBody::add_blocks(const OperatorFactors& factors, BlockMatrix& A) const {
   require_count("LoadedBody::add_blocks", "A", A.num_nodes(), num_nodes());
   for (int n = 0; n < num_nodes(); ++n) A.add(n, n, factors.mass * mass_[n] * Mat3::Identity());
   body_->add_stiffness_blocks(factors.stiffness, A);
+  for (const StepForces* forces : forces_) {
+    forces->add_stiffness_blocks(stiffness_factor(factors, *forces), A, {});
+    forces->add_damping_blocks(factors.damping, A, {});
+  }
 }
 
 bool LoadedBody::describe(const OperatorFactors& factors, MatrixFreeSystem& system) const {
   require_rows("LoadedBody::describe", "diagonal", system.diagonal, num_nodes());
   for (int n = 0; n < num_nodes(); ++n) system.diagonal.row(n).array() += factors.mass * mass_[n];
   body_->describe(factors.stiffness, system);
+  others_.clear();
+  factors_of_others_ = factors;
+  for (const StepForces* forces : forces_) {
+    if (!forces->is_in_matrix()) continue;
+    if (forces->add_stiffness_diagonal(stiffness_factor(factors, *forces), system.diagonal))
+      forces->add_damping_diagonal(factors.damping, system.diagonal);
+    else
+      others_.push_back(forces);
+  }
+  if (!others_.empty()) system.others.emplace_back(static_cast<const NodalOperator*>(this));
   return true;
 }
 
@@ -99,6 +154,8 @@ LoadedBody loaded(Body& body, const Motion& motion) {
   return {body, std::move(mass), {}, std::move(load)};
 }
 
+constexpr SavedKind kSavedForces{{'H', 'X', 'P', 'F', 'O', 'R', 'C', '\0'}, 1, "set of forces"};
+constexpr std::size_t kMaxSavedForces = std::size_t{1} << 32;
 constexpr SavedKind kSavedMotion{{'H', 'X', 'P', 'M', 'O', 'V', 'E', '\0'}, 4, "motion"};
 
 /// Of what a motion is given besides its body, load and solver.
@@ -131,7 +188,7 @@ MovingBody::MovingBody(Body made, Motion motion, std::unique_ptr<LinearSolver> s
       euler_(motion.euler),
       solver_(solver ? std::move(solver) : std::make_unique<CholeskySolver>()),
       dt_(motion.dt),
-      is_first_order_(motion.euler.first_order),
+      settings_(motion.euler),
       identity_(identity_of(motion, mass())),
       held_(static_cast<std::size_t>(x.rows()), kFree) {
   check(motion, body);
@@ -144,15 +201,24 @@ FlowReport MovingBody::step() {
   x_before_ = x;
   v_before_ = v;
   memory_before_ = euler_.memory();
+  forces_before_.clear();
+  Archive remembered([this](const void* data, std::size_t size) {
+    const auto* bytes = static_cast<const std::byte*>(data);
+    forces_before_.insert(forces_before_.end(), bytes, bytes + size);
+  });
+  for (StepForces* forces : system_.forces()) forces->serialize(remembered);
   system_.set_body(body);  // which may have moved together with this
   for (std::size_t n = 0; n < held_.size(); ++n)
     if (held_[n] == kFixed) v.row(static_cast<Eigen::Index>(n)).setZero();
   // a step of first order does not begin from velocities: the nodes are there when its forces are computed
-  for (std::size_t n = 0; n < held_.size() && is_first_order_; ++n)
+  for (std::size_t n = 0; n < held_.size() && settings_.first_order; ++n)
     if (const auto row = static_cast<Eigen::Index>(n); held_[n] == kPrescribed) x.row(row) += dt_ * v.row(row);
   try {
+    const Step beginning{.time = time(), .dt = dt_, .rayleigh_stiffness = settings_.rayleigh_stiffness};
+    for (StepForces* forces : system_.forces()) forces->begin_step(beginning, x, v);
     const SolveReport solved = euler_.step(system_, *solver_, time(), dt_, x, v);
     const FlowReport flowed = body.flow(x, dt_);
+    for (StepForces* forces : system_.forces()) forces->end_step(x);
     latest = solved;
     ++steps_;
     arrive();
@@ -161,6 +227,8 @@ FlowReport MovingBody::step() {
     x = x_before_;
     v = v_before_;
     euler_.memory() = memory_before_;
+    Archive archive{std::span<const std::byte>(forces_before_)};
+    for (StepForces* forces : system_.forces()) forces->serialize(archive);
     throw;
   }
 }
@@ -237,8 +305,15 @@ std::vector<unsigned char> MovingBody::fixed() const {
   return all;
 }
 
+void MovingBody::add(StepForces& forces) {
+  if (settings_.first_order || settings_.trapezoidal)
+    throw InputError("MovingBody: other forces need implicit Euler, neither of first order nor trapezoidal");
+  system_.add(forces);
+}
+
 void MovingBody::reset() {
   body.reset();
+  for (StepForces* forces : system_.forces()) forces->reset();
   euler_.memory().reset();
   x = body.mesh().positions();
   v.setZero();
@@ -265,6 +340,22 @@ void MovingBody::save(std::ostream& out) const {
     memory.serialize(archive);
   });
   body.save(out);
+  save_forces(out);
+}
+
+void MovingBody::save_forces(std::ostream& out) const {
+  if (system_.forces().empty()) return;
+  write_saved(out, kSavedForces, system_.forces().size(), [&](Archive& archive) {
+    for (StepForces* forces : system_.forces()) forces->serialize(archive);
+  });
+}
+
+void MovingBody::load_forces(std::istream& in) {
+  if (system_.forces().empty()) return;
+  const std::vector<std::byte> bytes = read_saved(in, kSavedForces, system_.forces().size(), kMaxSavedForces);
+  Archive archive{std::span<const std::byte>(bytes)};
+  for (StepForces* forces : system_.forces()) forces->serialize(archive);
+  if (archive.rest() != 0) throw InputError("the saved forces are others");
 }
 
 void MovingBody::load(std::istream& in) {
@@ -285,7 +376,17 @@ void MovingBody::load(std::istream& in) {
       !memory.is_valid() || steps < 0 || held.size() != num_nodes || archive.rest() != 0 ||
       std::ranges::any_of(held, [](unsigned char how) { return how > kPrescribed; }))
     throw InputError("the saved motion is of another body");
+  std::stringstream before;
+  body.save(before);
+  save_forces(before);
   body.load(in);
+  try {
+    load_forces(in);  // by the hexahedra that are left
+  } catch (const InputError&) {
+    body.load(before);
+    load_forces(before);
+    throw;
+  }
 
   x = positions;
   v = velocities;

@@ -13,6 +13,7 @@
 #include "hexaplast/body.hpp"
 #include "hexaplast/layout/linear_system.hpp"
 #include "hexaplast/solve/implicit_euler.hpp"
+#include "hexaplast/solve/mechanics.hpp"
 
 namespace hexaplast {
 
@@ -25,8 +26,8 @@ using NodalLoad = std::function<void(double time, ConstPoints x, Points f)>;
 /// are not plane.
 std::vector<double> lumped_masses(const Body& body, double density);
 
-/// A body with nodal masses, fixed nodes and a load, as a time integrator sees it.
-class LoadedBody : public MechanicalSystem {
+/// A body with nodal masses, fixed nodes, a load and other forces, as a time integrator sees it.
+class LoadedBody : public MechanicalSystem, private NodalOperator {
  public:
   /// The body must outlive this. mass: one per node [kg]. fixed: nodes that do not move. load: may be empty. Throws
   /// InputError for another number of masses, and for nodes that do not exist.
@@ -34,6 +35,10 @@ class LoadedBody : public MechanicalSystem {
 
   /// Fixes other nodes from now on. Throws InputError for nodes that do not exist.
   void fix(std::vector<int> nodes);
+
+  /// Forces act on the body from now on; they must outlive this.
+  void add(StepForces& forces) { forces_.push_back(&forces); }
+  const std::vector<StepForces*>& forces() const { return forces_; }
 
   /// The same body in another place.
   void set_body(Body& body) { body_ = &body; }
@@ -47,13 +52,24 @@ class LoadedBody : public MechanicalSystem {
   void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const override;
   bool describe(const OperatorFactors& factors, MatrixFreeSystem& system) const override;
   void add_load(double time, ConstPoints x, ConstPoints v, Points f) override;
+  void add_load_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
+  bool release(double time, ConstPoints x, ConstPoints v, ConstPoints x_end, ConstPoints v_end, Points force,
+               Points product) override;
   void constrain(Constraints& constraints) const override;
 
  private:
+  void add_product(ConstPoints p, Points Fp) const override;  // of those that the kernels do not know
+
   Body* body_;
   std::vector<double> mass_;
   std::vector<int> fixed_;
   NodalLoad load_;
+  std::vector<StepForces*> forces_;
+
+  // of the matrix of describe: forces that its kernels do not know, and their factors
+  mutable std::vector<const StepForces*> others_;
+  mutable OperatorFactors factors_of_others_;
+  PointArray scratch_;  // of release
 };
 
 /// What moves a body, besides itself.
@@ -107,17 +123,29 @@ class MovingBody {
   /// Per node: 1 where it is fixed or prescribed.
   std::vector<unsigned char> fixed() const;
 
+  /// From now on `forces` act too, such as contacts and grips (parts/instrument.hpp, parts/grasp.hpp). They must
+  /// outlive this, which stays where it is from then on if they refer to its body. Throws InputError in first order and
+  /// in the trapezoidal scheme, which do not suit contact.
+  void add(StepForces& forces);
+
+  /// From now on steps find the forces of supports too, at the cost of some products. The motion has the same bits.
+  void measure_supports() { euler_.measure_energy(); }
+
+  /// [N] on each node by which it was fixed or prescribed in the latest step; zero where it was free. No rows before a
+  /// step in which they are measured.
+  PointArray support_forces() const { return euler_.support_forces(); }
+
   /// Back to the beginning: the initial body at rest, at time 0, without solver memory. Nodes that are fixed stay so.
   void reset();
 
   /// Writes all that the next step depends on besides what the constructor was given: x, v, the number of steps, fixed
-  /// nodes, prescribed displacements, solver_memory() and the body (Body::save). A motion that loads it goes on as this
-  /// one does, bit for bit, whatever it and its solver have done before. Throws InputError when the stream does not
-  /// take it all.
+  /// nodes, prescribed displacements, solver_memory(), the body (Body::save) and what forces remember. A motion that
+  /// loads it goes on as this one does, bit for bit, whatever it and its solver have done before. Throws InputError
+  /// when the stream does not take it all.
   void save(std::ostream& out) const;
 
   /// Takes over what `save` wrote for a body of the same mesh and settings, with the same masses, dt, gravity, damping
-  /// and order of the scheme; reads no byte beyond. The load and the solver are the caller's to repeat. Throws
+  /// order of the scheme, and forces; reads no byte beyond. The load and the solver are the caller's to repeat. Throws
   /// InputError for what is damaged, of another format version or of another motion; this is then as before.
   void load(std::istream& in);
 
@@ -141,17 +169,20 @@ class MovingBody {
  private:
   void tell_fixed();  // the system, what held_ says
   void arrive();      // prescribed nodes are fixed from here on
+  void save_forces(std::ostream& out) const;
+  void load_forces(std::istream& in);
 
   LoadedBody system_;
   ImplicitEuler euler_;
   std::unique_ptr<LinearSolver> solver_;
   double dt_;
-  bool is_first_order_;
+  EulerSettings settings_;
   std::uint64_t identity_;
   std::vector<unsigned char> held_;  // per node: free, fixed, or prescribed for the next step
   long steps_ = 0;
   PointArray x_before_, v_before_;  // of the step under way
   SolverMemory memory_before_;
+  std::vector<std::byte> forces_before_;
 };
 
 }  // namespace hexaplast

@@ -58,9 +58,9 @@ class PartField<Part, Forces<In, Out, FirstNodes...>>
 
   void begin_step() override {
     const scene::Clock& clock = this->node().clock();
-    const parts::Step step{.time = clock.time,
-                           .dt = clock.dt,
-                           .rayleigh_stiffness = Part::kIsContact ? integrator_->real("rayleighStiffness") : 0};
+    const Step step{.time = clock.time,
+                    .dt = clock.dt,
+                    .rayleigh_stiffness = Part::kIsContact ? integrator_->real("rayleighStiffness") : 0};
     accepted(*this, [&] { part_->begin_step(step, positions(), of_both(&scene::MechanicalState::velocities)); });
     pass_on(*this, part_->take_warnings());
   }

@@ -49,6 +49,7 @@ class ContactForce : public Force {
     terms().add_damping_blocks(factor, A, first_nodes);
   }
   bool is_in_matrix() const override { return !terms().empty(); }
+  bool is_one_sided() const override { return true; }
   double rayleigh_stiffness() const override { return -rayleigh_stiffness_; }
 
  protected:

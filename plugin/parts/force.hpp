@@ -24,13 +24,6 @@ struct Surroundings {
   std::array<const Body*, 2> bodies = {};
 };
 
-/// The beginning of a step.
-struct Step {
-  double time = 0;                ///< [s]
-  double dt = 0;                  ///< [s]
-  double rayleigh_stiffness = 0;  ///< [s] of the time integrator; contact is told it, as it does not act on contact
-};
-
 /// Forces on a state or between two: what every host drives by one template. Fields have one row per node of each
 /// state; those of a single state are given as `first` (a field converts to OfTwo), and forces are added there.
 ///
@@ -44,7 +37,7 @@ struct Step {
 ///                           count, or a span of nodes
 ///   Part(options, around), set_options(options)
 ///                           throw OptionError; what it remembers stays where options change
-class Force : public PairForces {
+class Force : public StepForces {
  public:
   static constexpr int kNumStates = 1;
   static constexpr bool kIsContact = false;
@@ -53,18 +46,6 @@ class Force : public PairForces {
   /// Once, before all steps of a scene: warns of what is wrong there.
   virtual void look_at_start(double /*time*/, const OfTwo<ConstPoints>& /*x*/) {}
 
-  /// Decides what acts in the step to come, by accepted positions and velocities: the same for everyone until it ends.
-  virtual void begin_step(const Step& /*step*/, const OfTwo<ConstPoints>& /*x*/, const OfTwo<ConstPoints>& /*v*/) {}
-
-  /// The step has ended at x.
-  virtual void end_step(const OfTwo<ConstPoints>& /*x*/) {}
-
-  /// As it was made.
-  virtual void reset() {}
-
-  /// What the next step depends on besides the options (Archive). Throws InputError for values that cannot be.
-  virtual void serialize(Archive& /*archive*/) {}
-
   void add_force(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) override {
     add_load(time, x, v, f);
   }
@@ -72,11 +53,6 @@ class Force : public PairForces {
   /// f += what of it loads the body from outside [N], for files and pictures; changes nothing but f.
   virtual void add_load(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v,
                         OfTwo<Points> f) const = 0;
-
-  /// diagonal += that of factor K, where K has no other entries; false, and nothing added, where it has. The same of B
-  /// then, which has no others either.
-  virtual bool add_stiffness_diagonal(double /*factor*/, Points /*diagonal*/) const { return false; }
-  virtual void add_damping_diagonal(double /*factor*/, Points /*diagonal*/) const {}
 
   /// [J] where forces are minus a gradient.
   virtual std::optional<double> potential_energy(double /*time*/, ConstPoints /*x*/) const { return std::nullopt; }

@@ -21,13 +21,14 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 void check(const GraspOptions& options, int num_nodes) {
   OptionRanges ranges(Grasp::description(), options);
   if (options.indices) ranges.collect([&] { check_nodes("indices", *options.indices, num_nodes); });
-  ranges.collect([&] {
-    check_key_times("key_times", options.key_times, "positions", static_cast<std::size_t>(options.positions.rows()));
-  });
+  if (!options.is_prescribed)
+    ranges.collect([&] {
+      check_key_times("key_times", options.key_times, "positions", static_cast<std::size_t>(options.positions.rows()));
+    });
   if (ranges.accepts("grasp_time") && options.release_time && options.grasp_time >= *options.release_time)
     ranges.add(
         {"release_time", fmt::format("is {}, must be after graspTime {}", *options.release_time, options.grasp_time)});
-  if (!options.radius) ranges.add({"radius", "is not given"});
+  if (!options.radius && !(options.is_prescribed && options.indices)) ranges.add({"radius", "is not given"});
   ranges.throw_all();
 }
 
@@ -55,9 +56,35 @@ void Grasp::set_options(GraspOptions options) {
 }
 
 void Grasp::begin_step(const Step& step, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& /*v*/) {
+  dt_ = step.dt;
+  if (options_.is_prescribed) {
+    rayleigh_stiffness_ = step.rayleigh_stiffness;
+    if (is_to_be_closed_ && !has_closed_) close(prescribed_[0], step.time, x.first);
+    if (!is_to_be_closed_) reset();
+    return;
+  }
   const bool is_over = has_come(release_time_, step.time);
-  if (!has_closed_ && has_come(options_.grasp_time, step.time) && !is_over) close(step.time, x.first);
+  if (!has_closed_ && has_come(options_.grasp_time, step.time) && !is_over)
+    close(tool_at(step.time), step.time, x.first);
   if (is_over) open();
+}
+
+// In the step the nodes have moved by what their springs have become shorter, and dashpots act by that velocity.
+void Grasp::end_step(const OfTwo<ConstPoints>& x) {
+  if (!options_.is_prescribed) return;
+  const PointArray begin = elongations_;
+  grip_.elongations_at(prescribed_[1], x.first, elongations_);
+  drag_.setZero();
+  drag_moment_.setZero();
+  if (grip_.nodes.empty()) return;
+  const Vec3 tool_velocity = tool_velocity_at(0);
+  const double damping = grip_.damping / static_cast<double>(grip_.nodes.size());
+  for (Eigen::Index i = 0; i < begin.rows(); ++i) {
+    const Vec3 velocity = (begin.row(i) - elongations_.row(i)).transpose() / dt_,
+               force = damping * (tool_velocity - velocity);
+    drag_ += force;
+    drag_moment_ += (grip_.arms.row(i) - elongations_.row(i)).transpose().cross(force);
+  }
 }
 
 void Grasp::reset() {
@@ -91,28 +118,30 @@ void Grasp::add_force(double time, const OfTwo<ConstPoints>& x, const OfTwo<Cons
   grip_.add_force(tool, x.first, f.first);
   const Vec3 tool_velocity = tool_velocity_at(time);
   drag_ = grip_.add_damping_force(tool_velocity, v.first, f.first);
+  if (rayleigh_stiffness_ != 0) grip_.add_stiffness_product(elongations_, -rayleigh_stiffness_, v.first, f.first);
   drag_moment_ = grip_.damping_moment(elongations_, tool_velocity, v.first);
 }
 
 Vec3 Grasp::tool_at(double time) const {
+  if (options_.is_prescribed) return prescribed_[1];
   const std::vector<double>& times = options_.key_times;
   return interpolate(phase_at(times, std::max(time, times.front())), options_.positions).transpose();
 }
 
 Vec3 Grasp::tool_velocity_at(double time) const {
+  if (options_.is_prescribed) return (prescribed_[1] - prescribed_[0]) / dt_;
   const std::vector<double>& times = options_.key_times;
   const int key = static_cast<int>(num_come(times, time)) - 1;
   const bool is_on_its_way = key >= 0 && key + 1 < static_cast<int>(times.size());
   return is_on_its_way ? Vec3(slope({.key = key}, times, options_.positions).transpose()) : Vec3::Zero();
 }
 
-void Grasp::close(double time, ConstPoints x) {
-  const Vec3 tool = tool_at(time);
-  std::vector<int> held = nodes_near(x, candidates_, tool, *options_.radius);
+void Grasp::close(const Vec3& tool, double time, ConstPoints x) {
+  std::vector<int> held = nodes_near(x, candidates_, tool, options_.radius.value_or(kInfinity));
   if (held.empty())
     warn("radius",
          fmt::format("the grip closes on nothing: no node within {:.6g} m of ({:.6g}, {:.6g}, {:.6g}) at t = {:.6g} s",
-                     *options_.radius, tool[0], tool[1], tool[2], time));
+                     options_.radius.value_or(kInfinity), tool[0], tool[1], tool[2], time));
   grip_.close(std::move(held), tool, x);
   elongations_ = PointArray::Zero(grip_.arms.rows(), 3);
   has_closed_ = true;

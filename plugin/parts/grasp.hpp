@@ -12,11 +12,12 @@ namespace hexaplast::parts {
 
 /// In scenes: GraspForceField.
 struct GraspOptions {
-  std::vector<double> key_times = {};                      ///< [s] of the tool's path, ascending
-  PointArray positions = PointArray(0, 3);                 ///< [m] of the tool, one row per key time
-  double grasp_time = 0;                                   ///< [s]
-  std::optional<double> release_time = std::nullopt;       ///< [s] never, where it is not given
-  std::optional<double> radius = std::nullopt;             ///< [m] has to be given
+  bool is_prescribed = false;  ///< the host moves the tool, closes and opens it: neither path nor times are given then
+  std::vector<double> key_times = {};                 ///< [s] of the tool's path, ascending
+  PointArray positions = PointArray(0, 3);            ///< [m] of the tool, one row per key time
+  double grasp_time = 0;                              ///< [s]
+  std::optional<double> release_time = std::nullopt;  ///< [s] never, where it is not given
+  std::optional<double> radius = std::nullopt;        ///< [m] has to be given; where it is prescribed, it or indices
   std::optional<std::vector<int>> indices = std::nullopt;  ///< nodes that can be held; all where not given
   double stiffness = 1000;                                 ///< [N/m] of the grip as a whole
   std::optional<double> max_force = std::nullopt;          ///< [N] of the grip as a whole; no limit where not given
@@ -52,8 +53,19 @@ class Grasp final : public Force {
   /// Other options for the same nodes; a grip that is closed stays so. Throws OptionError.
   void set_options(GraspOptions options);
 
+  /// Where the tool is [m] at the beginning and at the end of the steps that begin from now on, and whether it is
+  /// closed in them, where that is prescribed. Its springs pull to where it is at the end of a step, and the
+  /// integrator's Rayleigh stiffness, which would damp the motion of tool and nodes together, does not act on them.
+  void prescribe(const Vec3& from, const Vec3& to, bool is_closed) {
+    prescribed_ = {from, to};
+    is_to_be_closed_ = is_closed;
+  }
+
   /// Closes or opens the grip. Warns where it closes on nothing.
   void begin_step(const Step& step, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) override;
+
+  /// Where it is prescribed, forces become those by which the step was solved: at its end.
+  void end_step(const OfTwo<ConstPoints>& x) override;
 
   /// Open, as it was made.
   void reset() override;
@@ -92,6 +104,7 @@ class Grasp final : public Force {
     grip_.add_damping_diagonal(factor, diagonal);
   }
   bool is_in_matrix() const override { return is_closed(); }
+  double rayleigh_stiffness() const override { return -rayleigh_stiffness_; }
 
   bool is_closed() const { return !grip_.nodes.empty(); }
   std::span<const int> held_nodes() const { return grip_.nodes; }
@@ -99,7 +112,7 @@ class Grasp final : public Force {
   /// [m] Before the first key time the tool waits where it begins.
   Vec3 tool_at(double time) const;
 
-  /// [N] what the tool exerted on the body when forces were computed last.
+  /// [N] what the tool exerted on the body when forces were computed last; where it is prescribed, in the latest step.
   Vec3 force() const { return grip_.total_force(elongations_) + drag_; }
 
   /// [N m] the moment of that force about the tool.
@@ -107,7 +120,7 @@ class Grasp final : public Force {
 
  private:
   Vec3 tool_velocity_at(double time) const;
-  void close(double time, ConstPoints x);
+  void close(const Vec3& tool, double time, ConstPoints x);
   void open();
 
   int num_nodes_;
@@ -117,6 +130,10 @@ class Grasp final : public Force {
 
   Grip grip_;
   bool has_closed_ = false;
+  std::array<Vec3, 2> prescribed_ = {Vec3::Zero(), Vec3::Zero()};
+  bool is_to_be_closed_ = false;
+  double dt_ = 1;                              // [s] of the present step
+  double rayleigh_stiffness_ = 0;              // [s] of the integrator in it, that is not to act
   PointArray elongations_ = PointArray(0, 3);  // [m] of the springs, at the positions of the latest forces
   Vec3 drag_ = Vec3::Zero();                   // [N] of the dashpots, with them
   Vec3 drag_moment_ = Vec3::Zero();            // [N m] of these; no part of a checkpoint: the next step finds it anew

@@ -5,16 +5,20 @@ Lengths in m, forces in N, times in s, stresses in Pa. n nodes, m hexahedra.
 """
 
 from ._hexaplast import (
+    Batch,
     Body,
     BodyState,
     Fields,
     FlowReport,
+    Grip,
     Instrument,
     Material,
     Scene,
     SceneBody,
+    SceneInstrument,
     Settings,
     Simulation,
+    SolidInstrument,
     StepReport,
     __version__,
     grid,
@@ -27,16 +31,20 @@ from ._hexaplast import (
 from ._notebook import Viewer, show
 
 __all__ = [
+    "Batch",
     "Body",
     "BodyState",
     "Fields",
     "FlowReport",
+    "Grip",
     "Instrument",
     "Material",
     "Scene",
     "SceneBody",
+    "SceneInstrument",
     "Settings",
     "Simulation",
+    "SolidInstrument",
     "StepReport",
     "Viewer",
     "__version__",

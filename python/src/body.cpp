@@ -23,16 +23,18 @@ void copy(std::span<const T> from, std::vector<T>& to) {
   to.assign(from.begin(), from.end());
 }
 
-template <class T, class View>
-const T& kept(std::atomic_flag& taken, std::optional<T>& place, const View& present) {
-  const Turn turn(taken);
-  if (!place) copy(present, place.emplace());
+// `present` is a function of the body: plastic rest positions take linear systems, and are asked for only where
+// somebody looks at them.
+template <class T, class Present>
+const T& kept(BodyState& state, std::optional<T>& place, const Present& present) {
+  const Turn turn(state.taken());
+  if (!place) copy(std::invoke(present, state.body()), place.emplace());
   return *place;
 }
 
-template <class T, class View>
-void fill(std::optional<T>& place, const View& present) {
-  if (place) copy(present, *place);
+template <class T, class Present>
+void fill(const hexaplast::Body& body, std::optional<T>& place, const Present& present) {
+  if (place) copy(std::invoke(present, body), *place);
 }
 
 /// Nodal positions [m] of a body, from Python.
@@ -330,20 +332,20 @@ py::capsule BodyState::keeper() const {
   return py::capsule(new Kept(body_), [](void* memory) { delete static_cast<Kept*>(memory); });
 }
 
-const PointArray& BodyState::material() { return kept(taken(), material_, body_->plastic_rest_positions()); }
+const PointArray& BodyState::material() { return kept(*this, material_, &hexaplast::Body::plastic_rest_positions); }
 const std::vector<CornerValues>& BodyState::plastic_strain() {
-  return kept(taken(), plastic_strain_, body_->plastic_strain());
+  return kept(*this, plastic_strain_, &hexaplast::Body::plastic_strain);
 }
 const std::vector<CornerValues>& BodyState::yield_stress() {
-  return kept(taken(), yield_stress_, body_->yield_stress());
+  return kept(*this, yield_stress_, &hexaplast::Body::yield_stress);
 }
-const std::vector<unsigned char>& BodyState::alive() { return kept(taken(), alive_, body_->alive()); }
+const std::vector<unsigned char>& BodyState::alive() { return kept(*this, alive_, &hexaplast::Body::alive); }
 
 void BodyState::refresh() {
-  fill(material_, body_->plastic_rest_positions());
-  fill(plastic_strain_, body_->plastic_strain());
-  fill(yield_stress_, body_->yield_stress());
-  fill(alive_, body_->alive());
+  fill(*body_, material_, &hexaplast::Body::plastic_rest_positions);
+  fill(*body_, plastic_strain_, &hexaplast::Body::plastic_strain);
+  fill(*body_, yield_stress_, &hexaplast::Body::yield_stress);
+  fill(*body_, alive_, &hexaplast::Body::alive);
 }
 
 void add_body(py::module_& module) {

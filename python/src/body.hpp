@@ -99,6 +99,7 @@ class Body final : public BodyState {
 
 void add_body(py::module_& module);        // Material, Settings, FlowReport, Fields, BodyState, Body
 void add_simulation(py::module_& module);  // StepReport, Simulation
+void add_batch(py::module_& module);       // Batch
 void add_scene(py::module_& module);       // Scene
 
 }  // namespace hexaplast::python

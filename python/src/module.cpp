@@ -11,8 +11,10 @@
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
 #include "hexaplast/geometry/grid.hpp"
+#include "instrument.hpp"
 #include "record/files.hpp"
 #include "scene/reader.hpp"
+#include "tools.hpp"
 
 namespace hexaplast::python {
 namespace {
@@ -65,7 +67,10 @@ PYBIND11_MODULE(_hexaplast, module) {
   py::register_exception_translator(&translate);
 
   add_body(module);
+  add_instrument(module);
+  add_tools(module);
   add_simulation(module);
+  add_batch(module);
   add_scene(module);
   module.def("grid", &grid, py::arg("cells"), py::arg("min"), py::arg("max"),
              "A box of hexahedra between two corners [m]: positions (n, 3) and hexahedra (m, 8), x fastest");

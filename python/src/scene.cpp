@@ -9,8 +9,8 @@
 
 #include "body.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/contact/instrument_contact.hpp"
 #include "hexaplast/moving_body.hpp"
+#include "instrument.hpp"
 #include "motion_record.hpp"
 #include "page/html.hpp"
 #include "record/checkpoint.hpp"
@@ -328,9 +328,9 @@ class Scene {
 };
 
 /// An instrument of a scene, led by its path: that of the scene file, or from where it is to where it is set.
-class Instrument {
+class SceneInstrument final : public Instrument {
  public:
-  Instrument(Scene& scene, std::string path) : scene_(scene), path_(std::move(path)) {
+  SceneInstrument(Scene& scene, std::string path) : scene_(scene), path_(std::move(path)) {
     owner_ = &scene::named_attribute(scene.get(), path_ + ".positions", "instrument " + path_).owner();
     instrument_ = dynamic_cast<const scene::Instrument*>(owner_);
     if (!instrument_)
@@ -338,20 +338,13 @@ class Instrument {
           fmt::format("instrument {}: {} '{}' is no instrument", path_, owner_->class_name(), owner_->name()));
   }
 
-  std::atomic_flag& taken() { return scene_.taken(); }
+  std::atomic_flag& taken() override { return scene_.taken(); }
   const std::string& path() const { return path_; }
-  py::object force() { return scene_.get(path_ + ".force"); }
+  py::object force() const override { return scene_.get(path_ + ".force"); }
+  Pose pose() const override { return instrument_->pose(scene_.time()); }
 
-  py::array pose() const {
-    const Pose pose = present();
-    const Eigen::Vector3d& x = pose.position;
-    const Eigen::Vector4d q = pose.orientation.coeffs();  // x y z w
-    return py::array(py::cast(std::array{x[0], x[1], x[2], q[0], q[1], q[2], q[3]}));
-  }
-
-  /// It goes there within the next step, and stays there.
-  void set_pose(py::handle given) {
-    const Pose from = present(), to = pose_from(given, from);
+  void set_pose(const Pose& to) override {
+    const Pose from = pose();
     const bool turns = owner_->find_data("orientations");
     if (!turns && !to.orientation.isApprox(from.orientation))
       throw InputError(fmt::format("{}: a {} has no orientation", path_, owner_->class_name()));
@@ -368,31 +361,6 @@ class Instrument {
     py::list all;
     for (const double number : numbers) all.append(number);
     return all;
-  }
-
-  Pose present() const { return instrument_->pose(scene_.time()); }
-
-  /// (3,) position; (7,) with a quaternion x y z w; (4, 4) rigid motion of the instrument's frame.
-  static Pose pose_from(py::handle given, const Pose& present) {
-    const RealArray array = RealArray::ensure(given);
-    if (!array) throw py::type_error("pose: no array of real numbers");
-    const Eigen::Map<const Eigen::VectorXd> numbers(array.data(), array.size());
-    if (!numbers.allFinite()) throw InputError("pose: must be finite");
-    if (array.ndim() == 1 && array.size() == 3) return {numbers, present.orientation};
-    if (array.ndim() == 1 && array.size() == 7) {
-      const Eigen::Quaterniond turn(Eigen::Vector4d(numbers.tail<4>()));
-      if (!(turn.norm() > 0)) throw InputError("pose: the quaternion is 0 0 0 0, must have a length");
-      return {numbers.head<3>(), turn.normalized()};
-    }
-    if (array.ndim() == 2 && array.shape(0) == 4 && array.shape(1) == 4) {
-      const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> motion(array.data());
-      const Mat3 turn = motion.topLeftCorner<3, 3>();
-      if (!turn.isUnitary(1e-6) || !(turn.determinant() > 0) || motion.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
-        throw InputError("pose: the matrix is no rigid motion");
-      return {motion.topRightCorner<3, 1>(), Eigen::Quaterniond(turn).normalized()};
-    }
-    throw py::value_error(
-        fmt::format("pose: shape {}, must be (3,), (7,) or (4, 4)", py::str(array.attr("shape")).cast<std::string>()));
   }
 
   Scene& scene_;
@@ -415,14 +383,9 @@ void add_scene(py::module_& module) {
       .def_property_readonly("positions", view_of<SceneBody>(&SceneBody::positions), "(n, 3) [m]")
       .def_property_readonly("velocities", view_of<SceneBody>(&SceneBody::velocities), "(n, 3) [m/s]");
 
-  py::class_<Instrument>(module, "Instrument", "An instrument of a Scene, moved from outside")
-      .def_property_readonly("path", &Instrument::path)
-      .def_property("pose", in_turn([](Instrument& i) { return i.pose(); }),
-                    in_turn([](Instrument& i, py::handle pose) { i.set_pose(pose); }),
-                    "Where it is: (7,) position [m] and orientation, a quaternion x y z w. Set to (3,), (7,) or a "
-                    "matrix (4, 4), it\n"
-                    "moves there steadily within the next step, and stays there")
-      .def_property_readonly("force", in_turn([](Instrument& i) { return i.force(); }), "(3,) [N] as Scene.force");
+  py::class_<SceneInstrument, Instrument, std::shared_ptr<SceneInstrument>>(module, "SceneInstrument",
+                                                                            "An instrument or grip of a Scene")
+      .def_property_readonly("path", &SceneInstrument::path);
 
   py::class_<Scene>(module, "Scene",
                     "A scene file in motion, step by step: the same bits as `hexaplast run` computes. positions and\n"
@@ -469,7 +432,8 @@ void add_scene(py::module_& module) {
            "of\n"
            "the tool on the body, in the latest step")
       .def(
-          "instrument", [](Scene& s, std::string path) { return std::make_unique<Instrument>(s, std::move(path)); },
+          "instrument",
+          [](Scene& s, std::string path) { return std::make_shared<SceneInstrument>(s, std::move(path)); },
           py::arg("path"), py::keep_alive<0, 1>(), "The instrument 'node/component', to be moved by its pose")
       .def("save", in_turn([](Scene& s) { return s.save(); }),
            "A checkpoint: time, bodies, contacts and solver memory. What comes after load() has the same bits. "

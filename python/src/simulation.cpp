@@ -1,173 +1,232 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "simulation.hpp"
+
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <sstream>
 
-#include "body.hpp"
+#include "base/saved_stream.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "mesh/lumped_mass.hpp"
-#include "motion_record.hpp"
+#include "picture/gallery.hpp"
 
 namespace hexaplast::python {
 namespace {
 
-/// What a simulation is made with besides its body.
-struct Arguments {
-  double density = 1000, dt = 0.01;
-  std::array<double, 3> gravity = {};
-  double rayleigh_mass = 0, rayleigh_stiffness = 0;
-  std::string solver = "direct";
-  double tolerance = 1e-6;
-  int iterations = 1000;
-
-  Motion motion() const {
-    return {.density = density,
-            .dt = dt,
-            .gravity = Vec3(gravity[0], gravity[1], gravity[2]),
-            .euler = {.rayleigh_mass = rayleigh_mass, .rayleigh_stiffness = rayleigh_stiffness}};
-  }
-
-  std::unique_ptr<LinearSolver> linear_solver() const {
-    if (solver == "direct") return nullptr;  // the library's own choice
-    if (solver != "cg") throw InputError(fmt::format("solver = '{}' must be one of direct, cg", solver));
-    if (!(tolerance > 0 && tolerance < 1))
-      throw InputError(fmt::format("tolerance = {} must lie between 0 and 1", tolerance));
-    if (iterations < 1) throw InputError(fmt::format("iterations = {} must be at least 1", iterations));
-    return std::make_unique<PreconditionedConjugateGradients>(tolerance, iterations, Preconditioner::kAuto);
-  }
-
-  py::tuple state() const {
-    return py::make_tuple(density, dt, gravity, rayleigh_mass, rayleigh_stiffness, solver, tolerance, iterations);
-  }
-  static Arguments from(const py::tuple& state) {
-    Arguments all;
-    std::size_t k = 0;
-    const auto read = [&](auto&... members) {
-      (..., (members = state[k++].cast<std::remove_reference_t<decltype(members)>>()));
-    };
-    read(all.density, all.dt, all.gravity, all.rayleigh_mass, all.rayleigh_stiffness, all.solver, all.tolerance,
-         all.iterations);
-    return all;
-  }
-};
-
-/// A body in motion, and the Python object of that body.
-class Simulation {
- public:
-  Simulation(std::shared_ptr<Body> body, Arguments arguments)
-      : arguments_(std::move(arguments)),
-        body_(std::move(body)),
-        forces_(std::make_shared<PointArray>(PointArray::Zero(body_->body().mesh().num_nodes(), 3))) {
-    if (body_->is_in_simulation()) throw InputError("the body is in a simulation already");
-    std::unique_ptr<LinearSolver> solver = arguments_.linear_solver();
-    Motion motion = arguments_.motion();
-    motion.load = [forces = forces_](double, ConstPoints, Points f) { f += *forces; };
-    // a copy, so that the body is as before where the motion is refused
-    moving_ = std::make_shared<MovingBody>(hexaplast::Body(body_->body()), std::move(motion), std::move(solver));
-    body_->enter_simulation(std::shared_ptr<hexaplast::Body>(moving_, &moving_->body));
-  }
-
-  MovingBody& get() { return *moving_; }
-  const PointArray& positions() const { return moving_->x; }
-  const PointArray& velocities() const { return moving_->v; }
-  const std::vector<double>& masses() const { return moving_->mass(); }
-  const std::shared_ptr<Body>& body() const { return body_; }
-  std::atomic_flag& taken() { return body_->taken(); }
-  int num_nodes() const { return moving_->body.mesh().num_nodes(); }
-
-  /// Steps under constant forces [N], none where they are not given.
-  RunReport run(long steps, py::object forces) {
-    const PointArray external = forces.is_none() ? PointArray::Zero(num_nodes(), 3)
-                                                 : PointArray(as_points(points("forces", forces, num_nodes())));
-    const Turn turn(taken());
-    *forces_ = external;
-    RunReport report;
-    for (long k = 0; k < steps; ++k) {
-      {
-        const py::gil_scoped_release others_may_run;
-        const FlowReport flowed = moving_->step();
-        report.add(moving_->latest, flowed);
-        body_->refresh();
-        if (record_ && record_->wants(moving_->steps()))
-          record_->add(moving_->steps(), moving_->x, moving_->v, conditions());
-      }
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    }
-    return report;
-  }
-
-  void reset() {
-    const Turn turn(taken());
-    moving_->reset();
-    body_->refresh();
-    forces_->setZero();
-    if (record_) begin_record();
-  }
-
-  void record() {
-    const Turn turn(taken());
-    begin_record();
-  }
-
-  std::string page() {
-    const Turn turn(taken());
-    const std::shared_ptr<const MotionRecord> shown = record_ ? record_ : new_record();
-    return shown->page(moving_->steps(), moving_->x, moving_->v, conditions());
-  }
-
-  py::bytes save() const {
-    std::ostringstream out(std::ios::binary);
-    moving_->save(out);
-    return out.str();
-  }
-
-  void load(const py::bytes& data) {
-    std::istringstream in(data, std::ios::binary);
-    moving_->load(in);
-    body_->refresh();
-    forces_->setZero();
-    if (record_) begin_record();
-  }
-
-  const Arguments& arguments() const { return arguments_; }
-
-  void set_state(py::handle positions, py::handle velocities) {
-    const RealArray x = points("positions", positions, num_nodes()), v = points("velocities", velocities, num_nodes());
-    if (!as_points(x).allFinite() || !as_points(v).allFinite())
-      throw InputError("positions and velocities must be finite");
-    const Turn turn(taken());
-    moving_->x = as_points(x);
-    moving_->v = as_points(v);
-    moving_->solver_memory().reset();
-    if (record_) begin_record();
-  }
-
- private:
-  output::BoundaryConditions conditions() const {
-    return {.fixed = moving_->fixed(), .loads = *forces_, .instruments = {}};
-  }
-
-  std::shared_ptr<MotionRecord> new_record() const {
-    return std::make_shared<MotionRecord>(std::vector<output::Bodies::Entry>{{.name = "body", .body = &moving_->body}},
-                                          moving_, "Simulation", moving_->dt(), moving_->steps());
-  }
-
-  void begin_record() {
-    record_ = new_record();
-    record_->add(moving_->steps(), moving_->x, moving_->v, conditions());
-  }
-
-  Arguments arguments_;
-  std::shared_ptr<Body> body_;
-  std::shared_ptr<PointArray> forces_;
-  std::shared_ptr<MovingBody> moving_;
-  std::shared_ptr<MotionRecord> record_;  // null: not wanted
-};
+constexpr std::array<std::string_view, 3> kPreconditioners{"auto", "multigrid", "diagonal"};  // as Preconditioner
+constexpr SavedKind kSavedTools{{'H', 'X', 'P', 'T', 'O', 'O', 'L', '\0'}, 1, "set of instruments"};
+constexpr int kSmallestPicture = 64, kLargestPicture = 4096;  // [pixels]
 
 }  // namespace
+
+Motion Arguments::motion() const {
+  return {.density = density,
+          .dt = dt,
+          .gravity = Vec3(gravity[0], gravity[1], gravity[2]),
+          .euler = {.rayleigh_mass = rayleigh_mass, .rayleigh_stiffness = rayleigh_stiffness}};
+}
+
+std::unique_ptr<LinearSolver> Arguments::linear_solver() const {
+  if (solver == "direct") return nullptr;
+  if (solver != "cg") throw InputError(fmt::format("solver = '{}' must be one of direct, cg", solver));
+  if (!(tolerance > 0 && tolerance < 1))
+    throw InputError(fmt::format("tolerance = {} must lie between 0 and 1", tolerance));
+  if (iterations < 1) throw InputError(fmt::format("iterations = {} must be at least 1", iterations));
+  const auto found = std::ranges::find(kPreconditioners, preconditioner);
+  if (found == kPreconditioners.end())
+    throw InputError(
+        fmt::format("preconditioner = '{}' must be one of {}", preconditioner, fmt::join(kPreconditioners, ", ")));
+  return std::make_unique<PreconditionedConjugateGradients>(
+      tolerance, iterations, static_cast<Preconditioner>(found - kPreconditioners.begin()));
+}
+
+py::tuple Arguments::state() const {
+  return py::make_tuple(density, dt, gravity, rayleigh_mass, rayleigh_stiffness, solver, tolerance, iterations,
+                        preconditioner, reactions);
+}
+
+Arguments Arguments::from(const py::tuple& state) {
+  Arguments all;
+  std::size_t k = 0;
+  const auto read = [&](auto&... members) {
+    (..., (members = state[k++].cast<std::remove_reference_t<decltype(members)>>()));
+  };
+  read(all.density, all.dt, all.gravity, all.rayleigh_mass, all.rayleigh_stiffness, all.solver, all.tolerance,
+       all.iterations, all.preconditioner, all.reactions);
+  return all;
+}
+
+Simulation::Simulation(std::shared_ptr<Body> body, Arguments arguments)
+    : arguments_(std::move(arguments)),
+      body_(std::move(body)),
+      forces_(std::make_shared<PointArray>(PointArray::Zero(body_->body().mesh().num_nodes(), 3))) {
+  if (body_->is_in_simulation()) throw InputError("the body is in a simulation already");
+  std::unique_ptr<LinearSolver> solver = arguments_.linear_solver();
+  Motion motion = arguments_.motion();
+  motion.load = [forces = forces_](double, ConstPoints, Points f) { f += *forces; };
+  // a copy, so that the body is as before where the motion is refused
+  moving_ = std::make_shared<MovingBody>(hexaplast::Body(body_->body()), std::move(motion), std::move(solver));
+  body_->enter_simulation(std::shared_ptr<hexaplast::Body>(moving_, &moving_->body));
+  if (!arguments_.reactions) return;
+  moving_->measure_supports();
+  reactions_.setZero(num_nodes(), 3);
+}
+
+const PointArray& Simulation::reactions() const {
+  if (!arguments_.reactions) throw InputError("reactions are not measured: Simulation(..., reactions=True)");
+  return reactions_;
+}
+
+template <class Kind>
+std::shared_ptr<Kind> Simulation::add(std::shared_ptr<Kind> tool) {
+  const Turn turn(taken());
+  tools_.push_back(tool);
+  moving_->add(tool->acting());
+  return tool;
+}
+
+std::shared_ptr<SolidTool> Simulation::add_instrument(const py::dict& arguments) {
+  return add(make_solid_tool(body_, arguments));
+}
+std::shared_ptr<Grip> Simulation::add_grip(const py::dict& arguments) { return add(make_grip(body_, arguments)); }
+
+PointArray Simulation::forces_from(const char* name, const py::object& given) const {
+  if (given.is_none()) return PointArray::Zero(num_nodes(), 3);
+  return as_points(points(name, given, num_nodes()));
+}
+
+void Simulation::advance(const PointArray& forces, RunReport& report) {
+  *forces_ = forces;
+  for (const std::shared_ptr<Tool>& tool : tools_) tool->begin_step(moving_->dt());
+  const FlowReport flowed = moving_->step();
+  for (const std::shared_ptr<Tool>& tool : tools_) tool->end_step();
+  if (arguments_.reactions) reactions_ = moving_->support_forces();
+  report.add(moving_->latest, flowed);
+  body_->refresh();
+  if (record_ && record_->wants(moving_->steps())) record_->add(moving_->steps(), moving_->x, moving_->v, conditions());
+}
+
+RunReport Simulation::run(long steps, const py::object& forces) {
+  const PointArray external = forces_from("forces", forces);
+  const Turn turn(taken());
+  RunReport report;
+  for (long k = 0; k < steps; ++k) {
+    {
+      const py::gil_scoped_release others_may_run;
+      advance(external, report);
+    }
+    warn();
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  }
+  return report;
+}
+
+void Simulation::reset() {
+  const Turn turn(taken());
+  moving_->reset();
+  for (const std::shared_ptr<Tool>& tool : tools_) tool->reset();
+  reactions_.setZero();
+  body_->refresh();
+  forces_->setZero();
+  if (record_) begin_record();
+}
+
+void Simulation::record() {
+  const Turn turn(taken());
+  begin_record();
+}
+
+std::string Simulation::page() {
+  const Turn turn(taken());
+  const std::shared_ptr<const MotionRecord> shown = record_ ? record_ : new_record();
+  return shown->page(moving_->steps(), moving_->x, moving_->v, conditions());
+}
+
+py::array Simulation::picture(int width, int height) {
+  for (const auto& [name, size] : {std::pair{"width", width}, std::pair{"height", height}})
+    if (size < kSmallestPicture || size > kLargestPicture)
+      throw InputError(fmt::format("{} = {} must lie in [{}, {}]", name, size, kSmallestPicture, kLargestPicture));
+  const Turn turn(taken());
+  static output::Renderer* const renderer = output::load_renderer().release();  // as long as the process
+  output::Staging staging;
+  staging.gravity = arguments_.motion().gravity;
+  staging.width = width;
+  staging.height = height;
+  const hexaplast::Body& body = moving_->body;
+  output::BoundaryConditions shown = conditions();
+  for (const std::shared_ptr<Tool>& tool : tools_) {
+    shown.instruments.push_back(tool->shown());
+    shown.instruments.back().id = static_cast<int>(shown.instruments.size());
+  }
+  output::Gallery gallery(body.mesh(), "Simulation", output::time_decimals(moving_->dt()), staging);
+  gallery.add(moving_->steps(), moving_->time(), moving_->x,
+              output::values_of(staging.quantity, body, moving_->x, moving_->v), body.alive(), shown);
+  output::Image image;
+  gallery.for_each_drawing([&](int, const output::Drawing& drawing) { image = renderer->render(drawing); });
+  py::array_t<std::uint8_t> pixels({height, width, 3});
+  std::ranges::copy(image.pixels, pixels.mutable_data());
+  return pixels;
+}
+
+py::bytes Simulation::save() const {
+  std::ostringstream out(std::ios::binary);
+  moving_->save(out);
+  write_saved(out, kSavedTools, tools_.size(), [this](Archive& archive) {
+    for (const std::shared_ptr<Tool>& tool : tools_) tool->serialize(archive);
+  });
+  return out.str();
+}
+
+void Simulation::load(const py::bytes& data) {
+  const std::string bytes = data, before = save();
+  const auto read = [this](const std::string& from) {
+    std::istringstream in(from, std::ios::binary);
+    moving_->load(in);
+    constexpr std::size_t kMaxOfTool = 1024;
+    const std::vector<std::byte> of_tools = read_saved(in, kSavedTools, tools_.size(), kMaxOfTool * tools_.size());
+    Archive archive{std::span<const std::byte>(of_tools)};
+    for (const std::shared_ptr<Tool>& tool : tools_) tool->serialize(archive);
+    if (archive.rest() != 0) throw InputError("the saved instruments are others");
+  };
+  try {
+    read(bytes);
+  } catch (const InputError&) {
+    read(before);
+    throw;
+  }
+  reactions_.setZero();
+  body_->refresh();
+  forces_->setZero();
+  if (record_) begin_record();
+}
+
+void Simulation::set_state(py::handle positions, py::handle velocities) {
+  const RealArray x = points("positions", positions, num_nodes()), v = points("velocities", velocities, num_nodes());
+  if (!as_points(x).allFinite() || !as_points(v).allFinite())
+    throw InputError("positions and velocities must be finite");
+  const Turn turn(taken());
+  moving_->x = as_points(x);
+  moving_->v = as_points(v);
+  moving_->solver_memory().reset();
+  if (record_) begin_record();
+}
+
+output::BoundaryConditions Simulation::conditions() const {
+  return {.fixed = moving_->fixed(), .loads = *forces_, .instruments = {}};
+}
+
+std::shared_ptr<MotionRecord> Simulation::new_record() const {
+  return std::make_shared<MotionRecord>(std::vector<output::Bodies::Entry>{{.name = "body", .body = &moving_->body}},
+                                        moving_, "Simulation", moving_->dt(), moving_->steps());
+}
+
+void Simulation::begin_record() {
+  record_ = new_record();
+  record_->add(moving_->steps(), moving_->x, moving_->v, conditions());
+}
 
 void add_simulation(py::module_& module) {
   py::class_<RunReport>(module, "StepReport", "What happened in one time step, or in several: the worst of each.")
@@ -195,19 +254,21 @@ void add_simulation(py::module_& module) {
       "A body in motion: lumped masses, gravity, nodal forces, fixed nodes and prescribed displacements. One step is "
       "one implicit\n"
       "Euler step of the positions and one plastic flow. positions and velocities are read-only views that follow it.")
-      .def(py::init([](std::shared_ptr<Body> body, double density, double dt, std::array<double, 3> gravity,
-                       double rayleigh_mass, double rayleigh_stiffness, const std::string& solver, double tolerance,
-                       int iterations) {
-             return std::make_unique<Simulation>(
-                 std::move(body),
-                 Arguments{density, dt, gravity, rayleigh_mass, rayleigh_stiffness, solver, tolerance, iterations});
-           }),
-           py::arg("body").none(false), py::kw_only(), py::arg("density") = 1000.0, py::arg("dt") = 0.01,
-           py::arg("gravity") = std::array<double, 3>{0, 0, 0}, py::arg("rayleigh_mass") = 0.0,
-           py::arg("rayleigh_stiffness") = 0.0, py::arg("solver") = "direct", py::arg("tolerance") = 1e-6,
-           py::arg("iterations") = 1000,
-           "density [kg/m^3], dt [s], gravity [m/s^2], rayleigh_mass [1/s], rayleigh_stiffness [s]; solver: direct\n"
-           "(sparse Cholesky), or cg (conjugate gradients to a relative residual of tolerance)")
+      .def(
+          py::init([](std::shared_ptr<Body> body, double density, double dt, std::array<double, 3> gravity,
+                      double rayleigh_mass, double rayleigh_stiffness, const std::string& solver, double tolerance,
+                      int iterations, const std::string& preconditioner, bool reactions) {
+            return std::make_unique<Simulation>(
+                std::move(body), Arguments{density, dt, gravity, rayleigh_mass, rayleigh_stiffness, solver, tolerance,
+                                           iterations, preconditioner, reactions});
+          }),
+          py::arg("body").none(false), py::kw_only(), py::arg("density") = 1000.0, py::arg("dt") = 0.01,
+          py::arg("gravity") = std::array<double, 3>{0, 0, 0}, py::arg("rayleigh_mass") = 0.0,
+          py::arg("rayleigh_stiffness") = 0.0, py::arg("solver") = "direct", py::arg("tolerance") = 1e-6,
+          py::arg("iterations") = 1000, py::arg("preconditioner") = "auto", py::arg("reactions") = false,
+          "density [kg/m^3], dt [s], gravity [m/s^2], rayleigh_mass [1/s], rayleigh_stiffness [s]; solver: direct\n"
+          "(sparse Cholesky), or cg (conjugate gradients to a relative residual of tolerance), with a preconditioner:\n"
+          "multigrid, diagonal, or auto, which takes what suits the system. reactions: whether they are measured")
       .def_property_readonly("body", &Simulation::body)
       .def_property_readonly("positions", view_of<Simulation>(&Simulation::positions), "(n, 3) [m]")
       .def_property_readonly("velocities", view_of<Simulation>(&Simulation::velocities), "(n, 3) [m/s]")
@@ -227,13 +288,13 @@ void add_simulation(py::module_& module) {
       .def_property_readonly("elastic_energy", in_turn([](Simulation& s) { return s.get().body.energy(s.get().x); }),
                              "[J]")
       .def(
-          "step", [](Simulation& s, py::object forces) { return s.run(1, std::move(forces)); },
+          "step", [](Simulation& s, const py::object& forces) { return s.run(1, forces); },
           py::arg("forces") = py::none(), "One time step under nodal forces (n, 3) [N]; without, under none")
       .def(
           "run",
-          [](Simulation& s, long steps, py::object forces) {
+          [](Simulation& s, long steps, const py::object& forces) {
             if (steps < 1) throw InputError(fmt::format("steps = {} must be at least 1", steps));
-            return s.run(steps, std::move(forces));
+            return s.run(steps, forces);
           },
           py::arg("steps"), py::arg("forces") = py::none(),
           "Several steps under constant nodal forces (n, 3) [N]; reports the worst of them")
@@ -251,28 +312,80 @@ void add_simulation(py::module_& module) {
       .def("release",
            in_turn([](Simulation& s, py::handle nodes) { s.get().release(indices("nodes", nodes, s.num_nodes())); }),
            py::arg("nodes"), "Nodes (numbers, or a mask) move freely again")
+      .def(
+          "add_instrument",
+          [](Simulation& s, const std::string& shape, const py::object& radius, const py::object& length,
+             const py::object& size, const py::object& surface, const py::object& pose, double friction,
+             const py::object& contact_stiffness, const py::object& tangential_stiffness, double contact_distance,
+             double damping, int max_subdivision) {
+            using namespace py::literals;
+            return s.add_instrument(py::dict(
+                "shape"_a = shape, "radius"_a = radius, "length"_a = length, "size"_a = size, "surface"_a = surface,
+                "pose"_a = pose, "friction"_a = friction, "contact_stiffness"_a = contact_stiffness,
+                "tangential_stiffness"_a = tangential_stiffness, "contact_distance"_a = contact_distance,
+                "damping"_a = damping, "max_subdivision"_a = max_subdivision));
+          },
+          py::arg("shape") = "sphere", py::kw_only(), py::arg("radius") = py::none(), py::arg("length") = py::none(),
+          py::arg("size") = py::none(), py::arg("surface") = py::none(), py::arg("pose") = py::make_tuple(0, 0, 0),
+          py::arg("friction") = 0.0, py::arg("contact_stiffness") = py::none(),
+          py::arg("tangential_stiffness") = py::none(), py::arg("contact_distance") = 0.0, py::arg("damping") = 0.0,
+          py::arg("max_subdivision") = 8,
+          "A solid that touches from now on: sphere, capsule and cylinder have a radius, the latter two a length along "
+          "z, a box\n"
+          "has a size (3,) [m], a surface (positions, triangles). The rest is that of InstrumentContactForceField")
+      .def(
+          "add_grip",
+          [](Simulation& s, const py::object& position, const py::object& radius, const py::object& nodes,
+             double stiffness, const py::object& max_force, double damping) {
+            using namespace py::literals;
+            return s.add_grip(py::dict("position"_a = position, "radius"_a = radius, "nodes"_a = nodes,
+                                       "stiffness"_a = stiffness, "max_force"_a = max_force, "damping"_a = damping));
+          },
+          py::arg("position"), py::kw_only(), py::arg("radius") = py::none(), py::arg("nodes") = py::none(),
+          py::arg("stiffness") = 1000.0, py::arg("max_force") = py::none(), py::arg("damping") = 0.0,
+          "Open forceps at a position (3,) [m]. Closed, they hold the nodes within radius [m], of `nodes` where these "
+          "are given,\n"
+          "by springs of stiffness [N/m] and dashpots [N s/m] together, with max_force [N] at most")
+      .def_property_readonly(
+          "instruments", [](const Simulation& s) { return s.all<SolidTool>(); }, "of add_instrument, in their order")
+      .def_property_readonly(
+          "grips", [](const Simulation& s) { return s.all<Grip>(); }, "of add_grip, in their order")
+      .def_property_readonly("reactions", view_of<Simulation>(&Simulation::reactions),
+                             "(n, 3) [N] by which nodes were fixed or prescribed in the latest step; of reactions=True")
       .def("set_state", &Simulation::set_state, py::arg("positions"), py::arg("velocities"),
            "Replaces positions (n, 3) [m] and velocities (n, 3) [m/s]")
       .def("record", &Simulation::record,
            "From now on, states are kept for show(): of all steps at most 60, at equal distances. reset and set_state\n"
            "begin anew")
       .def("_page", &Simulation::page)
-      .def("reset", &Simulation::reset, "Back to the beginning; fixed nodes stay fixed")
+      .def(
+          "picture", &Simulation::picture, py::arg("width") = 640, py::arg("height") = 360,
+          "(height, width, 3) uint8: the body as `hexaplast render` draws it. RuntimeError where nothing can draw here")
+      .def("reset", &Simulation::reset, "Back to the beginning, instruments and grips too; fixed nodes stay fixed")
       .def("save", in_turn([](Simulation& s) { return s.save(); }),
-           "Positions, velocities, number of steps, fixed nodes, solver memory and the body, with checksums: what "
-           "comes\n"
-           "after load() has the same bits")
+           "Positions, velocities, number of steps, fixed nodes, solver memory, body, instruments and grips, with "
+           "checksums:\n"
+           "what comes after load() has the same bits")
       .def("load", in_turn([](Simulation& s, const py::bytes& data) { s.load(data); }), py::arg("data"),
-           "Takes over what save() of a simulation with the same mesh, settings and arguments returned. What is "
-           "damaged\n"
-           "or another one's is a ValueError, and changes nothing")
+           "Takes over what save() of a simulation with the same mesh, settings, arguments, instruments and grips "
+           "returned.\n"
+           "What is damaged or another one's is a ValueError, and changes nothing")
       .def("copy", &copy_of, "Another simulation with a body of its own in the same state; it records nothing")
       .def("__copy__", &copy_of)
-      .def(py::pickle(in_turn([](Simulation& s) { return py::make_tuple(s.body(), s.arguments().state(), s.save()); }),
+      .def(py::pickle(in_turn([](Simulation& s) {
+                        py::list tools;
+                        for (const auto& tool : s.all<Tool>())
+                          tools.append(py::make_tuple(dynamic_cast<Grip*>(tool.get()) != nullptr, tool->arguments()));
+                        return py::make_tuple(s.body(), s.arguments().state(), tools, s.save());
+                      }),
                       [](const py::tuple& state) {
                         auto made = std::make_unique<Simulation>(state[0].cast<std::shared_ptr<Body>>(),
                                                                  Arguments::from(state[1]));
-                        made->load(state[2].cast<py::bytes>());
+                        for (const py::handle tool : state[2]) {
+                          const auto [is_grip, arguments] = tool.cast<std::pair<bool, py::dict>>();
+                          is_grip ? void(made->add_grip(arguments)) : void(made->add_instrument(arguments));
+                        }
+                        made->load(state[3].cast<py::bytes>());
                         return made;
                       }))
       .def("fields", in_turn([](Simulation& s) { return s.get().body.fields(s.get().x); }),

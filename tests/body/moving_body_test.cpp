@@ -54,6 +54,109 @@ TEST(MovingBody, StaysStretchedWhateverSolvesIt) {
   EXPECT_NE(direct.state_hash(), iterative.state_hash());
 }
 
+/// Springs and dashpots from every node to where it began, of which kernels know nothing; they count the steps.
+class Tethers final : public StepForces {
+ public:
+  explicit Tethers(PointArray from) : from_(std::move(from)) {}
+  void begin_step(const Step& step, const OfTwo<ConstPoints>&, const OfTwo<ConstPoints>&) override {
+    EXPECT_EQ(step.dt, 0.01);
+    ++num_begun;
+  }
+  void end_step(const OfTwo<ConstPoints>& x) override { end = x.first; }
+  void reset() override { num_begun = 0; }
+  void serialize(Archive& archive) override { archive(num_begun); }
+  void add_force(double, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) override {
+    f.first -= kStiffness * (x.first - from_) + kDamping * v.first;
+  }
+  void add_stiffness_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const override {
+    df.first -= factor * kStiffness * dx.first;
+  }
+  void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2>) const override {
+    for (int n = 0; n < A.num_nodes(); ++n) A.add(n, n, -factor * kStiffness * Mat3::Identity());
+  }
+  void add_damping_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const override {
+    df.first -= factor * kDamping * dx.first;
+  }
+  void add_damping_blocks(double factor, BlockMatrix& A, std::array<int, 2>) const override {
+    for (int n = 0; n < A.num_nodes(); ++n) A.add(n, n, -factor * kDamping * Mat3::Identity());
+  }
+
+  static constexpr double kStiffness = 20, kDamping = 3;
+  int num_begun = 0;
+  PointArray end;
+
+ private:
+  PointArray from_;
+};
+
+// Every node falls by itself with implicit Euler, m dv = h (m g - k (x + h v') - c v'), where masses are equal.
+TEST(MovingBody, TakesOtherForcesIntoItsSteps) {
+  for (const bool iterates : {false, true}) {
+    const HexMesh mesh = regular_grid({1, 1, 1}, Vec3::Zero(), {0.1, 0.1, 0.1});
+    std::unique_ptr<LinearSolver> solver;
+    if (iterates) solver = std::make_unique<PreconditionedConjugateGradients>(1e-14, 100);
+    MovingBody moving(Body(mesh, {Material{}}), {.dt = 0.01, .gravity = {0, 0, -9.81}}, std::move(solver));
+    Tethers tethers(mesh.positions());
+    moving.add(tethers);
+    const double m = 1.0 / 8, h = 0.01, k = Tethers::kStiffness, c = Tethers::kDamping;
+    double z = 0, v = 0;
+    const auto fall = [&](int steps) {
+      for (int s = 0; s < steps; ++s) {
+        v = (m * v + h * (-9.81 * m - k * z)) / (m + h * c + h * h * k);
+        z += h * v;
+      }
+    };
+    moving.run(20);
+    fall(20);
+    EXPECT_LE((moving.x.col(2) - mesh.positions().col(2)).array().abs().maxCoeff() - std::abs(z), 1e-12);
+    EXPECT_NEAR(moving.x(0, 2), z, 1e-12);
+    EXPECT_EQ(tethers.num_begun, 20);
+    EXPECT_EQ(tethers.end, moving.x);
+
+    std::stringstream saved;
+    moving.save(saved);
+    moving.x(0, 0) = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW(moving.step(), NumericalError);
+    EXPECT_EQ(tethers.num_begun, 20) << "as before the step";
+    moving.load(saved);
+    moving.step();
+    fall(1);
+    EXPECT_NEAR(moving.x(0, 2), z, 1e-12);
+    moving.reset();
+    EXPECT_EQ(tethers.num_begun, 0);
+  }
+  Tethers tethers(yielding_bar().mesh().positions());
+  MovingBody viscous(yielding_bar(), {.euler = {.first_order = true}});
+  EXPECT_TRUE(refuses<InputError>([&] { viscous.add(tethers); }, {"implicit Euler"}));
+}
+
+// What the body gains in a step is its weight and what its supports exert.
+TEST(MovingBody, MeasuresTheForcesOfItsSupports) {
+  const Motion motion{.density = 500, .gravity = {1, 2, -9.81}, .fixed = kEnd};
+  MovingBody hanging(yielding_bar(), motion), other(yielding_bar(), motion);
+  EXPECT_EQ(hanging.support_forces().rows(), 0);
+  hanging.measure_supports();
+  const Eigen::Map<const Eigen::VectorXd> mass(hanging.mass().data(), hanging.x.rows());
+  for (int step = 0; step < 30; ++step) {
+    if (step == 10) {
+      const PointArray to = hanging.x.bottomRows(9).rowwise() + Eigen::RowVector3d(0.01, 0, 0.02);
+      hanging.prescribe(kEnd, to);
+      other.prescribe(kEnd, to);
+    }
+    const Vec3 before = hanging.v.transpose() * mass;
+    hanging.step();
+    other.step();
+    if (step == 10) continue;  // its nodes have a velocity before it, and none behind it
+    const Vec3 gained = (hanging.v.transpose() * mass - before) / hanging.dt();
+    const Vec3 supports = hanging.support_forces().colwise().sum();
+    EXPECT_LE((gained - mass.sum() * motion.gravity - supports).norm(), 1e-8 * supports.norm());
+  }
+  EXPECT_EQ(hanging.state_hash(), other.state_hash());
+  PointArray free = hanging.support_forces();
+  for (const int n : kEnd) free.row(n).setZero();
+  EXPECT_EQ(support::max_abs(free), 0);
+}
+
 // Implicit Euler under constant acceleration: v_k = k h g, x_k = h^2 g k (k + 1) / 2.
 TEST(MovingBody, FallsUnderItsGravity) {
   const Vec3 gravity(0, 1, -9.81);

@@ -97,6 +97,34 @@ class NodalForces : public Forces<ConstPoints, Points> {
 /// Forces between two states, or within one.
 class PairForces : public Forces<const OfTwo<ConstPoints>&, OfTwo<Points>, std::array<int, 2>> {};
 
+/// The beginning of a step.
+struct Step {
+  double time = 0;                ///< [s]
+  double dt = 0;                  ///< [s]
+  double rayleigh_stiffness = 0;  ///< [s] of the time integrator; contact is told it, as it does not act on contact
+};
+
+/// Forces that decide at the beginning of a step what acts in it, as contacts and grips do.
+class StepForces : public PairForces {
+ public:
+  /// By accepted positions and velocities: the same for everyone until the step ends.
+  virtual void begin_step(const Step& /*step*/, const OfTwo<ConstPoints>& /*x*/, const OfTwo<ConstPoints>& /*v*/) {}
+
+  /// The step has ended at x.
+  virtual void end_step(const OfTwo<ConstPoints>& /*x*/) {}
+
+  /// As they were made.
+  virtual void reset() {}
+
+  /// What the next step depends on besides what they were made from. Throws InputError for values that cannot be.
+  virtual void serialize(Archive& /*archive*/) {}
+
+  /// diagonal += that of factor K, where K has no other entries; false, and nothing added, where it has. The same of B
+  /// then, which has no others either.
+  virtual bool add_stiffness_diagonal(double /*factor*/, Points /*diagonal*/) const { return false; }
+  virtual void add_damping_diagonal(double /*factor*/, Points /*diagonal*/) const {}
+};
+
 /// Makes a state follow another one: positions, velocities and displacements go down, forces and stiffness come up.
 /// Nodal fields of the followed state are `above`, those of its own `below`. Positions below are J times those above,
 /// and J never changes.

@@ -67,7 +67,7 @@ protected:
         showOutputs();
     }
 
-    void beginPart(const parts::Step& step)
+    void beginPart(const Step& step)
     {
         const std::array states = this->states();
         m_part->begin_step(step, positions(),

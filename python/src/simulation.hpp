@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include "body.hpp"
+#include "hexaplast/moving_body.hpp"
+#include "motion_record.hpp"
+#include "tools.hpp"
+
+namespace hexaplast::python {
+
+/// What a simulation is made with besides its body.
+struct Arguments {
+  double density = 1000, dt = 0.01;
+  std::array<double, 3> gravity = {};
+  double rayleigh_mass = 0, rayleigh_stiffness = 0;
+  std::string solver = "direct";
+  double tolerance = 1e-6;
+  int iterations = 1000;
+  std::string preconditioner = "auto";
+  bool reactions = false;
+
+  Motion motion() const;
+  std::unique_ptr<LinearSolver> linear_solver() const;  ///< null: the library's own choice
+
+  py::tuple state() const;
+  static Arguments from(const py::tuple& state);
+};
+
+/// A body in motion, and the Python object of that body.
+class Simulation {
+ public:
+  Simulation(std::shared_ptr<Body> body, Arguments arguments);
+
+  MovingBody& get() { return *moving_; }
+  const PointArray& positions() const { return moving_->x; }
+  const PointArray& velocities() const { return moving_->v; }
+  const std::vector<double>& masses() const { return moving_->mass(); }
+  const std::shared_ptr<Body>& body() const { return body_; }
+  std::atomic_flag& taken() { return body_->taken(); }
+  int num_nodes() const { return moving_->body.mesh().num_nodes(); }
+  const Arguments& arguments() const { return arguments_; }
+
+  /// [N] of supports, in the latest step. Throws InputError where they are not measured.
+  const PointArray& reactions() const;
+
+  /// With the keywords of Python.
+  std::shared_ptr<SolidTool> add_instrument(const py::dict& arguments);
+  std::shared_ptr<Grip> add_grip(const py::dict& arguments);
+  template <class Kind>
+  std::vector<std::shared_ptr<Kind>> all() const {
+    std::vector<std::shared_ptr<Kind>> found;
+    for (const std::shared_ptr<Tool>& tool : tools_)
+      if (auto one = std::dynamic_pointer_cast<Kind>(tool)) found.push_back(one);
+    return found;
+  }
+
+  /// Of tools, since the last call, as Python's warnings.
+  void warn() const { python::warn(tools_); }
+
+  /// Nodal forces [N] from Python, none where they are not given; `name` is that of the argument.
+  PointArray forces_from(const char* name, const py::object& given) const;
+
+  /// One step under such forces. For who has taken the simulation; needs no lock of Python.
+  void advance(const PointArray& forces, RunReport& report);
+
+  /// Steps under constant forces.
+  RunReport run(long steps, const py::object& forces);
+
+  void set_state(py::handle positions, py::handle velocities);
+  void reset();
+  void record();
+  std::string page();
+  py::array picture(int width, int height);  ///< (height, width, 3)
+  py::bytes save() const;
+  void load(const py::bytes& data);
+
+ private:
+  output::BoundaryConditions conditions() const;
+  std::shared_ptr<MotionRecord> new_record() const;
+  void begin_record();
+  template <class Kind>
+  std::shared_ptr<Kind> add(std::shared_ptr<Kind> tool);
+
+  Arguments arguments_;
+  std::shared_ptr<Body> body_;
+  std::shared_ptr<PointArray> forces_;
+  std::shared_ptr<MovingBody> moving_;
+  std::vector<std::shared_ptr<Tool>> tools_;  // whose forces moving_ has
+  PointArray reactions_;
+  std::shared_ptr<MotionRecord> record_;  // null: not wanted
+};
+
+}  // namespace hexaplast::python

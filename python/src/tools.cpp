@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tools.hpp"
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <cctype>
+
+#include "attributes/contact.hpp"
+#include "hexaplast/base/error.hpp"
+#include "parts/instrument_shape.hpp"
+
+namespace hexaplast::python {
+namespace {
+
+parts::Surroundings around(const Body& body) {
+  const int num_nodes = body.BodyState::body().mesh().num_nodes();
+  return {.num_nodes = {num_nodes, num_nodes}, .bodies = {&body.BodyState::body(), &body.BodyState::body()}};
+}
+
+/// "max_subdivision" of "maxSubdivision".
+std::string snake_case(const std::string& attribute) {
+  std::string name;
+  for (const char c : attribute)
+    if (std::isupper(static_cast<unsigned char>(c)) != 0)
+      (name += '_') += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    else
+      name += c;
+  return name;
+}
+
+template <class T>
+std::optional<T> given(const py::dict& arguments, const char* name) {
+  return arguments[name].cast<std::optional<T>>();
+}
+
+parts::InstrumentOptions::Shape shape_named(const std::string& word) {
+  const attributes::Attribute& shape = attributes::kInstrumentContactAttributes[0];
+  return static_cast<parts::InstrumentOptions::Shape>(parts::place_of_word(shape, word));
+}
+
+/// (positions, triangles)
+void set_surface(parts::InstrumentOptions& options, const py::object& surface) {
+  if (surface.is_none()) return;
+  const auto [positions, triangles] = surface.cast<std::pair<py::object, std::vector<Triangle>>>();
+  options.surface_positions = as_points(points("surface[0]", positions));
+  options.surface_triangles = triangles;
+}
+
+}  // namespace
+
+void Tool::go_to(const Pose& pose) {
+  target_ = pose;
+  velocity_.setZero();
+}
+
+void Tool::set_velocity(const Vec3& velocity) {
+  velocity_ = velocity;
+  target_ = now_;
+}
+
+void Tool::begin_step(double dt) {
+  next_ = velocity_.isZero(0) ? target_ : Pose{now_.position + dt * velocity_, now_.orientation};
+  prescribe(now_, next_);
+}
+
+void Tool::end_step() { now_ = target_ = next_; }
+
+void Tool::reset() {
+  now_ = start_;
+  go_to(start_);
+}
+
+void Tool::serialize(Archive& archive) {
+  for (Pose* pose : {&now_, &target_}) archive(pose->position, pose->orientation.coeffs());
+  archive(velocity_);
+}
+
+SolidTool::SolidTool(std::shared_ptr<Body> body, const Pose& start, parts::InstrumentOptions options,
+                     py::dict arguments)
+    : Tool(body, start, std::move(arguments)), part_(std::move(options), around(*body)) {}
+
+void SolidTool::set_active(bool is_active) {
+  parts::InstrumentOptions options = part_.options();
+  options.contact.active = is_active;
+  part_.set_options(std::move(options));
+}
+
+void SolidTool::serialize(Archive& archive) {
+  Tool::serialize(archive);
+  bool is_active = part_.is_active();
+  archive(is_active);
+  if (archive.reads()) set_active(is_active);
+}
+
+output::Instrument SolidTool::shown() const {
+  const parts::InstrumentShape shape = parts::shape_of(part_.options());
+  return {.place = now().position,
+          .nodes = {},
+          .forces = PointArray(0, 3),
+          .shape_points = shape.at(now()),
+          .shape_triangles = shape.triangles};
+}
+
+Grip::Grip(std::shared_ptr<Body> body, const Vec3& position, parts::GraspOptions options, py::dict arguments)
+    : Tool(body, {.position = position}, std::move(arguments)), part_(std::move(options), around(*body)) {}
+
+void Grip::reset() {
+  Tool::reset();
+  is_closed_ = false;
+}
+
+void Grip::serialize(Archive& archive) {
+  Tool::serialize(archive);
+  archive(is_closed_);
+}
+
+output::Instrument Grip::shown() const { return {.place = now().position, .nodes = {}, .forces = PointArray(0, 3)}; }
+
+std::shared_ptr<SolidTool> make_solid_tool(std::shared_ptr<Body> body, const py::dict& arguments) {
+  parts::InstrumentOptions options;
+  options.is_prescribed = true;
+  options.shape = shape_named(arguments["shape"].cast<std::string>());
+  options.radius = given<double>(arguments, "radius");
+  options.length = given<double>(arguments, "length");
+  if (const auto size = given<std::array<double, 3>>(arguments, "size")) options.size = Vec3::Map(size->data());
+  set_surface(options, arguments["surface"]);
+  options.contact = {.contact_stiffness = given<double>(arguments, "contact_stiffness"),
+                     .tangential_stiffness = given<double>(arguments, "tangential_stiffness"),
+                     .friction = arguments["friction"].cast<double>(),
+                     .contact_distance = arguments["contact_distance"].cast<double>(),
+                     .damping = arguments["damping"].cast<double>(),
+                     .max_subdivision = arguments["max_subdivision"].cast<int>()};
+  return std::make_shared<SolidTool>(std::move(body), pose_from(arguments["pose"], {}), std::move(options), arguments);
+}
+
+std::shared_ptr<Grip> make_grip(std::shared_ptr<Body> body, const py::dict& arguments) {
+  parts::GraspOptions options;
+  options.is_prescribed = true;
+  options.radius = given<double>(arguments, "radius");
+  if (!arguments["nodes"].is_none()) options.indices = indices("nodes", arguments["nodes"], around(*body).num_nodes[0]);
+  options.stiffness = arguments["stiffness"].cast<double>();
+  options.max_force = given<double>(arguments, "max_force");
+  options.damping = arguments["damping"].cast<double>();
+  const Vec3 position = vector_from("position", arguments["position"]);
+  return std::make_shared<Grip>(std::move(body), position, std::move(options), arguments);
+}
+
+void warn(const std::vector<std::shared_ptr<Tool>>& tools) {
+  for (const std::shared_ptr<Tool>& tool : tools)
+    for (const parts::Remark& remark : tool->acting().take_warnings()) {
+      const std::string text = fmt::format("{}: {}", snake_case(remark.attribute), remark.text);
+      if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+    }
+}
+
+void add_tools(py::module_& module) {
+  py::class_<SolidTool, Instrument, std::shared_ptr<SolidTool>>(module, "SolidInstrument",
+                                                                "A rigid solid that touches the body of a Simulation")
+      .def_property(
+          "velocity", in_turn([](SolidTool& t) { return array_of(t.velocity()); }),
+          in_turn([](SolidTool& t, py::handle velocity) { t.set_velocity(vector_from("velocity", velocity)); }),
+          "(3,) [m/s] at which it goes on in every step, until it or the pose is set")
+      .def_property("active", in_turn([](SolidTool& t) { return t.is_active(); }),
+                    in_turn([](SolidTool& t, bool active) { t.set_active(active); }),
+                    "False: it passes through the body")
+      .def_property_readonly("torque", in_turn([](SolidTool& t) { return array_of(t.torque()); }),
+                             "(3,) [N m] of the body on it about the origin of its frame, in the latest step")
+      .def_property_readonly("num_touching", in_turn([](SolidTool& t) { return t.num_touching(); }),
+                             "points of the surface that touch it in the latest step");
+
+  py::class_<Grip, std::shared_ptr<Grip>>(module, "Grip", "Forceps that hold nodes of a Simulation's body by springs")
+      .def("close", in_turn([](Grip& g) { g.set_closed(true); }),
+           "Takes hold of nodes where they are, when the next step begins, unless it is closed")
+      .def("open", in_turn([](Grip& g) { g.set_closed(false); }), "Lets go, when the next step begins")
+      .def_property_readonly("closed", in_turn([](Grip& g) { return g.is_closed(); }))
+      .def_property(
+          "position", in_turn([](Grip& g) { return array_of(g.now().position); }),
+          in_turn([](Grip& g, py::handle position) { g.go_to({.position = vector_from("position", position)}); }),
+          "(3,) [m] where it is; set, it moves there steadily within the next step, and stays there")
+      .def_property("velocity", in_turn([](Grip& g) { return array_of(g.velocity()); }),
+                    in_turn([](Grip& g, py::handle velocity) { g.set_velocity(vector_from("velocity", velocity)); }),
+                    "(3,) [m/s] at which it goes on in every step, until it or the position is set")
+      .def_property_readonly("nodes", in_turn([](Grip& g) {
+                               const std::span<const int> held = g.part().held_nodes();
+                               return py::array(py::array_t<int>(static_cast<py::ssize_t>(held.size()), held.data()));
+                             }),
+                             "(k,) that it holds")
+      .def_property_readonly("force", in_turn([](Grip& g) { return array_of(g.part().force()); }),
+                             "(3,) [N] of it on the body, in the latest step")
+      .def_property_readonly("torque", in_turn([](Grip& g) { return array_of(g.part().torque()); }),
+                             "(3,) [N m] of that force about the grip");
+}
+
+}  // namespace hexaplast::python

@@ -1,0 +1,299 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What touches and holds a body without a scene, against balances of hand, and against a scene."""
+import numpy as np
+import pytest
+
+import hexaplast
+
+from bars import copies_before_running_on
+
+
+def block(cells=(4, 4, 2), fixed=True, material=None, **arguments):
+    """0.2 x 0.2 x 0.1 m, 4 kg; held below."""
+    positions, hexahedra = hexaplast.grid(cells, (0, 0, 0), (0.2, 0.2, 0.1))
+    body = hexaplast.Body(positions, hexahedra, material or hexaplast.Material(young_modulus=5000, poisson_ratio=0.3))
+    simulation = hexaplast.Simulation(body, **arguments)
+    if fixed:
+        simulation.fix(positions[:, 2] == 0)
+    return simulation
+
+
+def momentum(simulation):
+    return simulation.masses @ simulation.velocities
+
+
+def test_in_equilibrium_supports_carry_what_presses_and_the_weight():
+    simulation = block(reactions=True, gravity=(0, 0, -9.81), rayleigh_mass=20)
+    assert (simulation.reactions == 0).all()
+    ball = simulation.add_instrument("sphere", radius=0.05, pose=(0.08, 0.11, 0.16))
+    ball.velocity = (0, 0, -0.1)
+    simulation.run(40)  # 40 mm, 30 of them into the block as it was
+    assert ball.pose == pytest.approx([0.08, 0.11, 0.12, 0, 0, 0, 1], abs=1e-12) and ball.num_touching > 0
+    ball.velocity = (0, 0, 0)
+    simulation.run(300)
+    free = simulation.body.initial_positions[:, 2] > 0
+    assert (simulation.reactions[free] == 0).all() and ball.force[2] > 0.5
+    assert simulation.reactions.sum(axis=0) == pytest.approx(ball.force + [0, 0, 4 * 9.81], abs=1e-6)
+    with pytest.raises(ValueError, match="reactions=True"):
+        block().reactions
+
+
+def test_what_an_instrument_takes_a_free_body_gains():
+    simulation = block(fixed=False, rayleigh_stiffness=0.05)
+    stick = simulation.add_instrument("capsule", radius=0.02, length=0.3, friction=0.4, damping=100,
+                                      pose=(0.1, 0.1, 0.13, 0.70710678, 0, 0, 0.70710678))  # along y
+    stick.velocity = (0.15, 0, -0.3)
+    touched = 0
+    for _ in range(30):
+        before = momentum(simulation)
+        simulation.step()
+        assert (momentum(simulation) - before) / 0.01 == pytest.approx(-stick.force, abs=1e-8)
+        touched += stick.num_touching > 0
+    assert touched > 5 and momentum(simulation)[2] < 0 < momentum(simulation)[0]
+
+
+def test_a_moved_instrument_computes_what_a_scene_with_its_path_does(tmp_path):
+    file = tmp_path / "press.scn"
+    file.write_text("""<Node dt="0.01" gravity="0 0 0"><DefaultAnimationLoop/>
+<Node name="block"><EulerImplicitSolver rayleighMass="0.5" rayleighStiffness="0.02"/><SparseLDLSolver/>
+<RegularGridTopology n="5 5 3" min="0 0 0" max="0.2 0.2 0.1"/><MechanicalObject/><DiagonalMass massDensity="1000"/>
+<HexahedronElastoplasticFEMForceField youngModulus="5000" poissonRatio="0.3" yieldStress="300" plasticFlowRate="4"/>
+<FixedProjectiveConstraint indices="0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24"/>
+<InstrumentContactForceField name="tip" shape="box" size="0.06 0.04 0.05" friction="0.5" keyTimes="0 0.1 0.3"
+ positions="0.1 0.1 0.13  0.1 0.1 0.11  0.13 0.1 0.11" orientations="0 0 0 1  0 0 0.1 0.99498744  0 0 0.1 0.99498744"/>
+</Node></Node>""")
+    scene = hexaplast.Scene(file)
+    material = hexaplast.Material(young_modulus=5000, poisson_ratio=0.3, yield_stress=300, flow_rate=4)
+    simulation = block(material=material, rayleigh_mass=0.5, rayleigh_stiffness=0.02)
+    tip = simulation.add_instrument("box", size=(0.06, 0.04, 0.05), friction=0.5, pose=(0.1, 0.1, 0.13))
+    path = scene.instrument("block/tip")
+    for _ in range(30):
+        scene.step()
+        tip.pose = path.pose
+        simulation.step()
+    assert tip.force == pytest.approx(path.force, rel=1e-9) and tip.force[2] > 1 and abs(tip.force[0]) > 0.1
+    assert simulation.body.corner_plastic_strain.max() > 0
+    assert simulation.positions == pytest.approx(scene.positions, abs=1e-11)
+
+
+@pytest.mark.filterwarnings("ignore:max_subdivision", "ignore:contact_stiffness")
+@pytest.mark.parametrize("friction", [0, 0.9])
+def test_two_jaws_lift_a_block_by_friction_alone(friction):
+    simulation = block(fixed=False, cells=(3, 3, 2), gravity=(0, 0, -9.81), rayleigh_mass=2, rayleigh_stiffness=0.02,
+                       material=hexaplast.Material(young_modulus=2e4, poisson_ratio=0.3))
+    floor = simulation.body.initial_positions[:, 2] == 0
+    simulation.fix(floor)
+    jaws = [simulation.add_instrument("box", size=(0.02, 0.1, 0.06), friction=friction, pose=(x, 0.1, 0.05))
+            for x in (-0.011, 0.211)]
+    for jaw, velocity in zip(jaws, (0.1, -0.1)):
+        jaw.velocity = (velocity, 0, 0)
+    simulation.run(20)
+    for jaw in jaws:
+        jaw.velocity = (0, 0, 0.05)
+    simulation.release(floor)
+    simulation.run(40)
+    lifted = simulation.positions[:, 2].mean() - 0.05
+    assert (0.005 < lifted < 0.02) if friction else lifted < -0.3  # it hangs between them, or falls
+    if friction:
+        simulation.run(60)  # up, steadily
+        assert jaws[0].force[2] + jaws[1].force[2] == pytest.approx(-4 * 9.81, rel=0.02)
+        jaws[0].active = False
+        simulation.run(30)
+        assert jaws[0].num_touching == 0 and (jaws[0].force == 0).all()
+        assert simulation.positions[:, 2].mean() < 0.05
+
+
+def test_a_grip_holds_lets_go_and_holds_again():
+    simulation = block(fixed=False, gravity=(0, 0, -9.81), rayleigh_mass=5)
+    top = np.flatnonzero(simulation.body.initial_positions[:, 2] == 0.1)
+    grip = simulation.add_grip((0.1, 0.1, 0.1), nodes=top, stiffness=2000, damping=20)
+    assert not grip.closed and len(grip.nodes) == 0
+    grip.close()
+    simulation.run(300)
+    assert (grip.nodes == top).all() and grip.force == pytest.approx([0, 0, 4 * 9.81], abs=1e-3)
+    held = simulation.positions[top, 2].mean()
+    assert held == pytest.approx(0.1 - 4 * 9.81 / 2000, abs=1e-5)
+    grip.velocity = (0.1, 0, 0)
+    simulation.run(100)
+    grip.position = grip.position
+    simulation.run(300)
+    assert grip.position == pytest.approx([0.2, 0.1, 0.1], abs=1e-12)
+    assert simulation.positions[:, 0].mean() == pytest.approx(0.2, abs=1e-4)
+
+    grip.open()
+    before = momentum(simulation)
+    simulation.step()
+    fall = momentum(simulation) - before
+    assert len(grip.nodes) == 0 and (grip.force == 0).all() and fall[2] == pytest.approx(-4 * 9.81 * 0.01, rel=0.06)
+    simulation.run(9)
+    grip.close()  # where they are now: lower
+    simulation.run(400)
+    assert grip.closed and simulation.positions[top, 2].mean() < held - 0.02
+    assert grip.force == pytest.approx([0, 0, 4 * 9.81], abs=1e-3)
+
+
+@pytest.mark.parametrize("rayleigh_stiffness", [0, 0.1])
+def test_what_a_grip_exerts_a_free_body_gains(rayleigh_stiffness):
+    simulation = block(fixed=False, rayleigh_stiffness=rayleigh_stiffness)
+    grip = simulation.add_grip((0.19, 0.1, 0.1), radius=0.08, stiffness=500, damping=30)
+    grip.velocity = (0.3, -0.1, 0.2)
+    grip.close()
+    for _ in range(20):
+        before = momentum(simulation)
+        simulation.step()
+        assert (momentum(simulation) - before) / 0.01 == pytest.approx(grip.force, abs=1e-8)
+    assert 0 < len(grip.nodes) < 15 and momentum(simulation)[0] > 0.5
+
+
+def test_a_grip_never_pulls_with_more_than_its_force():
+    simulation = block()
+    grip = simulation.add_grip((0.1, 0.1, 0.1), radius=0.06, stiffness=5000, max_force=2)
+    grip.close()
+    grip.velocity = (0, 0, 0.05)
+    forces = []
+    for _ in range(60):
+        simulation.step()
+        forces.append(np.linalg.norm(grip.force))
+    assert max(forces) == pytest.approx(2, rel=1e-3) and max(forces) < 2 + 1e-9 and forces[-1] > 1.99
+
+
+def gripped(**arguments):
+    simulation = block(material=hexaplast.Material(young_modulus=5000, poisson_ratio=0.3, yield_stress=150, flow_rate=4),
+                       gravity=(0, 0, -1), **arguments)
+    ball = simulation.add_instrument("sphere", radius=0.04, friction=0.3, pose=(0.06, 0.1, 0.139))
+    grip = simulation.add_grip((0.2, 0.1, 0.1), radius=0.06, stiffness=800, max_force=10, damping=5)
+    ball.velocity, grip.velocity = (0.05, 0, -0.1), (0, 0.02, 0.1)
+    grip.close()
+    return simulation
+
+
+@pytest.mark.parametrize("solver", ["direct", "cg"])
+def test_a_simulation_with_instruments_is_saved_copied_and_reset_with_the_same_bits(solver):
+    simulation = gripped(solver=solver, tolerance=1e-8)
+    simulation.run(12)
+    simulation.body.remove([2])
+    simulation.step()
+    saved = simulation.save()
+    copies, once = copies_before_running_on(simulation)
+    forces = [simulation.instruments[0].force, simulation.grips[0].force]
+    for made in copies:
+        made.run(10)
+        assert made.state_hash() == once
+        assert (made.instruments[0].force == forces[0]).all() and (made.grips[0].force == forces[1]).all()
+    assert simulation.instruments[0].num_touching > 0 and len(simulation.grips[0].nodes) > 0
+    for damaged in (saved[:-3], saved[:-20] + bytes([saved[-20] ^ 1]) + saved[-19:]):
+        with pytest.raises(ValueError):
+            simulation.load(damaged)
+    with pytest.raises(ValueError):
+        block(gravity=(0, 0, -1), solver=solver).load(saved)
+    assert simulation.state_hash() == once and (simulation.grips[0].force == forces[1]).all()
+    simulation.load(saved)
+    simulation.run(10)
+    assert simulation.state_hash() == once
+
+    simulation.reset()
+    assert simulation.instruments[0].pose[:3] == pytest.approx([0.06, 0.1, 0.139], abs=0)
+    assert not simulation.grips[0].closed and (simulation.instruments[0].velocity == 0).all()
+    simulation.run(2)
+    assert (simulation.grips[0].force == 0).all()
+
+
+def test_a_step_that_fails_leaves_instruments_as_they_were():
+    simulation, other = gripped(), gripped()
+    for one in (simulation, other):
+        one.run(8)
+    before, pose = simulation.state_hash(), simulation.instruments[0].pose
+    forces = np.zeros_like(simulation.positions)
+    for force in (np.nan, 1e160):
+        forces[-1, 2] = force
+        with pytest.raises(ArithmeticError):
+            simulation.step(forces)
+        assert simulation.state_hash() == before and (simulation.instruments[0].pose == pose).all()
+    for one in (simulation, other):
+        one.run(5)
+    assert simulation.state_hash() == other.state_hash()
+    assert (simulation.instruments[0].force == other.instruments[0].force).all()
+
+
+def lead(simulation, velocities):
+    simulation.instruments[0].velocity, simulation.grips[0].velocity = velocities
+
+
+def test_a_batch_moves_instruments_as_each_simulation_alone():
+    velocities = np.random.default_rng(2).uniform(-0.1, 0.1, (6, 4, 2, 3))
+    batch, alone = hexaplast.Batch(gripped() for _ in range(4)), [gripped() for _ in range(4)]
+    hexaplast.set_num_threads(2)
+    try:
+        for of_step in velocities:
+            batch.step(of_step, lead)
+    finally:
+        hexaplast.set_num_threads(1)
+    for k, simulation in enumerate(alone):
+        for of_step in velocities:
+            lead(simulation, of_step[k])
+            simulation.step()
+        assert simulation.state_hash() == batch.simulations[k].state_hash()
+        assert (simulation.grips[0].force == batch.simulations[k].grips[0].force).all()
+
+
+def test_multigrid_and_the_diagonal_solve_what_the_direct_solver_does():
+    found = {}
+    for name, arguments in {"factorisation": {}, "multigrid": {"solver": "cg", "preconditioner": "multigrid"},
+                            "diagonal": {"solver": "cg", "preconditioner": "diagonal"}}.items():
+        simulation = block(cells=(8, 8, 4), tolerance=1e-10, gravity=(3, 0, -9), **arguments)
+        ball = simulation.add_instrument("sphere", radius=0.05, pose=(0.1, 0.1, 0.149), friction=0.2)
+        grip = simulation.add_grip((0.2, 0.2, 0.1), radius=0.03)
+        grip.close()
+        ball.velocity = grip.velocity = (0.02, 0, 0)
+        assert simulation.run(10).preconditioner == name
+        found[name] = simulation.positions.copy()
+    assert found["multigrid"] == pytest.approx(found["factorisation"], abs=1e-8)
+    assert found["diagonal"] == pytest.approx(found["factorisation"], abs=1e-8)
+
+
+def test_a_surface_of_triangles_touches_as_the_box_that_it_is():
+    corners = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]) * [0.03, 0.02, 0.025]
+    triangles = [(0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4), (2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6),
+                 (1, 3, 5), (3, 7, 5)]
+    forces = []
+    for shape in ({"shape": "box", "size": (0.06, 0.04, 0.05)}, {"shape": "surface", "surface": (corners, triangles)}):
+        simulation = block()
+        tip = simulation.add_instrument(pose=(0.103, 0.098, 0.126), **shape)
+        tip.velocity = (0, 0, -0.1)
+        simulation.run(10)
+        forces.append(tip.force)
+    assert forces[0] == pytest.approx(forces[1], rel=1e-4, abs=1e-4) and forces[0][2] > 0.1
+
+
+def test_instruments_and_grips_that_cannot_be_are_refused():
+    simulation = block()
+    for make, error, message in [
+        (lambda: simulation.add_instrument("sphere"), ValueError, "radius: is not given: a sphere has one"),
+        (lambda: simulation.add_instrument("cone", radius=1), ValueError, "cone"),
+        (lambda: simulation.add_instrument("sphere", radius=-1), ValueError, "radius"),
+        (lambda: simulation.add_instrument("sphere", radius=0.1, friction=-1), ValueError, "friction"),
+        (lambda: simulation.add_instrument("sphere", radius=0.1, pose=(0, 0)), ValueError, r"pose: shape \(2,\)"),
+        (lambda: simulation.add_instrument("surface", surface=([[0, 0, 0]], [(0, 0, 0)])), ValueError, "surface_triangles"),
+        (lambda: simulation.add_grip((0, 0, 0)), ValueError, "radius: is not given"),
+        (lambda: simulation.add_grip((0, 0, 0), nodes=[75]), ValueError, r"nodes\[0\] = 75"),
+        (lambda: simulation.add_grip((0, np.nan, 0), radius=1), ValueError, "position: must be finite"),
+        (lambda: simulation.add_grip((0, 0, 0), radius=1, stiffness=-1), ValueError, "stiffness"),
+        (lambda: hexaplast.Simulation(block().body.__class__(*hexaplast.grid((1, 1, 1), (0, 0, 0), (1, 1, 1))), solver="cg",
+                                      preconditioner="none"), ValueError, "preconditioner = 'none' must be one of auto"),
+    ]:
+        with pytest.raises(error, match=message):
+            make()
+    assert simulation.instruments == simulation.grips == []
+    grip = simulation.add_grip((5, 5, 5), radius=0.1)
+    grip.close()
+    with pytest.warns(UserWarning, match="radius: the grip closes on nothing"):
+        simulation.step()
+    with pytest.raises(ValueError, match="velocity: must be finite"):
+        grip.velocity = (0, 0, np.inf)
+
+
+def test_pictures_show_instruments():
+    simulation = block()
+    before = simulation.picture()
+    simulation.add_instrument("sphere", radius=0.05, pose=(0.1, 0.1, 0.16))
+    assert (before != simulation.picture()).any()
