@@ -49,8 +49,8 @@ def make():
 
         for row, (name, faces, peak, material, softness, volume) in enumerate(cases):
             left, y = 2.7 * column, -0.75 * row
-            unit = "%" if load == "stretch" else "degrees"
-            page.text((left - 1, y + 0.33), f"{TITLES[name]}, {load}: {_measure(material, load):.1f} {unit}")
+            unit = "%" if load == "stretch" else "°"
+            page.panel((left - 1, y + 0.33), f"{TITLES[name]}, {load}: {_measure(material, load):.1f} {unit}")
             page.draw(material, faces, 0.12, SIDE, (left, y))
             page.draw(material, faces, 0.12, END, (left + 1.2, y))
             rows.append([load, name, f"{softness:.3f}", f"{_measure(peak, load):.1f}",

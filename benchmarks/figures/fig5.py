@@ -20,7 +20,7 @@ def make():
     for row, level in enumerate(LEVELS):
         y = -0.45 * row
         x, values = runs[level].material, 100 * slices[level][owner // 9]
-        page.text((-0.95, y + 0.18), f"{level}: {100 * elongation(grid, x):+.1f} %", weight="bold")
+        page.panel((-0.95, y + 0.18), f"{level}: {100 * elongation(grid, x):+.1f} %", weight="bold")
         page.draw(x, faces, values, SIDE, (0, y))
         page.draw(x, faces, values, END, (1.2, y))
     page.save(RESULTS / "fig5.png", "elongation of the slice [%]")

@@ -28,11 +28,11 @@ def make():
         for row, level in enumerate(LEVELS):
             case = level, mode
             x, y = 1.7 * column, -0.6 * row
-            page.text((x - 0.5, y + 0.24), f"{level}: {slices[case].sum():.1f} degrees")
+            page.panel((x - 0.5, y + 0.24), f"{level}: {slices[case].sum():.1f}°")
             values = np.abs(slices[case])[owner // 9]
             page.draw(runs[case].material, faces, values, SIDE, (x, y))
             page.draw(runs[case].material, faces, values, END, (x + 0.8, y))
-    page.save(RESULTS / "fig6.png", "twist of the slice [degrees]")
+    page.save(RESULTS / "fig6.png", "twist of the slice [°]")
 
     rows = []
     for level, mode in cases:

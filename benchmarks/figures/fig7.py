@@ -80,6 +80,6 @@ def _draw(grid, shapes):
     page = Page(14, max(value.max() for value in values))
     for k, (title, x) in enumerate(shapes):
         place = 1.3 * (k % 2), -0.5 * (k // 2)
-        page.text((place[0] - 0.5, place[1] + 0.2), title)
+        page.panel((place[0] - 0.5, place[1] + 0.2), title)
         page.draw(x, faces, values[k][owner], SIDE, place)
     page.save(RESULTS / "fig7.png", "elongation of the hexahedron [%]")

@@ -33,8 +33,10 @@ def make():
         page.text((1.55 * column, 0.25), title, ha="center", weight="bold")
     for row, r in enumerate(REFINEMENTS):
         faces, owner = grids[r].boundary_faces()
+        num = len(grids[r].hexahedra)
         for column, (x, values) in enumerate([(grids[r].positions, np.zeros(10 * r)), (peaks[r], at_peak[r]),
                                               (ends[r].material, at_end[r])]):
+            page.panel((1.55 * column - 0.6, 0.17 - 0.45 * row), f"{num} hexahedra" if column == 0 else "")
             page.draw(x, faces, 100 * values[owner // (9 * r * r)], SIDE, (1.55 * column, -0.45 * row))
     page.save(RESULTS / "fig8.png", "elongation of the slice [%]")
 
@@ -44,7 +46,7 @@ def make():
         name = f"{len(grids[r].hexahedra)} hexahedra"
         curves.append((f"{name}, under load", middle, 100 * at_peak[r], f"C{colour}"))
         curves.append((f"{name}, after release", middle, 100 * at_end[r], f"C{colour}--"))
-    write_plot("fig8_profile", "Stretch along the bar at three refinements", "place in the original bar / length",
+    write_plot("fig8_profile", "Stretch along the bar at three refinements", "place in the original bar / length [–]",
                "elongation of the slice [%]", curves)
 
     hexahedra = np.array([len(grids[r].hexahedra) for r in REFINEMENTS])

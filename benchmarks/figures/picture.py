@@ -11,6 +11,7 @@ matplotlib.use("Agg")
 SIDE = np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]])  # the axis z runs to the right
 END = np.eye(3)  # along the axis z, from its upper end
 LAMP = np.array([-0.35, 0.85, 0.45]) / np.linalg.norm([-0.35, 0.85, 0.45])  # from the upper left
+LENGTH = 0.5  # [m] that is drawn for comparison
 COLOURS = matplotlib.colormaps["OrRd"]
 
 
@@ -21,6 +22,7 @@ class Page:
         """width: [inch]"""
         self.figure, self.axes = pyplot.subplots(figsize=(width, width), layout="constrained")
         self.greatest = greatest
+        self.num_panels = 0
 
     def draw(self, x, faces, values, view, at):
         """A surface: x (nodes, 3) [m]; faces (n, 3 or 4) nodes; values (n) or one for all."""
@@ -38,10 +40,18 @@ class Page:
     def text(self, at, words, **style):
         self.axes.text(*at, words, **style)
 
+    def panel(self, at, words="", **style):
+        """Begins a panel: "(a) words"."""
+        self.num_panels += 1
+        self.text(at, f"({chr(ord('a') + self.num_panels - 1)}) {words}".rstrip(), **style)
+
     def save(self, file, label=None):
-        """label: of the scale of colours; none: without it."""
+        """label: of the scale of colours; none: without it. Below the bodies stands a length."""
         self.axes.set_aspect("equal")
         self.axes.autoscale_view()
+        left, bottom = self.axes.get_xlim()[0], self.axes.get_ylim()[0]
+        self.axes.plot([left, left + LENGTH], [bottom, bottom], color="0.2", linewidth=2, solid_capstyle="butt")
+        self.text((left + LENGTH / 2, bottom - 0.02), f"{LENGTH:g} m", ha="center", va="top")
         self.axes.axis("off")
         if label:
             norm = matplotlib.colors.Normalize(0, self.greatest)

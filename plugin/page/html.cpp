@@ -54,7 +54,7 @@ std::string ink_script() {
     cageOpacity: {cage_opacity:.4g}}},
   dot: {{radius: {dot:.4g}, ofEdge: {of_edge:.4g}}}, ring: {{radius: {ring:.4g}, width: {width:.4g}, rim: {rim:.4g}}},
   arrow: {{longest: {arrow:.4g}, girth: {girth:.4g}, headLength: {head_length:.4g}, headWidth: {head_width:.4g},
-    maxHead: {max_head:.4g}, sides: {sides}, presses: {presses:.4g}}}}};
+    rim: {arrow_rim:.4g}, maxHead: {max_head:.4g}, sides: {sides}, presses: {presses:.4g}}}}};
 const lightShader = `{light}`;)",
       fmt::arg("paper", json_of(kPaper)), fmt::arg("ink", json_of(kInk)), fmt::arg("outline", json_of(kOriginal)),
       fmt::arg("ghost", json_of(kGhost)), fmt::arg("load", json_of(kLoad)), fmt::arg("steel", json_of(kSteel)),
@@ -64,9 +64,10 @@ const lightShader = `{light}`;)",
       fmt::arg("widest", EdgeInk::kWidest), fmt::arg("strongest", EdgeInk::kStrongest),
       fmt::arg("cage_opacity", EdgeInk::kCageOpacity), fmt::arg("dot", kDotRadius), fmt::arg("of_edge", kDotOfEdge),
       fmt::arg("ring", kRingRadius), fmt::arg("width", kRingWidth), fmt::arg("rim", kRimWidth),
-      fmt::arg("arrow", kLongestArrow), fmt::arg("girth", kArrowGirth), fmt::arg("head_length", kArrowHeadLength),
-      fmt::arg("head_width", kArrowHeadWidth), fmt::arg("max_head", kArrowMaxHead), fmt::arg("sides", kArrowSides),
-      fmt::arg("presses", kArrowPresses), fmt::arg("light", light_shader()));
+      fmt::arg("arrow", kLongestArrow), fmt::arg("girth", kArrowGirth), fmt::arg("arrow_rim", kRimOfArrows),
+      fmt::arg("head_length", kArrowHeadLength), fmt::arg("head_width", kArrowHeadWidth),
+      fmt::arg("max_head", kArrowMaxHead), fmt::arg("sides", kArrowSides), fmt::arg("presses", kArrowPresses),
+      fmt::arg("light", light_shader()));
 }
 
 std::string swatch(std::string_view colour, std::string_view dashes) {

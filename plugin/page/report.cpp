@@ -179,7 +179,7 @@ void add_run(HtmlPage& page, const Manifest& run) {
 }  // namespace
 
 void write_report(const fs::path& directory, const Manifest& run) {
-  HtmlPage page(run.heading.empty() ? run.title : run.heading);
+  HtmlPage page(run.caption());
   if (!run.description.empty()) page.paragraph(run.description);
   page.paragraph(fmt::format("{}{} of {} steps of {:.6g} s. {}.", run.heading.empty() ? "" : run.title + ": ",
                              run.steps_done, run.steps_asked, run.dt, run.exit_reason),

@@ -12,13 +12,14 @@ layout(location = 0) in vec3 place;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in float fraction;
 uniform mat4 camera;
+uniform float grow;  // along the normal
 out vec3 at, across;
 out float value;
 void main() {
-  at = place;
+  at = place + grow * normal;
   across = normal;
   value = fraction;
-  gl_Position = camera * vec4(place, 1);
+  gl_Position = camera * vec4(at, 1);
 }`;
 const surfaceFragmentShader = `#version 300 es
 precision highp float;
@@ -173,7 +174,7 @@ class Camera {
 // What is drawn with WebGL.
 class Painter {
   constructor(canvas, colours) {
-    const gl = canvas.getContext("webgl2", {antialias: true, alpha: false});
+    const gl = canvas.getContext("webgl2", {antialias: true, alpha: false, stencil: true});
     if (!gl) throw new Error("there is no WebGL 2");
     this.gl = gl;
     this.surfaces = this.program(surfaceVertexShader, surfaceFragmentShader);
@@ -250,9 +251,38 @@ class Painter {
     gl.drawElements(gl[kind], indices.length, gl.UNSIGNED_INT, 0);
   }
 
-  surface(vertices, indices, {paint = null, light = "tissue", cut = [0, 0, 0, 1]} = {}) {
+  surface(vertices, indices, {paint = null, light = "tissue", cut = [0, 0, 0, 1], grow = 0} = {}) {
     this.draw(this.surfaces, [3, 3, 1], "TRIANGLES", vertices, indices,
-              {isColoured: !paint, light: ["none", "tissue", "thing"].indexOf(light), paint: paint ?? ink.ink, cut});
+              {isColoured: !paint, light: ["none", "tissue", "thing"].indexOf(light), paint: paint ?? ink.ink, cut, grow});
+  }
+
+  // Set off by a rim [m] of paper from what is behind them.
+  arrows(vertices, paint, {rim, cut = [0, 0, 0, 1]}) {
+    const gl = this.gl, all = Float32Array.from(vertices);
+    gl.depthMask(false);
+    this.surface(all, null, {paint: ink.paper, light: "none", cut, grow: rim});
+    gl.depthMask(true);
+    this.surface(all, null, {paint, light: "thing", cut});
+  }
+
+  // Draws what lies in the plane of a cut, as far as that is within closed surfaces: there one sees more of their backs
+  // than of their fronts.
+  within(drawSurfaces, drawCap) {
+    const gl = this.gl;
+    gl.enable(gl.STENCIL_TEST);
+    gl.clear(gl.STENCIL_BUFFER_BIT);
+    gl.colorMask(false, false, false, false);
+    gl.disable(gl.DEPTH_TEST);
+    gl.stencilFunc(gl.ALWAYS, 0, 0xff);
+    gl.stencilOpSeparate(gl.FRONT, gl.KEEP, gl.KEEP, gl.DECR_WRAP);
+    gl.stencilOpSeparate(gl.BACK, gl.KEEP, gl.KEEP, gl.INCR_WRAP);
+    drawSurfaces();
+    gl.colorMask(true, true, true, true);
+    gl.enable(gl.DEPTH_TEST);
+    gl.stencilFunc(gl.NOTEQUAL, 0, 0xff);
+    gl.stencilOp(gl.KEEP, gl.KEEP, gl.KEEP);
+    drawCap();
+    gl.disable(gl.STENCIL_TEST);
   }
 
   // kind: "LINES" or "POINTS"; indices: null: points as they follow; nearer: [m] before where they are
@@ -269,13 +299,14 @@ function withUnit(value, unitName) {
   return `${+(value / 1000 ** thousands).toPrecision(3)} ${["n", "µ", "m", "", "k", "M", "G"][thousands + 3]}${unitName}`;
 }
 
-// A few round numbers from `min` to `max`.
+// Both ends of a scale, and a few round numbers between them that leave room for those.
 function ticksWithin(min, max) {
   const rough = (max - min) / 4, power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map(factor => factor * power).find(candidate => candidate >= rough);
   const ticks = [];
-  for (let k = Math.ceil(min / step - 1e-9); k * step <= max + 1e-9 * step; ++k) ticks.push(k * step);
-  return ticks;
+  for (let k = Math.ceil(min / step - 1e-9); k * step <= max + 1e-9 * step; ++k)
+    if (Math.min(k * step - min, max - k * step) > 0.1 * (max - min)) ticks.push(k * step);
+  return [min, ...ticks, max];
 }
 
 class Viewer {
@@ -341,7 +372,7 @@ class Viewer {
     } else {
       for (const value of ticksWithin(min, max)) {
         const tick = document.createElement("span");
-        tick.textContent = `${+value.toPrecision(6)}`;
+        tick.textContent = `${+value.toPrecision(3)}`;
         tick.style.left = `${100 * (value - min) / (max - min)}%`;
         ticks.append(tick);
       }
@@ -657,18 +688,26 @@ class Viewer {
     const edgeOpacity = length < shortest ? 0 : isEmbedded ? cageOpacity : strongest * fraction * thinness;
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(1, 1);
-    if (isEmbedded && this.shows.surface)
-      topology.embedded.forEach((surface, number) => {
+    const drawSection = () => {
+      const section = run.cut(state, positions, fractions, this.cutNormal, cut[3]);
+      this.painter.surface(section.vertices, null, {light: "none"});  // who cuts wants to read values there
+      return section;
+    };
+    if (isEmbedded && this.shows.surface) {
+      const surfaces = topology.embedded.map((surface, number) => {
         const values = run.blend(number, fractions, 1);
-        this.painter.surface(surface.vertices(run.embeddedPoints(number, positions), point => values[point]),
-                             surface.triangles, {cut});
+        return [surface.vertices(run.embeddedPoints(number, positions), point => values[point]), surface.triangles];
       });
+      const drawAll = () => surfaces.forEach(one => this.painter.surface(...one, {cut}));
+      drawAll();
+      if (this.cutNormal && topology.embedded.every(surface => surface.isClosed))
+        this.painter.within(drawAll, drawSection);
+    }
     if (!isEmbedded) {
       this.painter.surface(topology.body.vertices(positions, node => fractions[node]), topology.body.triangles,
                            {cut});
       if (this.cutNormal) {
-        const section = run.cut(state, positions, fractions, this.cutNormal, cut[3]);
-        this.painter.surface(section.vertices, null, {light: "none"});  // who cuts wants to read values there
+        const section = drawSection();
         const nearer = 5e-4 * this.camera.size;
         if (this.shows.edges) this.painter.marks("LINES", section.lines, null, ink.edge, {opacity: edgeOpacity, nearer});
       }
@@ -692,6 +731,7 @@ class Viewer {
     const gl = this.painter.gl, cut = this.cut, {tools = [], loads = []} = run.data.states[state];
     const box = run.data.box, diagonal = norm(subtract(box.slice(3), box.slice(0, 3)));
     const longest = ink.arrow.longest * diagonal, girth = ink.arrow.girth * longest;
+    const rim = ink.arrow.rim * this.pixel / this.camera.pixelsPerMetre(height);
     if (this.shows.fixed) {
       const length = topology.body.meanEdge * this.camera.pixelsPerMetre(height) / this.pixel;
       const radius = Math.min(ink.dot.radius, ink.dot.ofEdge * length);
@@ -706,7 +746,7 @@ class Viewer {
         return presses ? arrowVertices(subtract(place, along), place, girth)
                        : arrowVertices(place, add(place, along), girth);
       });
-      this.painter.surface(Float32Array.from(vertices), null, {paint: ink.load, light: "thing", cut});
+      this.painter.arrows(vertices, ink.load, {rim, cut});
     }
     if (!this.shows.tools || tools.length === 0) return;
     const rings = [], arrows = [];
@@ -725,7 +765,7 @@ class Viewer {
     }
     // seen also where they lie within the tissue
     gl.depthRange(0, 0.01);
-    if (arrows.length > 0) this.painter.surface(Float32Array.from(arrows), null, {paint: ink.steel, light: "thing"});
+    this.painter.arrows(arrows, ink.steel, {rim});
     gl.disable(gl.DEPTH_TEST);
     this.painter.marks("POINTS", Float32Array.from(rings), null, ink.steel, {size: ringSize * this.pixel, mark: 2});
     gl.enable(gl.DEPTH_TEST);

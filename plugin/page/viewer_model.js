@@ -93,12 +93,14 @@ class Surface {
         facesOfEdge.get(key).push(f);
       }
     this.meanEdge = 0;
+    this.isClosed = true;  // two faces meet at each edge
     this.edges = [];  // of points
     this.creases = [];
     this.smooth = [];  // edges with the two faces beside them
     for (const [key, beside] of facesOfEdge) {
       const edge = [Math.floor(key / numPoints), key % numPoints];
       this.edges.push(...edge);
+      this.isClosed &&= beside.length === 2;
       this.meanEdge += norm(subtract(pointAt(points, edge[1]), pointAt(points, edge[0]))) / facesOfEdge.size;
       if (beside.length === 2 && dot(pointAt(normals, beside[0]), pointAt(normals, beside[1])) >= ink.crease)
         this.smooth.push([...edge, ...beside]);

@@ -49,6 +49,17 @@ Ticks ticks_within(double min, double max, int count) {
   return ticks;
 }
 
+std::vector<std::pair<double, std::string>> labels_of_scale(double min, double max, int count) {
+  constexpr double kApart = 0.1;  // of the scale, between two labels
+  const auto end = [](double value) { return std::pair(value, fmt::format("{:.3g}", value)); };
+  std::vector labels{end(min)};
+  const Ticks ticks = ticks_within(min, max, count);
+  for (const double value : ticks.values)
+    if (std::min(value - min, max - value) > kApart * (max - min)) labels.emplace_back(value, ticks.label(value));
+  labels.push_back(end(max));
+  return labels;
+}
+
 Ticks ticks_around(double min, double max, int count) {
   constexpr double kOverhang = 0.02;  // of a step: so little may stand out rather than open another step
   const double step = round_up((max - min) / count);

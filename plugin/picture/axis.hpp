@@ -19,6 +19,9 @@ struct Ticks {
 /// About `count` (>= 2) ticks within [min, max], min < max, two at least; the interval stays as given.
 Ticks ticks_within(double min, double max, int count);
 
+/// What is written along a scale of colours: both ends, and between them ticks_within that leave room for those.
+std::vector<std::pair<double, std::string>> labels_of_scale(double min, double max, int count);
+
 /// The same with the interval grown outwards to the next tick at both ends (a fiftieth of a step may stand out).
 Ticks ticks_around(double min, double max, int count);
 

@@ -131,7 +131,13 @@ void Gallery::fit(Camera& camera, Scale& scale, Strongest& strongest, const Eige
 Drawing Gallery::drawing(const State& state, const Camera& camera, const Scale& scale, const Strongest& strongest,
                          const Eigen::AlignedBox3f& room) const {
   Page page(shapes_.staging.width, shapes_.staging.height);
-  View view{shapes_.geometry(state, camera, strongest), camera, page.width(), page.height(), scale.min(), scale.max()};
+  View view{shapes_.geometry(state, camera, strongest),
+            camera,
+            page.width(),
+            page.height(),
+            scale.min(),
+            scale.max(),
+            Page::strip()};
   view.geometry.room = room;
   page.drawing().view = std::make_shared<View>(std::move(view));
   for (const Moment::Tool& tool : state.tools) {

@@ -21,15 +21,18 @@ struct Geometry {
   using Vertices = std::vector<Vertex>;
   using Places = std::vector<Eigen::Vector3f>;
 
-  Vertices surface;    ///< of the body or what is embedded in it, in the colours of the scale
-  Vertices cut_faces;  ///< where the body is cut through, the same
-  Vertices wires;      ///< lines in the colours of the scale
+  Vertices surface;        ///< of the body or what is embedded in it, in the colours of the scale
+  Vertices cut_faces;      ///< where the body is cut through, the same: as far as it lies within the surface
+  bool is_hollow = false;  ///< the surface is embedded, and not the hexahedra' own
+  bool is_closed = true, are_tools_closed = true;  ///< surfaces: only these have an inside where they are cut
+  Vertices wires;                                  ///< lines in the colours of the scale
   Places edges, cut_edges, cut_outline;
+  Places halo;            ///< outlines of the surface, beside which the shape behind is not seen
   float edge_length = 0;  ///< [m] mean of the hexahedra that are left
   bool is_cage = false;   ///< the edges stand around embedded surfaces
   Places ghost, ghost_outline;
   Vertices tools;
-  Places tool_outline;
+  Places tool_outline, tool_cut_outline;
   Vertices load_arrows, tool_arrows;  ///< those of instruments are seen also where they lie within the tissue
   Places taut_springs, slack_springs;
   Places fixed;  ///< points
@@ -44,6 +47,7 @@ struct View {
   Camera camera;            ///< fitted to a page
   float width, height;      ///< of that page, in its units
   double min = 0, max = 0;  ///< values at the ends of the scale; equal: all have the colour of its beginning
+  float strip = 0;          ///< of the page at its lower border that stays empty, for the colour bar
 };
 
 }  // namespace hexaplast::output

@@ -138,8 +138,8 @@ class Frame {
     glBindFramebuffer(GL_FRAMEBUFFER, frame_);
     if (size_ == std::array{width, height}) return;
     size_ = {};  // until the new one is accepted
-    constexpr std::array<GLenum, 2> kFormats{GL_RGBA8, GL_DEPTH_COMPONENT24},
-        kTargets{GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT};
+    constexpr std::array<GLenum, 2> kFormats{GL_RGBA8, GL_DEPTH24_STENCIL8},
+        kTargets{GL_COLOR_ATTACHMENT0, GL_DEPTH_STENCIL_ATTACHMENT};
     for (std::size_t k = 0; k < 2; ++k) {
       glBindRenderbuffer(GL_RENDERBUFFER, buffers_[k]);
       glRenderbufferStorage(GL_RENDERBUFFER, kFormats[k], width, height);
@@ -153,7 +153,7 @@ class Frame {
  private:
   std::array<int, 2> size_{};  // [pixels]
   unsigned frame_ = 0;
-  std::array<unsigned, 2> buffers_{};  // colour and depth
+  std::array<unsigned, 2> buffers_{};  // colour, and depth with stencil
 };
 
 /// Triangles and lines by OpenGL at thrice the size, averaged down; then text by FreeType.

@@ -27,7 +27,8 @@ inline constexpr Colour kNoValue{0.80f, 0.81f, 0.82f};
 
 inline constexpr float kOutlineWidth = 1.3f;  // of the shape behind, and of instruments
 inline constexpr float kSpringWidth = 1.6f;
-inline constexpr float kWireWidth = 1.5f;                         // of edges in the colours of the scale
+inline constexpr float kHaloWidth = 3.6f;  // beside which the shape behind is not seen: it hides its outline
+inline constexpr float kWireWidth = 1.5f;  // of edges in the colours of the scale
 inline constexpr float kSlackWidth = 1.1f, kSlackOpacity = 0.5f;  // of springs that are shorter than at rest
 inline constexpr float kCutWidth = 1.6f;                          // of the border of a cut face
 inline constexpr float kDotRadius = 3.2f;                         // radius of the mark of a fixed node, at most
@@ -53,6 +54,7 @@ inline constexpr float kLongestArrow = 0.13f;    // in parts of the diagonal of 
 inline constexpr float kArrowGirth = 0.055f;     // diameter of shafts, in parts of the longest arrow's length
 inline constexpr float kArrowHeadLength = 4.2f;  // in parts of the girth
 inline constexpr float kArrowHeadWidth = 1.5f;   // radius of its foot
+inline constexpr float kRimOfArrows = 1.5f;      // of paper, which sets them off from any colour
 inline constexpr float kArrowMaxHead = 0.6f;     // in parts of the arrow's length
 inline constexpr int kArrowSides = 16;           // of the shaft
 inline constexpr float kArrowPresses = 0.3f;     // sine of the angle to the surface from which a load presses on it

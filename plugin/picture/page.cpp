@@ -14,9 +14,11 @@ namespace {
 
 constexpr float kPageWidth = 1280, kPageHeight = 720;  // the smallest size of a page
 constexpr float kMargin = 56, kTop = 92, kBottom = 128;
-constexpr float kTitleLine = 52;
+constexpr float kTitleLine = 52, kTitleSize = 25;
+constexpr float kTitleWidth = 0.68f, kRemarkWidth = 0.62f;  // of a letter, in parts of its size
 constexpr float kBarWidth = 460, kBarHeight = 14;
 constexpr float kBarFromBottom = 72;  // of its upper edge
+constexpr float kBarWords = 36;       // height of what is written above it
 constexpr float kKeyLine = 25;
 constexpr float kKeyArrow = 24, kKeyHead = 10;  // lengths of an arrow among the keys and of its head
 constexpr float kArrow = 11;                    // length of the end of a scale that is passed
@@ -77,15 +79,21 @@ Window Page::window() const {
   return {.left = kMargin, .top = kTop, .width = width_ - 2 * kMargin, .height = height_ - kTop - kBottom};
 }
 
+float Page::strip() { return kBarFromBottom + kBarWords; }
+
 void Page::write(float x, float y, float size, Drawing::Align align, Colour colour, std::string words) {
   drawing_.texts.push_back(
       {.x = x, .y = y, .size = size, .align = align, .bold = false, .colour = colour, .words = std::move(words)});
 }
 
 void Page::add_title(std::string title, std::string remark) {
-  write(kMargin, kTitleLine, 25, Drawing::Align::kLeft, kInk, std::move(title));
+  // as large as there is room for beside the remark
+  const auto letters = [](const std::string& words) { return static_cast<float>(words.size()); };
+  const float room = width_ - 3 * kMargin - kRemarkWidth * kTitleSize * letters(remark);
+  const float size = std::min(kTitleSize, room / (kTitleWidth * std::max(letters(title), 1.0f)));
+  write(kMargin, kTitleLine, size, Drawing::Align::kLeft, kInk, std::move(title));
   drawing_.texts.back().bold = true;
-  write(width_ - kMargin, kTitleLine, 25, Drawing::Align::kRight, kInk, std::move(remark));
+  write(width_ - kMargin, kTitleLine, kTitleSize, Drawing::Align::kRight, kInk, std::move(remark));
 }
 
 void Page::add_colour_bar(const Scale& scale) {
@@ -108,12 +116,11 @@ void Page::add_colour_bar(const Scale& scale) {
   if (scale.passes_max()) add_arrow(left + kBarWidth + 2, left + kBarWidth + 2 + kArrow, colour_of(1));
 
   write(width_ / 2, top - 12, 17, Drawing::Align::kCentre, kInk, scale.words());
-  const Ticks ticks = ticks_within(scale.min(), scale.max(), 6);
-  for (const double value : ticks.values) {
+  for (const auto& [value, label] : labels_of_scale(scale.min(), scale.max(), 6)) {
     const double fraction = (value - scale.min()) / (scale.max() - scale.min());
     const float x = left + kBarWidth * static_cast<float>(fraction);
     drawing_.lines.push_back({{x, bottom, 0, kInk}, {x, bottom + 6, 0, kInk}, 1.3f});
-    write(x, bottom + 24, 16, Drawing::Align::kCentre, kInk, ticks.label(value));
+    write(x, bottom + 24, 16, Drawing::Align::kCentre, kInk, label);
   }
 }
 

@@ -67,6 +67,9 @@ class Page {
   /// The part between title and colour bar.
   Window window() const;
 
+  /// Height of the colour bar and what belongs to it, at the lower border.
+  static float strip();
+
   Drawing& drawing() { return drawing_; }
 
   void write(float x, float y, float size, Drawing::Align align, Colour colour, std::string words);

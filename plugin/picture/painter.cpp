@@ -109,10 +109,11 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in float value;
 uniform mat4 clip, seen;
 uniform vec2 scale;  // min, 1 / (max - min)
+uniform float grow;  // along the normal
 out vec3 seen_place, seen_normal;
 out float fraction, gap, light;
 void main() {
-  gl_Position = clip * vec4(place, 1);
+  gl_Position = clip * vec4(place + grow * normal, 1);
   leave_out(place);
   seen_place = (seen * vec4(place, 1)).xyz;
   seen_normal = mat3(seen) * normal;
@@ -293,6 +294,20 @@ Matrix4f seen_by(const Camera& camera, const Geometry& geometry, int map_size) {
   return matrix;
 }
 
+/// The plane of the cut, as far as instruments reach.
+Geometry::Vertices plane_around(const Geometry& geometry) {
+  Eigen::AlignedBox3f box;
+  for (const Geometry::Vertex& vertex : geometry.tools) box.extend(vertex.place);
+  const Vector3f normal = geometry.cut->normal.cast<float>(), first = normal.unitOrthogonal(),
+                 second = normal.cross(first);
+  const Vector3f centre = box.center() - static_cast<float>(geometry.cut->height(box.center().cast<double>())) * normal;
+  const float reach = box.sizes().norm();
+  const auto corner = [&](float right, float up) -> Geometry::Vertex {
+    return {centre + reach * (right * first + up * second), normal};
+  };
+  return {corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, -1), corner(1, 1), corner(-1, 1)};
+}
+
 }  // namespace
 
 Painter::Painter(const Light& light) : light_(light) {
@@ -385,12 +400,12 @@ void Painter::draw_shadows(const Geometry& geometry, const Matrix4f& seen) {
   cast(geometry.surface, true);
   if (light_.tools_cast_shadows && !geometry.tools.empty()) cast(geometry.tools, false);
   set_clips(flat_, {}, {});
-  if (!geometry.cut_faces.empty()) cast(geometry.cut_faces, false);
+  if (!geometry.cut_faces.empty() && !geometry.is_hollow) cast(geometry.cut_faces, false);
   glBindFramebuffer(GL_FRAMEBUFFER, static_cast<unsigned>(frame));
 }
 
 void Painter::draw(const View& view, const Viewport& viewport) {
-  const auto& [geometry, camera, width, height, min, max] = view;
+  const auto& [geometry, camera, width, height, min, max, strip] = view;
   const Matrix4f clip = camera.clip(width, height).cast<float>(), seen = seen_by(camera, geometry, light_.map_size);
   const float density = viewport.density, length = geometry.edge_length * camera.scale();
   const std::optional<EdgeInk> edges = edge_ink(length, geometry.is_cage);
@@ -413,6 +428,10 @@ void Painter::draw(const View& view, const Viewport& viewport) {
   set(flat_, "clip", clip);
   draw_places(geometry.ghost, GL_TRIANGLES, kGhost);
   draw_lines(geometry.ghost_outline, kOriginal, 1, kOutlineWidth * density);
+  if (!geometry.ghost.empty()) {
+    set_clips(flat_, geometry.cut, {});
+    draw_lines(geometry.halo, kPaper, 1, kHaloWidth * density);
+  }
   glClear(GL_DEPTH_BUFFER_BIT);
 
   glUseProgram(surface_);
@@ -432,6 +451,35 @@ void Painter::draw(const View& view, const Viewport& viewport) {
     set(surface_, "paint", paint ? Vector4f(paint->red, paint->green, paint->blue, 1) : Vector4f(0, 0, 0, 0));
     if (!vertices.empty()) glDrawElements(mode, bind(vertices), GL_UNSIGNED_INT, nullptr);
   };
+  const auto draw_arrows = [&](const Geometry::Vertices& arrows, const Colour& colour) {
+    glDepthMask(GL_FALSE);
+    set(surface_, "grow", kRimOfArrows / camera.scale());
+    draw_lit(arrows, kUnlit, &kPaper);
+    set(surface_, "grow", 0);
+    glDepthMask(GL_TRUE);
+    draw_lit(arrows, kThing, &colour);
+  };
+  // Draws what lies in the plane of the cut, as far as that is within closed surfaces: there one sees more of their
+  // backs than of their fronts.
+  const auto draw_within = [&](const Geometry::Vertices& closed, const Eigen::AlignedBox3f& room,
+                               const auto& draw_cap) {
+    glEnable(GL_STENCIL_TEST);
+    glClear(GL_STENCIL_BUFFER_BIT);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    glDisable(GL_DEPTH_TEST);
+    glStencilFunc(GL_ALWAYS, 0, ~0u);
+    glStencilOpSeparate(GL_FRONT, GL_KEEP, GL_KEEP, GL_DECR_WRAP);
+    glStencilOpSeparate(GL_BACK, GL_KEEP, GL_KEEP, GL_INCR_WRAP);
+    set_clips(surface_, geometry.cut, {});
+    draw_lit(closed, kUnlit, nullptr);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glEnable(GL_DEPTH_TEST);
+    glStencilFunc(GL_NOTEQUAL, 0, ~0u);
+    glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+    set_clips(surface_, {}, room);
+    draw_cap();
+    glDisable(GL_STENCIL_TEST);
+  };
   // where no lines lie on it, stepping back would only show what faces away along its silhouette
   const bool has_lines = !geometry.cut_outline.empty() || (edges && !geometry.edges.empty() && !geometry.is_cage);
   if (!has_lines) glDisable(GL_POLYGON_OFFSET_FILL);
@@ -439,15 +487,22 @@ void Painter::draw(const View& view, const Viewport& viewport) {
   glEnable(GL_POLYGON_OFFSET_FILL);
   glLineWidth(kWireWidth * density);
   draw_lit(geometry.wires, kUnlit, nullptr, GL_LINES);
-  draw_lit(geometry.load_arrows, kThing, &kLoad);
+  draw_arrows(geometry.load_arrows, kLoad);
   glEnable(GL_DEPTH_CLAMP);  // instruments may be far from the body, to which the depths are fitted
   set_clips(surface_, geometry.cut, geometry.room);
   draw_lit(geometry.tools, kThing, &kMetal);
   set_clips(surface_, {}, {});
-  draw_lit(geometry.cut_faces, kUnlit, nullptr);  // who cuts wants to read values there
+  const auto draw_cut_faces = [&] { draw_lit(geometry.cut_faces, kUnlit, nullptr); };  // values shall be readable there
+  if (!geometry.is_hollow)
+    draw_cut_faces();
+  else if (geometry.cut && geometry.is_closed)
+    draw_within(geometry.surface, {}, draw_cut_faces);
   glDisable(GL_POLYGON_OFFSET_FILL);
+  if (geometry.cut && geometry.are_tools_closed && !geometry.tools.empty())
+    draw_within(geometry.tools, geometry.room, [&] { draw_lit(plane_around(geometry), kUnlit, &kMetal); });
+  set_clips(surface_, {}, {});
   glDepthRange(0, 0.01);
-  draw_lit(geometry.tool_arrows, kThing, &kSteel);
+  draw_arrows(geometry.tool_arrows, kSteel);
   glDepthRange(0, 1);
 
   glUseProgram(flat_);
@@ -455,6 +510,9 @@ void Painter::draw(const View& view, const Viewport& viewport) {
   glDepthMask(GL_FALSE);
   set_clips(flat_, geometry.cut, geometry.room);
   draw_lines(geometry.tool_outline, kSteel, 1, kOutlineWidth * density);
+  set_clips(flat_, {}, geometry.room);
+  draw_lines(geometry.tool_cut_outline, kSteel, 1, kCutWidth * density);
+  set_clips(flat_, geometry.cut, geometry.room);
   draw_lines(geometry.taut_springs, kSpring, 1, kSpringWidth * density);
   draw_lines(geometry.slack_springs, kSpring, kSlackOpacity, kSlackWidth * density);
   glDisable(GL_DEPTH_CLAMP);
@@ -476,6 +534,11 @@ void Painter::draw(const View& view, const Viewport& viewport) {
   glDisable(GL_BLEND);
   for (int k = 0; k < kNumClips; ++k) glDisable(GL_CLIP_DISTANCE0 + k);
   glBindVertexArray(0);
+  if (!(strip > 0)) return;
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(viewport.left, viewport.bottom, viewport.width, static_cast<int>(strip * density));
+  glClear(GL_COLOR_BUFFER_BIT);
+  glDisable(GL_SCISSOR_TEST);
 }
 
 void Painter::draw_page(const Drawing& page, int density) {

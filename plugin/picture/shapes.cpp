@@ -41,6 +41,16 @@ void add_lines(const std::vector<Edge>& edges, const Moment::Places& points, Geo
   for (const auto& [a, b] : edges) lines.insert(lines.end(), {points[a], points[b]});
 }
 
+/// Where a plane crosses triangles.
+void add_crossing(const Geometry::Vertices& triangles, const Plane& plane, Geometry::Places& lines) {
+  for (std::size_t t = 0; t + 2 < triangles.size(); t += 3)
+    for (int k = 0; k < 3; ++k) {
+      const Vector3f &a = triangles[t + k].place, &b = triangles[t + (k + 1) % 3].place;
+      const double from = plane.height(a.cast<double>()), to = plane.height(b.cast<double>());
+      if ((from > 0) != (to > 0)) lines.push_back(a + static_cast<float>(from / (from - to)) * (b - a));
+    }
+}
+
 }  // namespace
 
 std::vector<const Moment::Shown*> Moment::filled(const Staging& staging) const {
@@ -140,7 +150,7 @@ Moment Shapes::at(ConstPoints positions, std::span<const double> values, std::sp
       moment.embedded_surfaces.push_back(std::move(shown));
     }
   if (!staging.ghost.empty()) moment.ghosts = ghosts_at(ghost);
-  if (staging.cut && staging.shows_body()) moment.cut = cut_face(mesh_, positions, at_nodes, *staging.cut, alive);
+  if (staging.cut) moment.cut = cut_face(mesh_, positions, at_nodes, *staging.cut, alive);
 
   if (staging.shows_hexahedra && !conditions.fixed.empty())
     for (const int node : current_->node_of_point)
@@ -215,16 +225,25 @@ Geometry Shapes::geometry(const Moment& moment, const Camera& camera, const Stro
         for (const int point : edge)
           geometry.wires.push_back({one->points[point], camera.towards(), one->values[point]});
   } else {
-    for (const Moment::Shown* one : moment.filled(staging)) draw_surface(*one, camera.scale(), geometry);
+    for (const Moment::Shown* one : moment.filled(staging)) {
+      draw_surface(*one, camera.scale(), geometry);
+      if (!moment.ghosts.empty())
+        add_lines(one->surface->outline(one->points, camera.towards()), one->points, geometry.halo);
+      geometry.is_closed = geometry.is_closed && one->surface->is_closed();
+    }
+    geometry.is_hollow = staging.has_surfaces();
     const Vector3f above = staging.cut ? Vector3f(staging.cut->normal.cast<float>()) : Vector3f(0, 0, 0);
     for (const Triangle& triangle : moment.cut.triangles)
       for (const int point : triangle)
         geometry.cut_faces.push_back({moment.cut.points[point], above, moment.cut.values[point]});
     if (staging.shows_hexahedra && staging.shows_edges) {
       add_lines(hexahedra.edges(), moment.body.points, geometry.edges);
-      add_lines(moment.cut.inner_lines, moment.cut.points, geometry.cut_edges);
+      if (!geometry.is_hollow) add_lines(moment.cut.inner_lines, moment.cut.points, geometry.cut_edges);
     }
-    add_lines(moment.cut.outline, moment.cut.points, geometry.cut_outline);
+    if (!geometry.is_hollow)
+      add_lines(moment.cut.outline, moment.cut.points, geometry.cut_outline);
+    else if (staging.cut && geometry.is_closed)
+      add_crossing(geometry.surface, *staging.cut, geometry.cut_outline);
   }
   std::ranges::copy_if(moment.fixed, std::back_inserter(geometry.fixed), is_left);
 
@@ -233,10 +252,12 @@ Geometry Shapes::geometry(const Moment& moment, const Camera& camera, const Stro
     if (!tool.surface) continue;
     add_lines(tool.surface->outline(tool.points, camera.towards()), tool.points, geometry.tool_outline);
     if (staging.is_wireframe) continue;
+    geometry.are_tools_closed = geometry.are_tools_closed && tool.surface->is_closed();
     const std::vector<std::array<Vector3f, 4>> normals = tool.surface->corner_normals(tool.points);
     for (std::size_t f = 0; f < normals.size(); ++f)
       for (int k = 0; k < 3; ++k) geometry.tools.push_back({tool.points[tool.surface->faces()[f][k]], normals[f][k]});
   }
+  if (staging.cut && geometry.are_tools_closed) add_crossing(geometry.tools, *staging.cut, geometry.tool_cut_outline);
   for (const Moment::Load& load : moment.loads)
     if (const std::optional<Arrow> arrow = strongest.arrow_of(load)) arrow->draw(geometry.load_arrows);
   for (const auto& [from, to, is_slack] : moment.springs) {

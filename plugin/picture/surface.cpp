@@ -42,6 +42,7 @@ Surface::Surface(std::vector<Vector3f> original, std::vector<Face> faces)
   const std::vector<Vector3f> normals = face_normals(original_);
   for (const auto& [edge, around] : faces_of_edge) {
     edges_.push_back(edge);
+    is_closed_ = is_closed_ && around.size() == 2;
     const Vector3f first = normals[around.front()].normalized(), last = normals[around.back()].normalized();
     if (around.size() != 2 || first.dot(last) < kCrease) {
       creases_.push_back(edge);

@@ -26,6 +26,8 @@ class Surface {
   const std::vector<Face>& faces() const { return faces_; }
   const std::vector<Edge>& edges() const { return edges_; }  ///< each once
 
+  bool is_closed() const { return is_closed_; }  ///< two faces meet at each edge
+
   float mean_edge() const;  ///< [m] mean length of the edges of the original
 
   /// Unit normals at the corners of the faces: the mean over all faces around a point that no crease parts.
@@ -49,6 +51,7 @@ class Surface {
   std::vector<std::array<int, 2>> faces_of_smooth_;  // the two faces at each smooth edge
   std::vector<std::array<int, 4>> group_;            // of each face corner: corners of a group share a normal
   int num_groups_ = 0;
+  bool is_closed_ = true;
 };
 
 }  // namespace hexaplast::output

@@ -58,6 +58,10 @@ struct Manifest {
   std::string title = {};                 ///< the scene's name
   std::string heading = {};               ///< what the scene says of itself, in a line; may be empty
   std::string description = {};           ///< and in a paragraph
+
+  /// What stands over its pictures.
+  const std::string& caption() const { return heading.empty() ? title : heading; }
+
   std::string scene_file = {};
   std::string scene_hash = {};  ///< XXH64 of the scene as carried out: includes and overrides are in it
   std::vector<std::string> overrides = {};

@@ -19,7 +19,7 @@ namespace hexaplast::output {
 
 /// What a run is, known before its first step.
 struct RunPlan {
-  std::string title;  ///< shown in pictures: the scene's name
+  std::string title;  ///< shown in pictures
   long num_steps = 0;
   double dt = 0;                    ///< [s]
   bool has_energy_balance = false;  ///< every StepRecord has one

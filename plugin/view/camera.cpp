@@ -29,17 +29,18 @@ void Camera::resize(int width, int height) {
   height_ = std::max(height, 1);
 }
 
-void Camera::fit(const Eigen::AlignedBox3d& box) {
+void Camera::fit(const Eigen::AlignedBox3d& box, double strip) {
   target_ = box.center();
   const Mat3 turned = axes();
-  const double aspect = width_ / height_;
+  const double aspect = width_ / height_, part = std::max(1 - strip / height_, 0.1);
   distance_ = 0;
   for (int k = 0; k < 8; ++k) {
     const Vec3 corner = turned * (box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k)) - target_);
-    const double across = std::max(std::abs(corner.x()) / aspect, std::abs(corner.y())) / kHalfHeight;
+    const double across = std::max(std::abs(corner.x()) / aspect, std::abs(corner.y()) / part) / kHalfHeight;
     distance_ = std::max(distance_, corner.z() + kRoom * across);
   }
   distance_ = std::max(distance_, 1e-9);
+  pan(0, -strip / 2);
 }
 
 void Camera::orbit(double right, double down) {

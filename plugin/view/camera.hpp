@@ -15,11 +15,12 @@ class Camera {
   /// up: the axis of the turntable; towards: from the target to the viewer. Neither is zero, nor are they parallel.
   Camera(const Vec3& up, const Vec3& towards);
 
-  void resize(int width, int height);        ///< [pixels] of the picture
-  void fit(const Eigen::AlignedBox3d& box);  ///< looks at a box [m] so that the whole of it is seen
-  void orbit(double right, double down);     ///< by a way of the mouse [pixels]
-  void pan(double right, double down);       ///< the target's plane follows the mouse [pixels]
-  void zoom(double clicks);                  ///< nearer by so many clicks of the wheel
+  void resize(int width, int height);  ///< [pixels] of the picture
+  /// Looks at a box [m] so that the whole of it is seen, above a strip [pixels].
+  void fit(const Eigen::AlignedBox3d& box, double strip = 0);
+  void orbit(double right, double down);  ///< by a way of the mouse [pixels]
+  void pan(double right, double down);    ///< the target's plane follows the mouse [pixels]
+  void zoom(double clicks);               ///< nearer by so many clicks of the wheel
 
   Ray ray(double x, double y) const;                              ///< from the viewer through a pixel
   Vec3 at_depth_of(const Vec3& place, double x, double y) const;  ///< [m] under a pixel, as far away as a place

@@ -32,7 +32,7 @@ const PointArray* Look::ghost_nodes(const Snapshot& snapshot) const {
 
 void stage(const Look& look, output::Staging& staging) {
   staging.cut = look.cut;
-  staging.shows_surfaces = look.shows_embedded_surfaces && !look.cut;
+  staging.shows_surfaces = look.shows_embedded_surfaces;
   staging.shows_hexahedra = look.shows_edges || !staging.has_surfaces();
   staging.shows_edges = look.shows_edges;
   staging.shows_loads = look.shows_instruments;
@@ -87,6 +87,11 @@ void Figure::see_values(output::Scale& scale) const {
 std::optional<Figure::Seen> Figure::hit(const Ray& ray) const {
   const output::Staging& staging = shapes_.staging;
   if (staging.cut) return hit_below(*staging.cut, ray);
+  return hit_surfaces(ray);
+}
+
+std::optional<Figure::Seen> Figure::hit_surfaces(const Ray& ray) const {
+  const output::Staging& staging = shapes_.staging;
   if (!staging.has_surfaces()) return hit_body(ray);
   std::optional<Seen> first;
   for (std::size_t s = 0; s < staging.embedded_surfaces.size(); ++s) {
@@ -122,9 +127,10 @@ std::optional<Figure::Seen> Figure::hit_below(const Plane& cut, const Ray& ray) 
   for (Eigen::Index p = 0; p < points.rows(); ++p)
     points.row(p) = moment_.cut.points[static_cast<std::size_t>(p)].transpose().cast<double>();
   const std::optional<Hit> face = first_hit(ray, points, std::span<const Triangle>(moment_.cut.triangles));
-  std::optional<Seen> seen = hit_body(below);
+  std::optional<Seen> seen = hit_surfaces(below);
   if (seen) seen->distance = (seen->place - ray.origin).norm();
   if (!face || (seen && seen->distance < face->distance)) return seen;
+  if (shapes_.staging.has_surfaces() && !(seen && seen->is_back)) return seen;  // the plane is met outside them
   return Seen{face->place, cut.normal, face->distance, nearest_hexahedron(face->place)};
 }
 
@@ -155,7 +161,8 @@ std::optional<Figure::Seen> Figure::hit(const Surface& surface, ConstPoints poin
   const Vec3 normal =
       (corner(2) - corner(0)).cross(corner(3) == corner(2) ? Vec3(corner(2) - corner(1)) : Vec3(corner(3) - corner(1)));
   Seen seen{met->place, -ray.direction.normalized(), met->distance, met->face};
-  if (normal.norm() > 0) seen.outwards = (normal.dot(ray.direction) > 0 ? -1 : 1) * normal.normalized();
+  seen.is_back = normal.dot(ray.direction) > 0;
+  if (normal.norm() > 0) seen.outwards = (seen.is_back ? -1 : 1) * normal.normalized();
   return seen;
 }
 

@@ -22,7 +22,7 @@ struct Look {
   bool shows_edges = true;              ///< of the hexahedra
   Ghost ghost = Ghost::kInitial;
   bool shows_instruments = true;  ///< and loads, and what is fixed
-  std::optional<Plane> cut = {};  ///< what lies above it is left out; hexahedra are shown then, surfaces have no inside
+  std::optional<Plane> cut = {};  ///< what lies above it is left out
 
   /// Of a snapshot: what is shown of its conditions, and the nodes of the ghost.
   output::BoundaryConditions conditions(const Snapshot& snapshot) const;
@@ -61,15 +61,17 @@ class Figure {
 
   /// What a ray first meets of what is shown.
   struct Seen {
-    Vec3 place;           ///< [m]
-    Vec3 outwards;        ///< unit vector, away from the body
-    double distance = 0;  ///< [m] from the origin of the ray
-    int hexahedron = 0;   ///< of the mesh, where it is met
+    Vec3 place;            ///< [m]
+    Vec3 outwards;         ///< unit vector, away from the body
+    double distance = 0;   ///< [m] from the origin of the ray
+    int hexahedron = 0;    ///< of the mesh, where it is met
+    bool is_back = false;  ///< of the surface, met from inside
   };
   std::optional<Seen> hit(const Ray& ray) const;
 
  private:
   std::optional<Seen> hit(const output::Surface& surface, ConstPoints points, const Ray& ray) const;
+  std::optional<Seen> hit_surfaces(const Ray& ray) const;
   std::optional<Seen> hit_body(const Ray& ray) const;
   std::optional<Seen> hit_below(const Plane& cut, const Ray& ray) const;
   int nearest_hexahedron(const Vec3& place) const;

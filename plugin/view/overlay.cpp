@@ -81,7 +81,7 @@ void draw_name(const WindowState& window, ImDrawList* draw) {
 
 void draw_colour_bar(const WindowState& window, ImDrawList* draw) {
   const float bar = std::min(380.0f, window.width - 80), left = window.left + (window.width - bar) / 2,
-              top = window.height - 54;
+              top = window.height - kBarStrip + 28;
   const std::string words = window.scale.words();
   draw->AddText({window.left + (window.width - text_size(words).x) / 2, top - 22}, kInk, words.c_str());
   if (window.scale.is_flat()) return;
@@ -92,11 +92,9 @@ void draw_colour_bar(const WindowState& window, ImDrawList* draw) {
                         ImGui::ColorConvertFloat4ToU32({colour.red, colour.green, colour.blue, 1}));
   }
   const double min = window.scale.min(), max = window.scale.max();
-  const output::Ticks ticks = output::ticks_within(min, max, 5);
-  for (const double value : ticks.values) {
+  for (const auto& [value, label] : output::labels_of_scale(min, max, 5)) {
     const float x = left + bar * static_cast<float>((value - min) / (max - min));
     draw->AddLine({x, top + 13}, {x, top + 18}, kInk);
-    const std::string label = ticks.label(value);
     draw->AddText({x - text_size(label).x / 2, top + 20}, kInk, label.c_str());
   }
 }

@@ -149,9 +149,10 @@ class Window {
     int pixels_across = 0, pixels_down = 0;
     glfwGetFramebufferSize(screen_.window(), &pixels_across, &pixels_down);
     const float density = size.x > 0 ? static_cast<float>(pixels_across) / size.x : 1;
-    painter_.draw(
-        state_.figure.view(state_.camera, state_.scale),
-        {static_cast<int>(state_.left * density), 0, static_cast<int>(state_.width * density), pixels_down, density});
+    output::View view = state_.figure.view(state_.camera, state_.scale);
+    view.strip = kBarStrip;
+    painter_.draw(view, {static_cast<int>(state_.left * density), 0, static_cast<int>(state_.width * density),
+                         pixels_down, density});
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   }
 

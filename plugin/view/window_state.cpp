@@ -94,6 +94,6 @@ void WindowState::undo() {
 
 output::Drawing WindowState::page() const { return page_picture(source, now, figure.staging(), look, camera, scale); }
 
-void WindowState::fit() { camera.fit(figure.box()); }
+void WindowState::fit() { camera.fit(figure.box(), kBarStrip); }
 
 }  // namespace hexaplast::view

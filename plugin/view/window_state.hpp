@@ -31,6 +31,8 @@ class Rate {
   double begin_ = 0, per_second_ = 0;
 };
 
+inline constexpr float kBarStrip = 82;  ///< [pixels] at the lower border, which the colour bar has for itself
+
 /// What the parts of a window share: the session, what is seen of it at the moment, and how it is looked at.
 struct WindowState {
   explicit WindowState(WindowCall& call);

@@ -3,6 +3,7 @@
 #include <numbers>
 #include <set>
 
+#include "picture/axis.hpp"
 #include "picture/gallery.hpp"
 #include "picture/ink.hpp"
 #include "picture/png_file.hpp"
@@ -201,6 +202,94 @@ TEST(EmbeddedSurface, BlendsStrainByItsPlaceInTheHexahedra) {
   EXPECT_NEAR(std::min(ends[0], ends[1]), 1.0 / 11, 0.04);
   EXPECT_NEAR(std::max(ends[0], ends[1]), 1, 0.04);
   EXPECT_NEAR(fraction_at(pixel(image, (first + last) / 2, 340)), 6.0 / 11, 0.04);
+}
+
+output::BoundaryConditions touched_by(const output::Instrument& instrument) {
+  output::BoundaryConditions conditions;
+  conditions.instruments.push_back(instrument);
+  return conditions;
+}
+
+/// The faces of a box, by the corners of hexahedra.
+std::vector<Quad> faces_of_box() {
+  return {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+}
+
+PointArray corners_of_box(const Vec3& min, const Vec3& max) {
+  const HexMesh mesh = support::block({1, 1, 1}, 1);
+  PointArray corners(kCorners, 3);
+  for (int k = 0; k < kCorners; ++k)
+    corners.row(k) =
+        (min + mesh.positions().row(mesh.hexahedra()[0][k]).transpose().cwiseProduct(max - min)).transpose();
+  return corners;
+}
+
+// Seen from above, through the plane, there are values of the body within the surface, and metal within the instrument.
+TEST(Cut, FillsClosedSurfacesAndInstruments) {
+  const Body body(support::block({1, 1, 4}, 0.1), {Material{}});
+  output::Instrument instrument{.place = Vec3(0.25, 0.05, 0.2), .nodes = {}, .forces = PointArray(0, 3)};
+  instrument.shape_points = corners_of_box({0.2, 0, 0.05}, {0.3, 0.1, 0.35});
+  for (const auto& [a, b, c, d] : faces_of_box()) {
+    instrument.shape_triangles.push_back({a, b, c});
+    instrument.shape_triangles.push_back({a, c, d});
+  }
+  const auto colour_at = [&](const Vec3& place, int num_faces) {
+    output::Staging staging;
+    output::EmbeddedSurface& embedded = staging.embedded_surfaces.emplace_back();
+    embedded.points = corners_of_box({0.02, 0.02, 0.05}, {0.08, 0.08, 0.35});
+    embedded.quads = faces_of_box();
+    embedded.quads.resize(static_cast<std::size_t>(num_faces));
+    staging.shows_hexahedra = false;
+    staging.cut = Plane{Vec3::UnitZ(), 0.2};
+    staging.viewpoint = output::Viewpoint{.towards = Vec3(0.3, 0.2, 1), .up = {}};
+    Gallery gallery(body.mesh(), "cut", 2, staging);
+    gallery.add(0, 0, body.mesh().positions(), {0.3, 0.3, 0.3, 0.3}, {}, touched_by(instrument));
+    const Eigen::Vector2f at = drawings_of(gallery)[0].view->camera.on_page(place.cast<float>());
+    return pixel(pictures_of(gallery)[0], static_cast<int>(at.x()), static_cast<int>(at.y()));
+  };
+  const Vec3 in_surface(0.04, 0.06, 0.2), in_tool(0.26, 0.04, 0.2);
+  EXPECT_LE(difference(colour_at(in_surface, 6), bytes(output::colour_of(1))), 2);
+  EXPECT_LE(difference(colour_at(in_tool, 6), bytes(output::kMetal)), 2);
+  EXPECT_GT(difference(colour_at(in_surface, 5), bytes(output::colour_of(1))), 20) << "an open surface has no inside";
+}
+
+TEST(Picture, LeavesTheColourBarItsStripOfPaper) {
+  output::Staging staging;
+  staging.ghost.clear();
+  staging.viewpoint = output::Viewpoint{
+      .towards = Vec3(1, 0, 0), .up = {}, .eye = output::Viewpoint::Eye{Vec3(0.2, 0.05, 0.2), Vec3(0, 0.05, 0.2), 20}};
+  const Image image = pictures_of(bar_at_rest_and_stretched(staging))[0];
+  EXPECT_GT(difference(pixel(image, 1200, 605), bytes(output::kPaper)), 20) << "the bar is all over the rest";
+  for (const int y : {620, 660, 700}) EXPECT_EQ(pixel(image, 1200, y), bytes(output::kPaper)) << y;
+}
+
+TEST(Picture, NamesBothEndsOfItsScale) {
+  using Labels = std::vector<std::pair<double, std::string>>;
+  EXPECT_EQ(output::labels_of_scale(0, 0.353, 6),
+            (Labels{{0, "0"}, {0.1, "0.1"}, {0.2, "0.2"}, {0.1 * 3, "0.3"}, {0.353, "0.353"}}));
+  EXPECT_EQ(output::labels_of_scale(0.97, 1.012, 3),
+            (Labels{{0.97, "0.97"}, {0.02 * 49, "0.98"}, {0.02 * 50, "1.00"}, {1.012, "1.01"}}));
+}
+
+// An arrow is seen against any colour: paper stands around it.
+TEST(Loads, AreSetOffFromTheBody) {
+  const Body body(support::block({1, 1, 4}, 0.1), {Material{}});
+  output::Staging staging;
+  staging.ghost.clear();
+  staging.shows_edges = false;
+  staging.viewpoint = output::Viewpoint{.towards = Vec3(1, 0, 0), .up = {}};
+  Gallery gallery(body.mesh(), "arrow", 2, staging);
+  output::Instrument instrument{.place = Vec3(0.1, 0.05, 0.2), .nodes = {9}, .forces = PointArray(1, 3)};
+  instrument.forces << 0, 0, 1;
+  gallery.add(0, 0, body.mesh().positions(), {0.3, 0.3, 0.3, 0.3}, {}, touched_by(instrument));
+  const Image image = pictures_of(gallery)[0];
+  const Eigen::Vector2f middle = drawings_of(gallery)[0].view->camera.on_page({0.1f, 0.05f, 0.22f});
+  int num_paper = 0;
+  for (int y = -20; y <= 20; ++y)
+    num_paper += difference(pixel(image, static_cast<int>(middle.x()), static_cast<int>(middle.y()) + y),
+                            bytes(output::kPaper)) < 60;
+  EXPECT_GE(num_paper, 2);
+  EXPECT_LE(num_paper, 6);
 }
 
 TEST(Loads, AreNamedWithTheGreatestOfTheRun) {

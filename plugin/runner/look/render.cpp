@@ -152,7 +152,7 @@ const RecordedRun::Entry& chosen(const RecordedRun& run, const RenderOptions& op
 struct Subject {
   explicit Subject(const std::filesystem::path& place) : run(place), manifest(output::read_manifest(run.directory())) {}
 
-  std::string title() const { return manifest ? manifest->title : run.name(); }
+  std::string title() const { return manifest ? manifest->caption() : run.name(); }
 
   int time_decimals() const {
     if (manifest) return output::time_decimals(manifest->dt);
@@ -208,8 +208,7 @@ output::Staging staging_of(const Subject& subject, const RenderOptions& options)
     if (asked_for) staging.viewpoint = asked_for;
   }
   staging.embedded_surfaces = subject.run.embedded_surfaces();
-  // a surface has no inside that a cut could show
-  const std::string show = options.show.empty() && staging.cut ? "hexahedra" : options.show;
+  const std::string& show = options.show;
   if (show == "surfaces" && staging.embedded_surfaces.empty())
     throw UsageError("--show surfaces: this run holds no surface.pvd, its scene shows none");
   if (show == "hexahedra") staging.embedded_surfaces.clear();
@@ -361,7 +360,7 @@ void add_render(CLI::App& app, Call& call) {
       .add_option(
           "--show", options.show,
           "Surfaces that the hexahedra carry, the hexahedra, or surfaces and edges of hexahedra. Default: as the "
-          "scene says; hexahedra with --slice")
+          "scene says")
       ->check(CLI::IsMember({"surfaces", "hexahedra", "both"}))
       ->type_name("surfaces|hexahedra|both")
       ->excludes(sections);

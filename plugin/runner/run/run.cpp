@@ -77,7 +77,8 @@ path place_of(const path& file, const RunOptions& options, const InputFiles& inp
 
 output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions& options) {
   output::RunPlan plan;
-  plan.title = options.scene.file.stem().string();
+  const std::optional<scene::Description> description = scene::description_of(options.scene.file);
+  plan.title = description && !description->heading.empty() ? description->heading : options.scene.file.stem().string();
   plan.num_steps = num_steps;
   plan.dt = simulation.dt();
   plan.has_energy_balance = simulation.latest().energy.has_value();
