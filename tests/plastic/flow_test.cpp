@@ -10,6 +10,7 @@
 #include "plain/plain.hpp"
 #include "plastic/point_flow.hpp"
 #include "plastic/rest_shape-inl.hpp"
+#include "plastic/rest_shape.hpp"
 #include "support/archive.hpp"
 #include "support/compare.hpp"
 #include "support/history.hpp"

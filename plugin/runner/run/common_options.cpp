@@ -2,6 +2,7 @@
 #include "runner/run/common_options.hpp"
 
 #include <fmt/format.h>
+#include <spdlog/sinks/sink.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
