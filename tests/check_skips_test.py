@@ -9,20 +9,22 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 TESTS = """
 add_test(Whole.Passes echo passed)
-add_test(Whole.OfGoogleTest echo "test.cpp:7: Skipped\\nno screen here\\n[  SKIPPED ] Whole.OfGoogleTest")
-set_tests_properties(Whole.OfGoogleTest PROPERTIES SKIP_REGULAR_EXPRESSION "\\\\[  SKIPPED \\\\]")
 add_test(Whole.ByItsCode sh -c "exit 77")
 set_tests_properties(Whole.ByItsCode PROPERTIES SKIP_RETURN_CODE 77)
 add_test(Whole.SwitchedOff echo never)
 set_tests_properties(Whole.SwitchedOff PROPERTIES DISABLED TRUE)
 add_test(Part.OfPytest echo "..s\\nSKIPPED [1] test_body.py:3: no numpy\\n2 passed, 1 skipped")
 add_test(Part.OfAScript echo "full disk: skipped: only root can mount\\nparts: skipped: no part")
-add_test("Part/OfMany.Values/one  # GetParam() = one" echo "skipped: not one")
+add_test(OfGoogleTest printf "%s\\n" "[ RUN      ] Suite.Passes" "skipped: one of two" "[       OK ] Suite.Passes (0 ms)"
+  "[ RUN      ] Of/Suite.Skips/one" "test.cpp:7: Skipped" "no screen here" "" "[  SKIPPED ] Of/Suite.Skips/one (0 ms)"
+  "[ RUN      ] Suite.SkipsToo" "test.cpp:9: Skipped" "no mouse" "[  SKIPPED ] Suite.SkipsToo (0 ms)"
+  "[  SKIPPED ] 2 tests, listed below:" "[  SKIPPED ] Of/Suite.Skips/one" "[  SKIPPED ] Suite.SkipsToo")
+add_test(IsCut sh -c "yes | head -c 3000")
 add_test(Part.IsAWord echo "no test was skipped")
 """
-SKIPPED = {"Whole.OfGoogleTest": "no screen here", "Whole.ByItsCode": "", "Whole.SwitchedOff": "Disabled",
-           "Part.OfPytest": "test_body.py:3: no numpy", "Part.OfAScript": "only root can mount",
-           "Part/OfMany.Values/one": "not one"}
+SKIPPED = {"Of/Suite.Skips/one": "no screen here", "Suite.SkipsToo": "no mouse", "Suite.Passes": "one of two",
+           "IsCut": "cut", "Whole.ByItsCode": "", "Whole.SwitchedOff": "Disabled",
+           "Part.OfPytest": "test_body.py:3: no numpy", "Part.OfAScript": "only root can mount"}
 
 
 def check_skips(results, allowed, lines):
@@ -35,7 +37,8 @@ def main():
         directory = pathlib.Path(name)
         (directory / "CTestTestfile.cmake").write_text(TESTS)
         results, allowed = directory / "results.xml", directory / "allowed.txt"
-        subprocess.run([sys.argv[1], "--output-junit", results], cwd=directory, check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([sys.argv[1], "--output-junit", results, "--test-output-size-passed", "2048"], cwd=directory, check=True,
+                       stdout=subprocess.DEVNULL)
 
         named = [f"{test} {words or 'no reason is given'}" for test, words in SKIPPED.items()]
         of_two = check_skips(results, allowed, named)

@@ -191,7 +191,7 @@ TEST(BenchRun, MeasuresWhatFlowCosts) {
   }
 }
 
-TEST(BenchRun, MeasuresEveryCellAndFindsNothingWrong) {
+TEST(BenchOfEveryCell, FindsNothingWrong) {
   Options options;
   options.sizes = {300};
   options.quick = true;

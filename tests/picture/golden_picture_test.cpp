@@ -214,7 +214,7 @@ TEST(Backends, EglTakesThePlaceOfOsmesaWhereThatIsMissing) {
   EXPECT_THROW(output::load_renderer(directory.path(), output::Backend::kOsmesa), output::RendererUnavailable);
 }
 
-TEST(Backends, DrawTheSame) {
+TEST(EveryBackend, DrawsTheSame) {
   const std::unique_ptr<output::Renderer> egl = egl_renderer();
   if (!egl) GTEST_SKIP() << "no EGL here";
   const Drawing drawing = picture({});
