@@ -96,13 +96,19 @@ class Batch {
     for (std::size_t k = 0; k < errors.size(); ++k)
       if (errors[k]) failed.push_back(k);
     if (failed.empty()) return;
+    const auto named = [&](const std::exception& error) {
+      std::string text = fmt::format("simulations[{}]: {}", failed[0], error.what());
+      if (failed.size() > 1)
+        text += fmt::format(" (and {} others fail: {})", failed.size() - 1,
+                            fmt::join(failed.begin() + 1, failed.end(), ", "));
+      return text;
+    };
     try {
       std::rethrow_exception(errors[failed[0]]);
     } catch (const NumericalError& error) {
-      const std::string first = fmt::format("simulations[{}]: {}", failed[0], error.what());
-      if (failed.size() == 1) throw NumericalError(first);
-      throw NumericalError(fmt::format("{} (and {} others fail: {})", first, failed.size() - 1,
-                                       fmt::join(failed.begin() + 1, failed.end(), ", ")));
+      throw NumericalError(named(error));
+    } catch (const InputError& error) {
+      throw InputError(named(error));
     }
   }
 

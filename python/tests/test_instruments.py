@@ -236,6 +236,16 @@ def test_a_batch_moves_instruments_as_each_simulation_alone():
         assert (simulation.grips[0].force == batch.simulations[k].grips[0].force).all()
 
 
+def test_what_an_instrument_refuses_in_a_step_names_the_simulation_of_a_batch():
+    batch = hexaplast.Batch(gripped() for _ in range(3))
+    batch.simulations[1].add_instrument("sphere", radius=0.02, pose=(0, 0, 1), damping=1e9)
+    with pytest.raises(ValueError, match=r"simulations\[1\]: damping: is 1e\+09, must be at most"):
+        batch.step()
+    assert [s.num_steps for s in batch.simulations] == [1, 0, 1]
+    batch.simulations[1].instruments[1].active = False
+    batch.step()
+
+
 def test_multigrid_and_the_diagonal_solve_what_the_direct_solver_does():
     found = {}
     for name, arguments in {"factorisation": {}, "multigrid": {"solver": "cg", "preconditioner": "multigrid"},
