@@ -208,8 +208,8 @@ void Body::add_stiffness_blocks(double factor, BlockMatrix& K) const {
   hexaplast::add_stiffness_blocks(state_->model, state_->history, state_->at, factor, K);
 }
 
-void Body::describe(double factor, MatrixFreeSystem& system) const {
-  state_->require_linearized("describe");
+void Body::add_operator(double factor, MatrixFreeSystem& system) const {
+  state_->require_linearized("add_operator");
   if (state_->is_plain()) {
     auto term = std::ranges::find(state_->terms, factor, &plain::StiffnessTerm::factor);
     if (term == state_->terms.end()) term = state_->terms.emplace(term);

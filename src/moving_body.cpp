@@ -102,10 +102,10 @@ void LoadedBody::add_blocks(const OperatorFactors& factors, BlockMatrix& A) cons
   }
 }
 
-bool LoadedBody::describe(const OperatorFactors& factors, MatrixFreeSystem& system) const {
-  require_rows("LoadedBody::describe", "diagonal", system.diagonal, num_nodes());
+bool LoadedBody::add_operator(const OperatorFactors& factors, MatrixFreeSystem& system) const {
+  require_rows("LoadedBody::add_operator", "diagonal", system.diagonal, num_nodes());
   for (int n = 0; n < num_nodes(); ++n) system.diagonal.row(n).array() += factors.mass * mass_[n];
-  body_->describe(factors.stiffness, system);
+  body_->add_operator(factors.stiffness, system);
   others_.clear();
   factors_of_others_ = factors;
   for (const StepForces* forces : forces_) {

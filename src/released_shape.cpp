@@ -43,11 +43,11 @@ class FreeStiffness final : public LinearSystem {
     for (int n = 0; n < num_nodes(); ++n) A.add(n, n, nodal_[n] * Mat3::Identity());
     body_.add_stiffness_blocks(-1, A);
   }
-  bool describe(MatrixFreeSystem& system) const override {
+  bool matrix_free(MatrixFreeSystem& system) const override {
     system.diagonal.resize(num_nodes(), 3);
     for (int n = 0; n < num_nodes(); ++n) system.diagonal.row(n).setConstant(nodal_[n]);
     system.constraints.reset(num_nodes());
-    body_.describe(-1, system);
+    body_.add_operator(-1, system);
     return true;
   }
 

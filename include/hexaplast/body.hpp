@@ -36,7 +36,7 @@ struct ElementFields {
 ///
 ///   call                                                  | before it
 ///   linearize, energy, flow of Settings::relaxation       | set_time_step
-///   add_force, add_stiffness_*, describe                  | linearize, and none of the calls below since then
+///   add_force, add_stiffness_*, add_operator              | linearize, and none of the calls below since then
 ///   flow, remove, set_materials, reset, load, serialize   | nothing; they end the linearization
 ///   energy, fields, volume, save                          | nothing; they leave the linearization alone
 ///
@@ -57,7 +57,7 @@ class Body {
   /// linearization. Throws InputError for other numbers.
   void set_time_step(double dt);
 
-  /// Fixes the positions that add_force, the stiffness verbs and describe refer to.
+  /// Fixes the positions that add_force, the stiffness verbs and add_operator refer to.
   void linearize(ConstPoints x);
 
   /// f += elastic force at the linearized positions. Sums to zero force and zero moment.
@@ -71,7 +71,7 @@ class Body {
 
   /// A += factor * df/dx for the solvers that work on the kernels' own vectors. `system` refers to the linearization,
   /// and is void together with it.
-  void describe(double factor, MatrixFreeSystem& system) const;
+  void add_operator(double factor, MatrixFreeSystem& system) const;
 
   /// Elastic energy [J] at any positions; leaves the linearization alone. Its slope is the force. What branches of
   /// Settings::relaxation dissipate within the step counts until `flow`: after it, the energy is what is stored.

@@ -50,7 +50,7 @@ class LoadedBody : public MechanicalSystem, private NodalOperator {
   void compute_force(double time, ConstPoints x, ConstPoints v, Points f) override;
   void add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
   void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const override;
-  bool describe(const OperatorFactors& factors, MatrixFreeSystem& system) const override;
+  bool add_operator(const OperatorFactors& factors, MatrixFreeSystem& system) const override;
   void add_load(double time, ConstPoints x, ConstPoints v, Points f) override;
   void add_load_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
   bool release(double time, ConstPoints x, ConstPoints v, ConstPoints x_end, ConstPoints v_end, Points force,
@@ -66,7 +66,7 @@ class LoadedBody : public MechanicalSystem, private NodalOperator {
   NodalLoad load_;
   std::vector<StepForces*> forces_;
 
-  // of the matrix of describe: forces that its kernels do not know, and their factors
+  // of the matrix of add_operator: forces that its kernels do not know, and their factors
   mutable std::vector<const StepForces*> others_;
   mutable OperatorFactors factors_of_others_;
   PointArray scratch_;  // of release

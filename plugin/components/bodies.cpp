@@ -76,8 +76,8 @@ class HexahedronElastoplasticFEMForceField final : public BodyField, public scen
   void add_stiffness_blocks(double factor, BlockMatrix& A) const override {
     part().body().add_stiffness_blocks(factor, A);
   }
-  bool describe(double factor, MatrixFreeSystem& system) const override {
-    part().body().describe(factor, system);
+  bool add_operator(double factor, MatrixFreeSystem& system) const override {
+    part().body().add_operator(factor, system);
     return true;
   }
   double potential_energy(double, ConstPoints x) const override { return part().body().energy(x); }

@@ -156,7 +156,7 @@ class PartForce : public PartField<Part>, public scene::Load {
   void add_load(double time, ConstPoints x, ConstPoints v, Points f) const override {
     this->part().add_load(time, x, v, f);
   }
-  bool describe(double factor, MatrixFreeSystem& system) const override {
+  bool add_operator(double factor, MatrixFreeSystem& system) const override {
     return this->part().add_stiffness_diagonal(factor, system.diagonal);
   }
   void add_damping_diagonal(double factor, Points diagonal) const override {

@@ -14,7 +14,7 @@ struct ConjugateGradients::Spaces {
 
   CgSpace& choose(const LinearSystem& A) {
     system.clear();
-    const bool is_described = A.describe(system);
+    const bool is_described = A.matrix_free(system);
     rounds = is_described && rounds_products(system);
     if (is_described && system.is_one_body()) {
       if (system.bodies.front().double_operator) {

@@ -24,10 +24,10 @@ class ConstrainedOperator final : public LinearSystem {
     constraints_.pin(A);
   }
 
-  bool describe(MatrixFreeSystem& system) const override {
+  bool matrix_free(MatrixFreeSystem& system) const override {
     system.diagonal.setZero(num_nodes(), 3);
     system.constraints = constraints_;
-    return system_.describe(factors_, system);
+    return system_.add_operator(factors_, system);
   }
 
  private:

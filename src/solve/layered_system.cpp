@@ -322,15 +322,15 @@ void LayeredSystem::add_blocks(const OperatorFactors& factors, BlockMatrix& A) c
   }
 }
 
-bool LayeredSystem::describe(const OperatorFactors& factors, MatrixFreeSystem& system) const {
+bool LayeredSystem::add_operator(const OperatorFactors& factors, MatrixFreeSystem& system) const {
   if (num_roots_ == 1) {
-    describe(layers_[0], factors, system);
+    add_operator(layers_[0], factors, system);
   } else {
     for (Layer& root : roots()) {
       root.part.clear();
       root.part.wants_levels = system.wants_levels;
       root.part.diagonal.setZero(root.state->num_nodes(), 3);
-      describe(root, factors, root.part);
+      add_operator(root, factors, root.part);
       system.add_part(root.part, root.first_node);
     }
   }
@@ -342,12 +342,12 @@ bool LayeredSystem::describe(const OperatorFactors& factors, MatrixFreeSystem& s
 }
 
 /// What the kernels know of what acts on an independent state; it keeps what they do not.
-void LayeredSystem::describe(Layer& layer, const OperatorFactors& factors, MatrixFreeSystem& system) const {
+void LayeredSystem::add_operator(Layer& layer, const OperatorFactors& factors, MatrixFreeSystem& system) const {
   layer.others.clear();
   for (const NodalMass* mass : layer.masses) mass->add_diagonal(mass_factor(factors, *mass), system.diagonal);
   for (const NodalForces* forces : layer.forces) {
     if (!forces->is_in_matrix()) continue;
-    if (forces->describe(stiffness_factor(factors, *forces), system))
+    if (forces->add_operator(stiffness_factor(factors, *forces), system))
       forces->add_damping_diagonal(factors.damping, system.diagonal);
     else
       layer.others.push_back(forces);

@@ -22,7 +22,7 @@ class LayeredSystem : public MechanicalSystem, private Projector {
   void compute_force(double time, ConstPoints x, ConstPoints v, Points f) override;
   void add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
   void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const override;
-  bool describe(const OperatorFactors& factors, MatrixFreeSystem& system) const override;
+  bool add_operator(const OperatorFactors& factors, MatrixFreeSystem& system) const override;
   void add_load(double time, ConstPoints x, ConstPoints v, Points f) override;
   void add_load_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
   bool release(double time, ConstPoints x, ConstPoints v, ConstPoints x_end, ConstPoints v_end, Points force,
@@ -69,7 +69,7 @@ class LayeredSystem : public MechanicalSystem, private Projector {
 
     bool is_loaded = false;  // of those that follow: something acts on it, or on one that follows it
 
-    // of the matrix of describe: what its kernels do not know
+    // of the matrix of add_operator: what its kernels do not know
     std::vector<const NodalForces*> others = {};
     bool has_others = false;  // of those that follow: something of the matrix is there, or at one that follows it
 
@@ -176,7 +176,7 @@ class LayeredSystem : public MechanicalSystem, private Projector {
   void add_force(Over over, double time, ConstPoints x, ConstPoints v, Points f) const;
   void add_product(Over over, const OperatorFactors& factors, ConstPoints dx, Points df) const;
   static void add_blocks(const Layer& layer, const OperatorFactors& factors, BlockMatrix& A);
-  void describe(Layer& root, const OperatorFactors& factors, MatrixFreeSystem& system) const;
+  void add_operator(Layer& root, const OperatorFactors& factors, MatrixFreeSystem& system) const;
   void find_others() const;
 
   const Vec3& gravity_;

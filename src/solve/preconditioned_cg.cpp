@@ -129,7 +129,7 @@ struct PreconditionedConjugateGradients::Spaces {
   CgSpace& choose(const LinearSystem& A, Preconditioner preconditioner) {
     system.clear();
     system.wants_levels = preconditioner != Preconditioner::kDiagonal;
-    knows_kernels = A.describe(system);
+    knows_kernels = A.matrix_free(system);
     preconditioned_by = PreconditionedBy::kNothing;
     if (!knows_kernels) {
       nodal.setup(A, true);

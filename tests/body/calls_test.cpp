@@ -66,9 +66,9 @@ std::vector<BodyVerb> referring_verbs() {
              BlockMatrix K(kRows);
              body.add_stiffness_blocks(-1, K);
            }},
-          {"describe", [](Body& body) {
+          {"add_operator", [](Body& body) {
              MatrixFreeSystem system;
-             body.describe(-1, system);
+             body.add_operator(-1, system);
            }}};
 }
 

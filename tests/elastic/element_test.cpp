@@ -466,10 +466,10 @@ TEST(Recovery, IsInEverySystemThatABodyDescribesWithItsOwnFactor) {
     return Fp;
   };
   MatrixFreeSystem first, second;
-  body.describe(-1, first);
+  body.add_operator(-1, first);
   const PointArray alone = product(first);
   ASSERT_GT(alone.norm(), 0);
-  body.describe(-4, second);
+  body.add_operator(-4, second);
   EXPECT_EQ(product(first), alone);
   EXPECT_TRUE(agrees(product(second), 4 * alone, 1e-14));
 }

@@ -90,13 +90,15 @@ TEST_F(OutsidePlugin, IsALibraryForOtherPrograms) {
   const Outcome strain = shell("with_cmake/consumer");
   EXPECT_EQ(strain.code, 0);
 
-  // what the pages show is this program, and what it prints
-  const std::string source = content(consumer + "/main.cpp"), program = source.substr(source.find("#include"));
-  for (const char* page : {"docs/api.md", "include/hexaplast/README.md"}) {
+  // what the pages show are these programs, and what they print
+  const auto shows = [&](const char* page, const std::string& file, const std::string& printed) {
+    const std::string source = content(consumer + file), program = source.substr(source.find("#include"));
     EXPECT_TRUE(has(content(kSource / page), "```cpp\n" + program + "```\n")) << page << " does not show\n" << program;
-    EXPECT_TRUE(has(content(kSource / page), "```\n" + strain.out + "```\n")) << page << " does not say\n"
-                                                                              << strain.out;
-  }
+    EXPECT_TRUE(has(content(kSource / page), "```\n" + printed + "```\n")) << page << " does not say\n" << printed;
+  };
+  shows("docs/api.md", "/main.cpp", strain.out);
+  shows("include/hexaplast/README.md", "/main.cpp", strain.out);
+  shows("docs/api.md", "/forceps.cpp", shell("with_cmake/forceps").out);
 
   // pkg-config tells the same without CMake
   fs::copy(consumer + "/main.cpp", directory_ / "main.cpp");
@@ -115,9 +117,9 @@ TEST_F(OutsidePlugin, IsALibraryForOtherPrograms) {
                  HEXAPLAST_COMPILER "'")
                .code == 0;
   };
-  EXPECT_TRUE(finds("0.1 COMPONENTS parts scene components output"));
+  EXPECT_TRUE(finds("0.2 COMPONENTS parts scene components output"));
   EXPECT_FALSE(finds("COMPONENTS teapot"));
-  EXPECT_FALSE(finds("0.2"));
+  EXPECT_FALSE(finds("0.1"));
 }
 
 // What headers include is installed with them. That each compiles by itself is checked by scripts/check_sources.

@@ -31,7 +31,7 @@ class BodySystem final : public LinearSystem {
   int num_nodes() const override { return A_.num_nodes(); }
   void apply(ConstPoints p, Points Ap) const override { A_.apply(p, Ap); }
   void assemble(BlockMatrix& A) const override { A_.assemble(A); }
-  bool describe(MatrixFreeSystem& system) const override { return A_.describe(system); }
+  bool matrix_free(MatrixFreeSystem& system) const override { return A_.matrix_free(system); }
 
  private:
   Constraints constraints_;
@@ -116,8 +116,8 @@ TEST_P(KernelSolvers, ACycleThatIsNotPositiveDefiniteGivesWayToTheDiagonal) {
     int num_nodes() const override { return A_.num_nodes(); }
     void apply(ConstPoints p, Points Ap) const override { A_.apply(p, Ap); }
     void assemble(BlockMatrix& blocks) const override { A_.assemble(blocks); }
-    bool describe(MatrixFreeSystem& described) const override {
-      A_.describe(described);
+    bool matrix_free(MatrixFreeSystem& described) const override {
+      A_.matrix_free(described);
       KernelBody& one = described.bodies.front();
       levels_.assign(one.levels.begin(), one.levels.end());
       if (!levels_.empty()) levels_.front().op = &cycle_.emplace(*levels_.front().op, has_grown);

@@ -34,7 +34,7 @@ class Cycle {
     body_.remove(removed);
     body_.linearize(x);
     system_.wants_levels = true;
-    body_.describe(-kTimeStep * kTimeStep, system_);
+    body_.add_operator(-kTimeStep * kTimeStep, system_);
     system_.diagonal = (1000 * nodal_volumes(mesh.positions(), mesh.hexahedra())).replicate(1, 3);
     system_.constraints.reset(mesh.num_nodes());
     for (int n = 0; n < mesh.num_nodes(); ++n)

@@ -295,7 +295,7 @@ class TwoBodies final : public LinearSystem {
       bodies_[k].add_stiffness_product(-1e-3, p.middleRows(k * count_, count_), Ap.middleRows(k * count_, count_));
   }
   void assemble(BlockMatrix&) const override { FAIL(); }
-  bool describe(MatrixFreeSystem& system) const override {
+  bool matrix_free(MatrixFreeSystem& system) const override {
     system.diagonal.setZero(num_nodes(), 3);
     system.constraints.reset(num_nodes());
     for (int k = 0; k < 2; ++k) {
@@ -303,7 +303,7 @@ class TwoBodies final : public LinearSystem {
       part.wants_levels = system.wants_levels;
       part.diagonal.setConstant(count_, 3, mass_);
       part.constraints.reset(count_);
-      bodies_[k].describe(-1e-3, part);
+      bodies_[k].add_operator(-1e-3, part);
       system.add_part(part, k * count_);
     }
     return true;

@@ -58,12 +58,12 @@ class Slab final : public LinearSystem, public Projector {
       for (int axis = 0; axis < 3; ++axis) A.pin(n, axis);
   }
 
-  bool describe(MatrixFreeSystem& system) const override {
+  bool matrix_free(MatrixFreeSystem& system) const override {
     system.diagonal = diagonal;
     system.constraints.reset(num_nodes());
     for (const int n : held) system.constraints.free.row(n).setZero();
     if (slides) system.constraints.projector = this;
-    for (const Body& body : bodies) body.describe(-kSlabStep * kSlabStep, system);
+    for (const Body& body : bodies) body.add_operator(-kSlabStep * kSlabStep, system);
     if (!ties.blocks.empty()) system.others.push_back(&ties);
     return true;
   }

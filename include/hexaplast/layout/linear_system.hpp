@@ -179,7 +179,7 @@ class LinearSystem {
   /// Writes the system down for the kernels; false where it does not have that form. Input: `system`, cleared
   /// (MatrixFreeSystem::clear), with what else was in it: diagonal and constraints are to be set. Allocates nothing
   /// when it was filled before.
-  virtual bool describe(MatrixFreeSystem& /*system*/) const { return false; }
+  virtual bool matrix_free(MatrixFreeSystem& /*system*/) const { return false; }
 
   /// Size of the rounding errors in b: a residual as small as this cannot be improved.
   virtual double rounding() const { return 0; }

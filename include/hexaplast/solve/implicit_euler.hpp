@@ -34,7 +34,7 @@ class MechanicalSystem {
 
   /// The same operator for the kernels: bodies, others and what is added to the diagonal of `system`. False where the
   /// kernels are not to be used.
-  virtual bool describe(const OperatorFactors& /*factors*/, MatrixFreeSystem& /*system*/) const { return false; }
+  virtual bool add_operator(const OperatorFactors& /*factors*/, MatrixFreeSystem& /*system*/) const { return false; }
 
   /// f += those forces of compute_force that are no body's elasticity, df += (b B + k K) dx of the same forces: what
   /// the accounts of energy (ImplicitEuler::measure_energy) take for loads. K and B are symmetric. The default is none.

@@ -84,10 +84,10 @@ class NodalForces : public Forces<ConstPoints, Points> {
  public:
   /// The stiffness for solvers that work on the kernels' own vectors. False, and nothing added, where the kernels
   /// cannot express it; the solvers then use the verbs above beside them.
-  virtual bool describe(double /*factor*/, MatrixFreeSystem& /*system*/) const { return false; }
+  virtual bool add_operator(double /*factor*/, MatrixFreeSystem& /*system*/) const { return false; }
 
   /// diagonal += that of factor B, for a B that has no other entries and forces whose stiffness the kernels can
-  /// express. The default is no damping: describe of forces with another B returns false.
+  /// express. The default is no damping: add_operator of forces with another B returns false.
   virtual void add_damping_diagonal(double /*factor*/, Points /*diagonal*/) const {}
 
   /// Whether they are the elasticity of a body, which is no load.

@@ -80,9 +80,9 @@ public:
     void handleTopologyChange(sofa::core::topology::Topology* changed) override;
 
     bool hasPart() const override { return m_body.has_value(); }
-    bool describe(double factor, MatrixFreeSystem& system) const override
+    bool add_operator(double factor, MatrixFreeSystem& system) const override
     {
-        m_body->body().describe(factor, system);
+        m_body->body().add_operator(factor, system);
         return true;
     }
 

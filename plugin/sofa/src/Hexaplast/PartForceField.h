@@ -53,7 +53,7 @@ public:
 
     /// For MultigridCGLinearSolver: derivatives with respect to positions for the kernels, where they can express them,
     /// and the diagonal of those with respect to velocities beside them.
-    virtual bool describe(double /*factor*/, MatrixFreeSystem& /*system*/) const { return false; }
+    virtual bool add_operator(double /*factor*/, MatrixFreeSystem& /*system*/) const { return false; }
     virtual void addDampingDiagonal(double /*factor*/, Points /*diagonal*/) const {}
 
     /// For the same solver: lets go of what pulls at these ends of a step. Whether there was anything.
@@ -99,7 +99,7 @@ public:
     SOFA_ABSTRACT_CLASS(ForceOnState, PartForceField<Vec3Types>);
 
     bool isInMatrix() const override { return force().is_in_matrix(); }
-    bool describe(double factor, MatrixFreeSystem& system) const override
+    bool add_operator(double factor, MatrixFreeSystem& system) const override
     {
         return force().add_stiffness_diagonal(factor, system.diagonal);
     }

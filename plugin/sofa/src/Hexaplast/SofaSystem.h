@@ -135,7 +135,7 @@ public:
         throw InputError("MultigridCGLinearSolver asks for products, not for a matrix");
     }
 
-    bool describe(MatrixFreeSystem& system) const override
+    bool matrix_free(MatrixFreeSystem& system) const override
     {
         find_constraints(system.constraints);
         m_mass_of_others = masses_are_lumped() ? 0 : m_A.mparams.mFactor();
@@ -155,13 +155,13 @@ public:
         {
             if (!m_states.are_several())
             {
-                describe(entry, fields, system);
+                add_operator(entry, fields, system);
                 continue;
             }
             MatrixFreeSystem part;
             part.wants_levels = system.wants_levels;
             part.diagonal.setZero(entry.num_nodes, 3);
-            describe(entry, fields, part);
+            add_operator(entry, fields, part);
             system.add_part(part, entry.first_node);
         }
         for (BaseForceField* field : fields)
@@ -314,8 +314,8 @@ private:
     }
 
     /// What of ours acts on one state.
-    void describe(const States::Entry& entry, const std::vector<BaseForceField*>& fields,
-                  MatrixFreeSystem& system) const
+    void add_operator(const States::Entry& entry, const std::vector<BaseForceField*>& fields,
+                      MatrixFreeSystem& system) const
     {
         Beside& beside = m_besides.emplace_back(entry);
         beside.b = m_A.mparams.bFactor();
@@ -325,7 +325,7 @@ private:
             auto* ours = dynamic_cast<OurForceField*>(field);
             if (!ours || ours->getMState() != entry.state || !ours->hasPart() || !ours->isInMatrix()) continue;
             m_ours.push_back(ours);
-            if (ours->describe(beside.k + beside.b * ours->rayleighStiffness.getValue(), system))
+            if (ours->add_operator(beside.k + beside.b * ours->rayleighStiffness.getValue(), system))
                 ours->addDampingDiagonal(beside.b, system.diagonal);
             else
                 beside.fields.push_back(ours);
