@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Read by ctest: adds a test for each suite of `executable`, whose tests one process runs, one after the other.
+# Read by ctest: adds a test for each suite of `executable`, whose tests one process runs, one after the other; of a suite that
+# takes values, which may be long, a test for each.
 if(NOT EXISTS ${executable})
   add_test(${executable} ${executable})  # which fails: it is not built
   return()
@@ -8,9 +9,22 @@ execute_process(COMMAND ${executable} --gtest_list_tests OUTPUT_VARIABLE listed 
 if(failed)
   message(FATAL_ERROR "${executable} --gtest_list_tests: ${failed}")
 endif()
-string(REGEX MATCHALL "(^|\n)[^ \n]+\\.[ \n]" suites "${listed}")
-foreach(suite IN LISTS suites)
-  string(REGEX REPLACE "^\n|\\..*" "" suite "${suite}")
-  add_test(${suite} ${executable} --gtest_filter=${suite}.*)
-  set_tests_properties(${suite} PROPERTIES ${properties})
+string(REGEX REPLACE " +#[^\n]*" "" listed "${listed}")
+string(REGEX MATCHALL "[^\n]+" lines "${listed}")
+foreach(line IN LISTS lines)
+  if(line MATCHES "^([^ ]+)\\.$")
+    set(suite ${CMAKE_MATCH_1})
+    set(name ${suite})
+    set(filter ${suite}.*)
+    set(adds NOT suite MATCHES "/")
+  else()
+    string(STRIP ${line} line)
+    set(name ${suite}.${line})
+    set(filter ${name})
+    set(adds suite MATCHES "/")
+  endif()
+  if(${adds})
+    add_test(${name} ${executable} --gtest_filter=${filter})
+    set_tests_properties(${name} PROPERTIES ${properties})
+  endif()
 endforeach()

@@ -73,7 +73,7 @@ class BodyMemory : public Command, public testing::WithParamInterface<BodyKind> 
               "<DiagonalMass massDensity='1000'/><BoxROI name='foot' box='-1 -1 -.001 2 2 .001'/>"
               "<FixedProjectiveConstraint indices='@foot.indices'/><HexahedronElastoplasticFEMForceField " +
               GetParam().attributes + "/></Node>");
-    std::vector<std::string> words{"run", directory_ / "body.scn", "--steps=3"};
+    std::vector<std::string> words{"run", directory_ / "body.scn", "--steps=2"};
     if (!is_plain()) words.insert(words.end(), {"--out", directory_ / "run", "--force"});
     const Cost cost = cost_of(words, directory_ / "err");
     EXPECT_EQ(cost.code, 0) << read("err");
