@@ -139,9 +139,9 @@ void Bar::add_blocks(const OperatorFactors& factors, BlockMatrix& A) const {
   if (plate_) plate_->terms().add_stiffness_blocks(factors.stiffness, A);
 }
 
-bool Bar::describe(const OperatorFactors& factors, MatrixFreeSystem& system) const {
+bool Bar::add_operator(const OperatorFactors& factors, MatrixFreeSystem& system) const {
   system.diagonal.colwise() += factors.mass * masses_;
-  body_.describe(factors.stiffness, system);
+  body_.add_operator(factors.stiffness, system);
   if (plate_ && plate_->num_touching() > 0) {
     terms_.terms = &plate_->terms();
     terms_.factor = factors.stiffness;

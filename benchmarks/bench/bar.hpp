@@ -76,7 +76,7 @@ class Bar final : public MechanicalSystem {
   void compute_force(double time, ConstPoints x, ConstPoints v, Points f) override;
   void add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
   void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const override;
-  bool describe(const OperatorFactors& factors, MatrixFreeSystem& system) const override;
+  bool add_operator(const OperatorFactors& factors, MatrixFreeSystem& system) const override;
   bool release(double time, ConstPoints x, ConstPoints v, ConstPoints x_end, ConstPoints v_end, Points force,
                Points product) override;
   void constrain(Constraints& constraints) const override;
