@@ -13,6 +13,7 @@
 #include "formats/xml.hpp"
 #include "hexaplast/base/error.hpp"
 #include "mesh_source.hpp"
+#include "vtu_grid.hpp"
 
 // VTK's XML files of unstructured grids. A data array is text; or bytes in base64, in place or appended; or raw bytes,
 // appended. Bytes follow their number, or, compressed, the sizes of their blocks.
@@ -55,6 +56,9 @@ class VtuFile {
 
     const XmlElement& grid = child(root, "UnstructuredGrid");
     child(grid, "Piece");  // one at least
+    if (const XmlElement* data = grid.child("FieldData"))
+      state_.mesh.is_of_patient = std::ranges::any_of(
+          data->children, [](const XmlElement& array) { return array.attribute("Name") == kOfPatient; });
     for (const XmlElement& piece : grid.children)
       if (piece.name == "Piece") add_piece(piece);
     const std::vector<int> number = merge_copies(state_.mesh);

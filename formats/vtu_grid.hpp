@@ -36,6 +36,8 @@ struct VtuNumber {
   std::int32_t value;
 };
 
+inline constexpr std::string_view kOfPatient = "LPS";  ///< field data of grids whose coordinates are those of patients
+
 inline constexpr std::uint8_t kVtkVertex = 1, kVtkLine = 3, kVtkTriangle = 5, kVtkQuad = 9, kVtkHexahedron = 12;
 
 /// An unstructured grid of VTK (.vtu), every number with all its bits. Names are escaped where XML demands it.

@@ -13,6 +13,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
 #include "scene/arrays.hpp"
+#include "scene/visuals.hpp"
 
 namespace hexaplast::components {
 namespace {
@@ -136,9 +137,11 @@ class LabelledMeshLoader : public MeshLoader, public scene::ArraySource {
 };
 
 /// Gives the cell data of .vtu files, as SOFA's does: of the hexahedra, in their order.
-class MeshVTKLoader final : public LabelledMeshLoader {
+class MeshVTKLoader final : public LabelledMeshLoader, public scene::MayBeOfPatient {
  public:
   MeshVTKLoader() : LabelledMeshLoader(attributes::kMeshVTKLoader, read_vtk) {}
+
+  bool is_of_patient() override { return mesh().is_of_patient && vector3("rotation").isZero(0); }
 
  private:
   std::optional<scene::Value> read_array(std::string_view name) override {

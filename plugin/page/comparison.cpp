@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "record/files.hpp"
 #include "record/history_table.hpp"
 #include "record/recorded_run.hpp"
+#include "record/recorder.hpp"
 #include "record/viewer_states.hpp"
 
 namespace hexaplast::output {
@@ -121,6 +123,7 @@ ComparisonTable table_of_histories(const HistoryComparison& found) {
     table.rows.push_back({column.column, number(column.difference), fmt::format("{:.2e}", relative),
                           fmt::format("{}", column.step), number(column.time), number(column.a), number(column.b)});
   }
+  std::ranges::stable_partition(table.rows, [](const auto& row) { return row[0].starts_with(probe_column("")); });
   table.note = fmt::format("{} rows at common times, of {} and {}. Relative to the largest magnitude in the column.",
                            found.num_common, found.num_rows_a, found.num_rows_b);
   return table;
@@ -279,9 +282,10 @@ std::string comparison_page(const fs::path& a, const fs::path& b, const std::vec
     if (!table.note.empty()) page.paragraph(table.note, "lead");
   }
 
-  std::vector<HistoryPanel> wanted = single_curves();
+  std::vector<HistoryPanel> wanted;
   if (const std::optional<Manifest> manifest = read_manifest(a))
     for (const ProbeRecord& probe : manifest->probes) wanted.push_back(panel_of(probe));
+  std::ranges::copy(single_curves(), std::back_inserter(wanted));
   const HistoryView view_a = view_history(a / "history.csv", wanted), view_b = view_history(b / "history.csv", wanted);
   page.heading("Over time");
   page.add("<div class=\"charts\">");

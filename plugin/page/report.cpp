@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <fstream>
+#include <iterator>
 #include <map>
 
 #include "formats/readable_file.hpp"
@@ -80,8 +81,9 @@ std::string mark_step_times(Panel& panel, const StepTimes& times) {
 }
 
 void add_charts(HtmlPage& page, const fs::path& directory, const std::vector<ProbeRecord>& probes) {
-  std::vector<HistoryPanel> wanted = history_panels();
+  std::vector<HistoryPanel> wanted;
   for (const ProbeRecord& probe : probes) wanted.push_back(panel_of(probe));
+  std::ranges::copy(history_panels(), std::back_inserter(wanted));
   HistoryView view = view_history(directory / "history.csv", wanted, kPageColours);
   if (view.panels.empty()) return;
   page.heading("Over time");

@@ -303,9 +303,10 @@ function withUnit(value, unitName) {
 function ticksWithin(min, max) {
   const rough = (max - min) / 4, power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map(factor => factor * power).find(candidate => candidate >= rough);
-  const ticks = [];
+  const ticks = [], letters = value => `${+value.toPrecision(3)}`.length;
+  const isApart = (tick, end) => Math.abs(tick - end) > 0.0115 * (letters(tick) + letters(end)) * (max - min);
   for (let k = Math.ceil(min / step - 1e-9); k * step <= max + 1e-9 * step; ++k)
-    if (Math.min(k * step - min, max - k * step) > 0.1 * (max - min)) ticks.push(k * step);
+    if (isApart(k * step, min) && isApart(k * step, max)) ticks.push(k * step);
   return [min, ...ticks, max];
 }
 
@@ -646,7 +647,19 @@ class Viewer {
       gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
       this.drawRun(this.runs[k], frame[3]);
     });
+    this.drawAxes();
     this.figure.dataset.drawn = (+this.figure.dataset.drawn || 0) + 1;
+  }
+
+  // How x, y and z run, or left, back and head of a patient: the farthest first.
+  drawAxes() {
+    const {right, up, towards} = this.camera, names = this.runs[0].data.anatomical ? "LPS" : "xyz";
+    this.part("axes").innerHTML = [0, 1, 2].sort((a, b) => towards[a] - towards[b]).map(axis => {
+      const at = length => `${(length * right[axis]).toFixed(1)} ${(-length * up[axis]).toFixed(1)}`;
+      const colour = `rgb(${ink.axes[axis].map(part => Math.round(255 * part)).join(" ")})`;
+      return `<path d="M0 0L${at(24)}" stroke="${colour}"/>` +
+        `<text transform="translate(${at(35)})" fill="${colour}">${names[axis]}</text>`;
+    }).join("");
   }
 
   drawRun(run, height) {

@@ -50,13 +50,19 @@ Ticks ticks_within(double min, double max, int count) {
 }
 
 std::vector<std::pair<double, std::string>> labels_of_scale(double min, double max, int count) {
-  constexpr double kApart = 0.1;  // of the scale, between two labels
+  constexpr double kHalfLetter = 0.0115;  // of the scale: half of the width of a letter, and of the room between labels
   const auto end = [](double value) { return std::pair(value, fmt::format("{:.3g}", value)); };
+  const auto is_apart = [&](double value, const std::string& label, const std::pair<double, std::string>& other) {
+    return std::abs(value - other.first) >
+           kHalfLetter * static_cast<double>(label.size() + other.second.size()) * (max - min);
+  };
   std::vector labels{end(min)};
+  const auto last = end(max);
   const Ticks ticks = ticks_within(min, max, count);
   for (const double value : ticks.values)
-    if (std::min(value - min, max - value) > kApart * (max - min)) labels.emplace_back(value, ticks.label(value));
-  labels.push_back(end(max));
+    if (std::string label = ticks.label(value); is_apart(value, label, labels.front()) && is_apart(value, label, last))
+      labels.emplace_back(value, std::move(label));
+  labels.push_back(last);
   return labels;
 }
 

@@ -13,15 +13,27 @@ using Eigen::Vector3f;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kAzimuth = 24 * kDegree;  // of the viewer to the right of the body's side, and above it
 constexpr double kElevation = 22 * kDegree;
+constexpr double kUpright = 0.9;      // cosine of the angle to up, from which an axis is upright
 constexpr double kFlat = 1e-3;        // smallest depth of what is shown, in parts of its size
 constexpr double kDepthRange = 0.98;  // of what OpenGL offers: rounding cuts nothing off
 constexpr double kClosest = 0.02;     // at which something is seen, in parts of the distance that is looked at
 
 }  // namespace
 
-Viewpoint beside(int long_axis) {
-  const Vec3 upright = Vec3::Unit(long_axis == 1 ? 2 : 1);
-  const Vec3 along = Vec3::Unit(long_axis), side = along.cross(upright);
+Mat3 standing(const Vec3& up) {
+  const Vec3 upright = up.normalized();
+  const Vec3 x = Vec3::Unit(std::abs(upright.x()) < kUpright ? 0 : 2);
+  const Vec3 right = (x - upright.dot(x) * upright).normalized();
+  Mat3 rows;
+  rows << right.transpose(), upright.transpose(), right.cross(upright).transpose();
+  return rows;
+}
+
+Viewpoint beside(int long_axis, const Vec3& up) {
+  const Vec3 upright = up.normalized();
+  Vec3 along = Vec3::Unit(long_axis) - upright[long_axis] * upright;
+  along = std::abs(upright[long_axis]) < kUpright ? Vec3(along.normalized()) : Vec3(standing(up).row(0).transpose());
+  const Vec3 side = along.cross(upright);
   return {.towards = std::cos(kElevation) * (std::cos(kAzimuth) * side + std::sin(kAzimuth) * along) +
                      std::sin(kElevation) * upright,
           .up = upright};

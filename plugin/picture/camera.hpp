@@ -21,7 +21,7 @@ struct Viewpoint {
   };
 
   Vec3 towards;            ///< the direction in which the viewer stands; not 0
-  std::optional<Vec3> up;  ///< upwards in the picture, as far as it is not along `towards`; none: y, or -z from above
+  std::optional<Vec3> up;  ///< upwards in the picture, as far as it is not along `towards`; none: y
   std::optional<Eye> eye = {};
 };
 
@@ -80,8 +80,10 @@ class Camera {
   double nearest_ = 0, farthest_ = 1;  // [m] along `towards`; in perspective 1 / distance from the eye
 };
 
-/// Beside the long axis of a body, which runs to the right, and a little above; y stands upright unless it is the long
-/// one.
-Viewpoint beside(int long_axis);
+/// How a body stands: rows to the right, up and to the front, unit vectors. To the right is x, unless that is up.
+Mat3 standing(const Vec3& up);
+
+/// Beside the long axis of a body, which runs to the right unless it is upright, and a little above.
+Viewpoint beside(int long_axis, const Vec3& up = Vec3::UnitY());
 
 }  // namespace hexaplast::output

@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 
-#include "hexaplast/geometry/sections.hpp"
 #include "hexaplast/mesh/faces.hpp"
 
 namespace hexaplast::output {
@@ -30,7 +29,7 @@ Gallery::Gallery(const HexMesh& mesh, std::string title, int time_decimals, Stag
     : title_(std::move(title)),
       time_decimals_(time_decimals),
       shapes_(mesh, std::move(staging)),
-      viewpoint_(shapes_.staging.viewpoint.value_or(beside(end_sections(mesh).axis))) {
+      viewpoint_(shapes_.staging.seen_from(mesh)) {
   if (shapes_.staging.cut) {
     // what is left out lies above
     Plane& cut = *shapes_.staging.cut;
@@ -146,6 +145,7 @@ Drawing Gallery::drawing(const State& state, const Camera& camera, const Scale& 
     page.add_ring({centre.x(), centre.y(), 0, {}});  // seen also where it lies within the tissue
   }
   page.add_title(title_, fmt::format("t = {:.{}f} s", state.time, time_decimals_));
+  page.add_axes(camera, shapes_.staging.is_anatomical);
   page.add_colour_bar(scale);
   page.add_keys(keys_of_shapes(scale), keys_of_forces(state, camera, strongest));
   return std::move(page.drawing());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <string>
 
@@ -24,6 +25,8 @@ inline constexpr Colour kEdge{0.20f, 0.16f, 0.19f};
 inline constexpr Colour kCage{0.25f, 0.30f, 0.38f};    // edges of hexahedra around embedded surfaces
 inline constexpr Colour kSpring{0.36f, 0.42f, 0.16f};  // springs, and what ties places together
 inline constexpr Colour kNoValue{0.80f, 0.81f, 0.82f};
+inline constexpr std::array kAxes{Colour{0.76f, 0.25f, 0.16f}, Colour{0.20f, 0.50f, 0.22f},
+                                  Colour{0.16f, 0.36f, 0.72f}};
 
 inline constexpr float kOutlineWidth = 1.3f;  // of the shape behind, and of instruments
 inline constexpr float kSpringWidth = 1.6f;

@@ -23,6 +23,8 @@ constexpr float kKeyLine = 25;
 constexpr float kKeyArrow = 24, kKeyHead = 10;  // lengths of an arrow among the keys and of its head
 constexpr float kArrow = 11;                    // length of the end of a scale that is passed
 
+constexpr float kAxisLength = 26;
+
 constexpr int kCircle = 28;  // corners of a round mark
 
 Drawing::Vertex on_circle(Drawing::Vertex centre, float radius, int corner) {
@@ -67,6 +69,20 @@ std::string Scale::words() const {
   if (max() == 0 && quantity_.from_zero) return fmt::format("no {} in this run", quantity_.label);
   return fmt::format("{} [{}]: {:.4g} {}", quantity_.label, quantity_.unit, max(),
                      has_gaps() ? "where there is one" : "everywhere");
+}
+
+std::array<AxisMark, 3> axis_marks(const Mat3& right_up_towards, bool is_anatomical) {
+  std::array<AxisMark, 3> marks;
+  std::array order{0, 1, 2};
+  std::ranges::sort(order, {}, [&](int axis) { return right_up_towards(2, axis); });
+  for (std::size_t k = 0; k < 3; ++k) {
+    const int axis = order[k];
+    const auto number = static_cast<std::size_t>(axis);
+    marks[k] = {
+        Eigen::Vector2f(static_cast<float>(right_up_towards(0, axis)), -static_cast<float>(right_up_towards(1, axis))),
+        std::string_view(is_anatomical ? "LPS" : "xyz").substr(number, 1), kAxes[number]};
+  }
+  return marks;
 }
 
 Page::Page(int width, int height)
@@ -121,6 +137,18 @@ void Page::add_colour_bar(const Scale& scale) {
     const float x = left + kBarWidth * static_cast<float>(fraction);
     drawing_.lines.push_back({{x, bottom, 0, kInk}, {x, bottom + 6, 0, kInk}, 1.3f});
     write(x, bottom + 24, 16, Drawing::Align::kCentre, kInk, label);
+  }
+}
+
+void Page::add_axes(const Camera& camera, bool is_anatomical) {
+  Mat3 turned;
+  turned << camera.right().cast<double>().transpose(), camera.up().cast<double>().transpose(),
+      camera.towards().cast<double>().transpose();
+  const Eigen::Vector2f origin(width_ - kMargin - kAxisLength, kTitleLine + kAxisLength + 30);
+  for (const AxisMark& axis : axis_marks(turned, is_anatomical)) {
+    const Eigen::Vector2f tip = origin + kAxisLength * axis.tip, name = origin + (kAxisLength + 11) * axis.tip;
+    drawing_.lines.push_back({{origin.x(), origin.y(), 0, axis.colour}, {tip.x(), tip.y(), 0, axis.colour}, 2});
+    write(name.x(), name.y() + 5, 14, Drawing::Align::kCentre, axis.colour, std::string(axis.name));
   }
 }
 

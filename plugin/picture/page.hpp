@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -54,6 +56,16 @@ struct Key {
   Eigen::Vector2f direction = {1, 0};  ///< of an arrow, y downwards; not 0
 };
 
+/// An axis on the page, from the origin of the three: to where its unit vector is seen, y downwards, and its name.
+struct AxisMark {
+  Eigen::Vector2f tip;
+  std::string_view name;
+  Colour colour;
+};
+
+/// The farthest first. is_anatomical: x, y and z are named by what they run to, L(eft), P(osterior) and S(uperior).
+std::array<AxisMark, 3> axis_marks(const Mat3& right_up_towards, bool is_anatomical);
+
 /// A picture in the making, in units that make it 1280 x 720 or, where its shape is another, wider or higher: what is
 /// drawn grows with the picture.
 class Page {
@@ -75,6 +87,7 @@ class Page {
   void write(float x, float y, float size, Drawing::Align align, Colour colour, std::string words);
   void add_title(std::string title, std::string remark);  ///< at the upper left and at the upper right
   void add_colour_bar(const Scale& scale);
+  void add_axes(const Camera& camera, bool is_anatomical);  ///< below the remark: how x, y and z run
 
   /// One below the other, to the left and to the right of the colour bar.
   void add_keys(const std::vector<Key>& left, const std::vector<Key>& right = {});

@@ -33,6 +33,8 @@ const std::vector<double>& values_in(const ElementFields& fields, Quantity quant
       return fields.yield_stress;
     case Quantity::kVolumeRatio:
       return fields.volume_ratio;
+    case Quantity::kStrain:
+      return fields.strain;
     default:
       return fields.plastic_strain;
   }

@@ -13,7 +13,7 @@
 namespace hexaplast::output {
 
 /// What a picture shows by colours.
-enum class Quantity { kPlasticStrain, kStress, kYield, kVolumeRatio, kSpeed, kRegion };
+enum class Quantity { kPlasticStrain, kStress, kYield, kVolumeRatio, kStrain, kSpeed, kRegion };
 
 /// How a quantity is called, and where it is found.
 struct QuantityEntry {
@@ -26,11 +26,12 @@ struct QuantityEntry {
   bool from_zero;          ///< its scale begins at 0, else at the smallest value shown
 };
 
-inline constexpr std::array<QuantityEntry, 6> kQuantities{{
+inline constexpr std::array<QuantityEntry, 7> kQuantities{{
     {Quantity::kPlasticStrain, "plastic_strain", "plastic strain", "–", "plastic_strain", false, true},
     {Quantity::kStress, "stress", "stress norm", "Pa", "stress_norm", false, true},
     {Quantity::kYield, "yield", "yield stress", "Pa", "yield_stress", false, false},
     {Quantity::kVolumeRatio, "volume_ratio", "volume ratio", "–", "volume_ratio", false, false},
+    {Quantity::kStrain, "strain", "strain", "–", "strain", false, true},
     {Quantity::kSpeed, "speed", "speed", "m/s", "velocity", true, true},
     {Quantity::kRegion, "region", "region", "–", "region", false, true},
 }};

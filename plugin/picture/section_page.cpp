@@ -17,10 +17,12 @@ constexpr float kGap = 26;                      // between sections
 constexpr float kCaption = 34;                  // height of the line below a section
 constexpr float kBehind = 0.9f, kFront = 0.5f;  // depths
 
-/// A place as who looks against an axis sees it, to the right and upwards: y stands upright unless it is the axis.
-Eigen::Vector2f seen_along(int axis, const Eigen::Vector3f& place) {
-  const Eigen::Vector3f up = axis == 1 ? Eigen::Vector3f(0, 0, -1) : Eigen::Vector3f(0, 1, 0);
-  return {place.dot(up.cross(Eigen::Vector3f::Unit(axis))), place.dot(up)};
+/// Rows to the right, upwards and towards who looks against an axis.
+Eigen::Matrix3f seen_along(int axis, const Vec3& up) {
+  const Camera camera({.towards = Vec3::Unit(axis), .up = up});
+  Eigen::Matrix3f rows;
+  rows << camera.right().transpose(), camera.up().transpose(), camera.towards().transpose();
+  return rows;
 }
 
 /// How sections of a size fill a window best.
@@ -51,12 +53,13 @@ Drawing SectionPage::drawing(const HexMesh& mesh, ConstPoints positions, const s
   const auto [min, max] = extent_along(Vec3::Unit(axis), positions, mesh.hexahedra(), alive);
   const auto [min_behind, max_behind] = extent_along(Vec3::Unit(axis), behind, mesh.hexahedra());
 
+  const Eigen::Matrix3f seen = seen_along(axis, up);
   std::vector<CutFace> sections, ghosts;
   std::vector<double> places;
   Scale scale(quantity, range);
   Eigen::AlignedBox2f box;
   const auto extend = [&](const CutFace& section) {
-    for (const Eigen::Vector3f& point : section.points) box.extend(seen_along(axis, point));
+    for (const Eigen::Vector3f& point : section.points) box.extend(Eigen::Vector2f((seen * point).head<2>()));
   };
   for (int k = 0; k < count; ++k) {
     const double fraction = (k + 0.5) / count;
@@ -87,7 +90,7 @@ Drawing SectionPage::drawing(const HexMesh& mesh, ConstPoints positions, const s
                     (static_cast<float>(k % grid.columns) - static_cast<float>(in_row - 1) / 2) * cell_width;
     const float y = window.top + (static_cast<float>(row) + 0.5f) * cell_height - kCaption / 2;
     const auto on_page = [&](const Eigen::Vector3f& place, float depth, const Colour& colour) {
-      const Eigen::Vector2f from_middle = seen_along(axis, place) - box.center();
+      const Eigen::Vector2f from_middle = (seen * place).head<2>() - box.center();
       return Drawing::Vertex{x + grid.scale * from_middle.x(), y - grid.scale * from_middle.y(), depth, colour};
     };
     const auto draw_faces = [&](const CutFace& section, float depth, const auto& colour_of_value) {

@@ -18,6 +18,7 @@ namespace hexaplast::output {
 struct SectionPage {
   std::string title, remark;  ///< upper left and upper right
   int axis = 2;               ///< 0, 1, 2
+  Vec3 up = Vec3::UnitY();    ///< as far as it is not along the axis
   int count = 5;              ///< at least 1
   Quantity quantity = Quantity::kPlasticStrain;
   std::optional<std::pair<double, double>> range;  ///< of the colours; none: of what is shown

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "hexaplast/geometry/sections.hpp"
 #include "picture/ink.hpp"
 
 namespace hexaplast::output {
@@ -52,6 +53,18 @@ void add_crossing(const Geometry::Vertices& triangles, const Plane& plane, Geome
 }
 
 }  // namespace
+
+Vec3 Staging::upright() const {
+  if (up) return *up;
+  if (!gravity.isZero(0)) return -gravity.normalized();
+  return is_anatomical ? Vec3::UnitZ() : Vec3::UnitY();
+}
+
+Viewpoint Staging::seen_from(const HexMesh& mesh) const {
+  Viewpoint view = viewpoint.value_or(beside(end_sections(mesh).axis, upright()));
+  if (up || !view.up) view.up = upright();
+  return view;
+}
 
 std::vector<const Moment::Shown*> Moment::filled(const Staging& staging) const {
   std::vector<const Shown*> shown;

@@ -31,12 +31,20 @@ struct Staging {
   bool is_wireframe = false;                       ///< edges in colours, and nothing else
   bool shows_loads = true;                         ///< as arrows
   Vec3 gravity = Vec3::Zero();                     ///< [m/s^2] its direction is shown where it is not 0
+  std::optional<Vec3> up;                          ///< as somebody asks for it
+  bool is_anatomical = false;                      ///< x, y and z run to the left, the back and the head of a patient
   std::optional<Viewpoint> viewpoint;              ///< none: beside the long axis, and above
   Quantity quantity = Quantity::kPlasticStrain;
   std::optional<std::pair<double, double>> range;  ///< of the colours, ascending; none: of what is shown
   std::optional<Plane> cut;             ///< what lies on the viewer's side of it is left out; either side may be above
   std::string ghost = "initial shape";  ///< name of the pale shape behind; empty: there is none
   int width = 1280, height = 720;       ///< [pixels]
+
+  /// Upwards: as asked for, else against gravity, else to the head of a patient, else y.
+  Vec3 upright() const;
+
+  /// From where a mesh is seen: the viewpoint, or beside the long axis.
+  Viewpoint seen_from(const HexMesh& mesh) const;
 
   bool has_surfaces() const { return shows_surfaces && !embedded_surfaces.empty(); }
   bool shows_body() const { return !has_surfaces() && shows_hexahedra; }

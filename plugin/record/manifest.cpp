@@ -94,7 +94,8 @@ Json json_of(const PictureRecord& pictures) {
           {"wireframe", pictures.is_wireframe},
           {"loads", pictures.shows_loads},
           {"camera", json_of(pictures.viewpoint)},
-          {"gravity_m_per_s2", json_of(pictures.gravity)}};
+          {"gravity_m_per_s2", json_of(pictures.gravity)},
+          {"anatomical", pictures.is_anatomical}};
 }
 
 PictureRecord pictures_of(const Json& json) {
@@ -102,7 +103,8 @@ PictureRecord pictures_of(const Json& json) {
           .is_wireframe = json.at("wireframe"),
           .shows_loads = json.at("loads"),
           .viewpoint = viewpoint_of(json.at("camera")),
-          .gravity = vector_of(json.at("gravity_m_per_s2"))};
+          .gravity = vector_of(json.at("gravity_m_per_s2")),
+          .is_anatomical = json.value("anatomical", false)};  // earlier versions did not write it
 }
 
 RunState state_of(const std::string& word) {

@@ -48,6 +48,7 @@ struct PictureRecord {
   bool shows_loads = true;
   std::optional<Viewpoint> viewpoint = {};
   Vec3 gravity = Vec3::Zero();  ///< [m/s^2]
+  bool is_anatomical = false;   ///< x, y and z run to the left, the back and the head of a patient
 };
 
 /// What must be known of a run to judge it and to repeat it.

@@ -332,11 +332,12 @@ std::string ViewerStates::json() const {
                 3 * std::max<std::size_t>(1, spring_ends.size() / states_.size()));
   }
 
-  const Viewpoint view = staging_.viewpoint.value_or(beside(end_sections(mesh).axis));
+  const Viewpoint view = staging_.seen_from(mesh);
   const Camera camera(view);
   all["towards"] = json_of_vector(camera.towards());
   all["up"] = json_of_vector(camera.up());
-  all["upright"] = json_of_vector(view.up.value_or(Vec3::UnitY()));
+  all["upright"] = json_of_vector(*view.up);
+  all["anatomical"] = staging_.is_anatomical;
   all["gravity"] = json_of_vector(staging_.gravity);
   all["showsHexahedra"] = staging_.shows_hexahedra;
   std::string colours;

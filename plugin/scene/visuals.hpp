@@ -107,4 +107,11 @@ class ShowsSprings {
   virtual std::vector<SpringLine> spring_lines() const = 0;  ///< at accepted positions
 };
 
+/// A component whose coordinates may be those of a patient: x to the left, y to the back, z to the head (LPS).
+class MayBeOfPatient {
+ public:
+  virtual ~MayBeOfPatient() = default;
+  virtual bool is_of_patient() = 0;
+};
+
 }  // namespace hexaplast::scene

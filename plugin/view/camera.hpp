@@ -30,6 +30,7 @@ class Camera {
   Vec3 eye() const;                               ///< [m]
   const Vec3& target() const { return target_; }  ///< [m]
   Vec3 up() const { return axes().row(1).transpose(); }
+  Mat3 axes() const;                                          ///< rows: right, up, towards
   float width() const { return static_cast<float>(width_); }  ///< [pixels]
   float height() const { return static_cast<float>(height_); }
 
@@ -39,8 +40,6 @@ class Camera {
   output::Camera fitted_to(const Eigen::AlignedBox3d& box) const;
 
  private:
-  Mat3 axes() const;  ///< rows: right, up, towards
-
   Mat3 table_;                          // rows: two directions in the plane of the turntable, and its axis
   double azimuth_ = 0, elevation_ = 0;  // [rad]
   Vec3 target_ = Vec3::Zero();

@@ -99,6 +99,21 @@ void draw_colour_bar(const WindowState& window, ImDrawList* draw) {
   }
 }
 
+/// How x, y and z run.
+void draw_axes(const WindowState& window, ImDrawList* draw) {
+  constexpr float kLength = 28, kToName = 11;
+  const ImVec2 origin(window.left + 50, window.height - kBarStrip - 40);
+  for (const output::AxisMark& axis : output::axis_marks(window.camera.axes(), window.figure.staging().is_anatomical)) {
+    const ImU32 colour = ImGui::ColorConvertFloat4ToU32({axis.colour.red, axis.colour.green, axis.colour.blue, 1});
+    draw->AddLine(origin, {origin.x + kLength * axis.tip.x(), origin.y + kLength * axis.tip.y()}, colour, 2);
+    const std::string name(axis.name);
+    const ImVec2 size = text_size(name);
+    draw->AddText({origin.x + (kLength + kToName) * axis.tip.x() - size.x / 2,
+                   origin.y + (kLength + kToName) * axis.tip.y() - size.y / 2},
+                  colour, name.c_str());
+  }
+}
+
 }  // namespace
 
 void draw_overlay(const WindowState& window) {
@@ -121,6 +136,7 @@ void draw_overlay(const WindowState& window) {
   draw_instruments(window, draw);
   if (window.grabbed) draw_hand(window, draw);
   draw_name(window, draw);
+  draw_axes(window, draw);
   draw_colour_bar(window, draw);
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "hexaplast/geometry/sections.hpp"
 #include "view/page_picture.hpp"
 
 namespace hexaplast::view {
@@ -11,9 +10,9 @@ namespace {
 
 /// Where the viewer stands at first: as in the pictures of a run.
 Camera first_camera(const HexMesh& mesh, const output::Staging& staging) {
-  const output::Viewpoint viewpoint = staging.viewpoint.value_or(output::beside(end_sections(mesh).axis));
-  const bool from_above = Vec3::UnitY().cross(viewpoint.towards.normalized()).norm() < 0.05;
-  return {viewpoint.up.value_or(from_above ? Vec3(-Vec3::UnitZ()) : Vec3(Vec3::UnitY())), viewpoint.towards};
+  const output::Viewpoint viewpoint = staging.seen_from(mesh);
+  const bool from_above = viewpoint.up->normalized().cross(viewpoint.towards.normalized()).norm() < 0.05;
+  return {from_above ? Vec3(output::Camera(viewpoint).up().cast<double>()) : *viewpoint.up, viewpoint.towards};
 }
 
 }  // namespace

@@ -69,6 +69,7 @@ std::pair<int, int> coloured_columns(const Image& image) {
     for (int x = 0; x < image.width; ++x) {
       const Rgb at = pixel(image, x, y);
       if (std::ranges::max(at) - std::ranges::min(at) < 22) continue;
+      if (x > 1140 && y < 150) continue;  // the axes
       first = std::min(first, x);
       last = std::max(last, x);
     }
@@ -253,6 +254,45 @@ TEST(Cut, FillsClosedSurfacesAndInstruments) {
   EXPECT_GT(difference(colour_at(in_surface, 5), bytes(output::colour_of(1))), 20) << "an open surface has no inside";
 }
 
+TEST(Up, IsAgainstGravity) {
+  const Body body(support::block({4, 1, 1}, 0.1), {Material{}});
+  const auto rises = [&](const output::Staging& staging, const Vec3& direction) {
+    Gallery gallery(body.mesh(), "up", 2, staging);
+    gallery.add(0, 0, body.mesh().positions(), {0, 0, 0, 0});
+    const output::Camera camera = drawings_of(gallery)[0].view->camera;
+    const auto at = [&](const Vec3& place) { return camera.on_page(place.cast<float>()); };
+    const Eigen::Vector2f along = at(0.1 * direction) - at(Vec3::Zero());
+    return -along.y() > 0.9 * along.norm();
+  };
+  output::Staging staging;
+  EXPECT_TRUE(rises(staging, Vec3::UnitY()));
+  staging.is_anatomical = true;
+  EXPECT_TRUE(rises(staging, Vec3::UnitZ())) << "to the head";
+  staging.gravity = Vec3(-9.81, 0, 0);
+  EXPECT_TRUE(rises(staging, Vec3::UnitX())) << "though it is the long axis";
+  staging.viewpoint = output::Viewpoint{.towards = Vec3(0.3, 0.2, 1), .up = {}};
+  EXPECT_TRUE(rises(staging, Vec3::UnitX()));
+  staging.up = Vec3(0, -1, 0);
+  EXPECT_TRUE(rises(staging, -Vec3::UnitY()));
+}
+
+TEST(Up, HasAxesNamedByWhatTheyRunTo) {
+  Mat3 from_above;  // x to the right, y away
+  from_above << 1, 0, 0, 0, 1, 0, 0, 0, 1;
+  const auto marks = output::axis_marks(from_above, true);
+  EXPECT_EQ(marks[2].name, "S");  // the nearest, seen as a point
+  EXPECT_EQ(marks[2].tip, Eigen::Vector2f(0, 0));
+  for (const output::AxisMark& mark : marks) {
+    if (mark.name == "L") {
+      EXPECT_EQ(mark.tip, Eigen::Vector2f(1, 0));
+    }
+    if (mark.name == "P") {
+      EXPECT_EQ(mark.tip, Eigen::Vector2f(0, -1));
+    }
+  }
+  EXPECT_EQ(output::axis_marks(from_above, false)[2].name, "z");
+}
+
 TEST(Picture, LeavesTheColourBarItsStripOfPaper) {
   output::Staging staging;
   staging.ghost.clear();
@@ -265,6 +305,7 @@ TEST(Picture, LeavesTheColourBarItsStripOfPaper) {
 
 TEST(Picture, NamesBothEndsOfItsScale) {
   using Labels = std::vector<std::pair<double, std::string>>;
+  EXPECT_EQ(output::labels_of_scale(0, 0.00558, 6).rbegin()[1].second, "0.004") << "0.005 would touch 0.00558";
   EXPECT_EQ(output::labels_of_scale(0, 0.353, 6),
             (Labels{{0, "0"}, {0.1, "0.1"}, {0.2, "0.2"}, {0.1 * 3, "0.3"}, {0.353, "0.353"}}));
   EXPECT_EQ(output::labels_of_scale(0.97, 1.012, 3),

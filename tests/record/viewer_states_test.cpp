@@ -225,8 +225,8 @@ TEST(ViewerFile, OfManyNodesHasFewerStatesAndSaysSo) {
   bool is_thinned = true;
   EXPECT_EQ(steps_of({9, 9, 9}, is_thinned).size(), 60u);
   EXPECT_FALSE(is_thinned);
-  const std::vector<long> few = steps_of({19, 19, 39}, is_thinned);  // 16000 nodes of 11 bytes
-  EXPECT_EQ(few.size(), 11u);
+  const std::vector<long> few = steps_of({19, 19, 39}, is_thinned);  // 16000 nodes of 12 bytes
+  EXPECT_EQ(few.size(), 10u);
   EXPECT_EQ(few.front(), 0);
   EXPECT_EQ(few.back(), 400);
   EXPECT_TRUE(is_thinned);

@@ -33,7 +33,7 @@ struct RenderOptions {
   std::optional<std::filesystem::path> video;  ///< film of all states, instead of one picture
   std::optional<double> time;                  ///< [s] the state nearest to it; otherwise the last one
   std::optional<long> step;
-  std::string field, range, view, camera, size, slice, sections;  ///< see add_render; empty: not given
+  std::string field, range, view, up, camera, size, slice, sections;  ///< see add_render; empty: not given
   std::string shape = "current";
   std::string ghost = "initial";
   std::string show;  ///< surfaces, hexahedra or both; empty: as the scene says
@@ -97,6 +97,13 @@ std::pair<int, double> axis_and_number(const char* option, const std::string& te
   return {text[0] - 'x', number[0]};
 }
 
+std::optional<Vec3> up_of(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const int axis = text.back() - 'x';
+  return (text.front() == '-' ? -1 : 1) * Vec3::Unit(axis);
+}
+
+/// To the right, up and to the front.
 struct Side {
   std::string_view name;
   std::array<double, 3> towards;
@@ -108,10 +115,11 @@ constexpr std::array<Side, 6> kSides{{{"front", {0, 0, 1}},
                                       {"top", {0, 1, 0}},
                                       {"bottom", {0, -1, 0}}}};
 
-std::optional<output::Viewpoint> viewpoint_of(const RenderOptions& options) {
+std::optional<output::Viewpoint> viewpoint_of(const RenderOptions& options, const Vec3& up) {
   if (!options.view.empty()) {
     const auto side = std::ranges::find(kSides, options.view, &Side::name);
-    if (side != kSides.end()) return output::Viewpoint{Vec3(side->towards.data()), {}, {}};
+    if (side != kSides.end())
+      return output::Viewpoint{output::standing(up).transpose() * Vec3(side->towards.data()), {}, {}};
     const std::optional<Vec3> towards = vector_of(options.view);
     if (!towards || towards->isZero(0))
       refuse("--view", options.view, "front, back, left, right, top, bottom, or a direction X,Y,Z that is not 0,0,0");
@@ -188,7 +196,8 @@ output::Staging staging_of(const RenderOptions& options) {
   output::Staging staging;
   staging.quantity = quantity_named(options.field);
   staging.range = range_of(options.range);
-  staging.viewpoint = viewpoint_of(options);
+  staging.up = up_of(options.up);
+  staging.viewpoint = viewpoint_of(options, staging.upright());
   staging.shows_edges = !options.no_edges;
   staging.ghost = ghost_name(options);
   std::tie(staging.width, staging.height) = size_of(options.size);
@@ -203,9 +212,8 @@ output::Staging staging_of(const RenderOptions& options) {
 output::Staging staging_of(const Subject& subject, const RenderOptions& options) {
   output::Staging staging = staging_of(options);
   if (subject.manifest && subject.manifest->pictures) {
-    const std::optional<output::Viewpoint> asked_for = staging.viewpoint;
     restore(*subject.manifest->pictures, staging);
-    if (asked_for) staging.viewpoint = asked_for;
+    if (const std::optional asked_for = viewpoint_of(options, staging.upright())) staging.viewpoint = asked_for;
   }
   staging.embedded_surfaces = subject.run.embedded_surfaces();
   const std::string& show = options.show;
@@ -255,7 +263,7 @@ void render_film(const Subject& subject, const RenderOptions& options, output::R
 }
 
 output::Drawing sections_of(const Subject& subject, const RecordedRun::Entry& entry, const RecordedRun::State& state,
-                            const RenderOptions& options) {
+                            const output::Staging& staging, const RenderOptions& options) {
   constexpr const char* kAllowed = "an axis and how many sections, from 1 to 100, as in z:5";
   const auto [axis, count] = axis_and_number("--sections", options.sections, kAllowed);
   if (count != std::floor(count) || count < 1 || count > kMaxSections) refuse("--sections", options.sections, kAllowed);
@@ -264,6 +272,7 @@ output::Drawing sections_of(const Subject& subject, const RecordedRun::Entry& en
   page.remark = fmt::format("t = {:.{}f} s", entry.time, subject.time_decimals());
   page.axis = axis;
   page.count = static_cast<int>(count);
+  page.up = staging.upright();
   page.quantity = quantity_named(options.field);
   page.range = range_of(options.range);
   page.shows_edges = !options.no_edges;
@@ -279,7 +288,7 @@ output::Drawing picture_of(const Subject& subject, const RenderOptions& options)
   const output::Staging staging = staging_of(subject, options);
   const RecordedRun::Entry& entry = chosen(run, options);
   const RecordedRun::State state = run.state(entry, staging.quantity);
-  if (!options.sections.empty()) return sections_of(subject, entry, state, options);
+  if (!options.sections.empty()) return sections_of(subject, entry, state, staging, options);
   if (staging.cut) require_met(*staging.cut, run, state, options);
   output::Gallery gallery(run.mesh(), subject.title(), subject.time_decimals(), staging);
   add(entry, state, options, gallery);
@@ -324,11 +333,13 @@ void add_render(CLI::App& app, Call& call) {
   add_field(command, options.field);
   command.add_option("--range", options.range, "Values at the ends of the colour bar; otherwise those that are shown")
       ->type_name("LO:HI");
-  CLI::Option* view =
-      command
-          .add_option("--view", options.view,
-                      "Where the viewer stands: front (z), back, left, right (x), top (y), bottom, or a direction")
-          ->type_name("SIDE|X,Y,Z");
+  CLI::Option* view = command
+                          .add_option("--view", options.view,
+                                      "Where the viewer stands: front, back, left, right, top, bottom, or a direction")
+                          ->type_name("SIDE|X,Y,Z");
+  command.add_option("--up", options.up, "What is up. Default: against gravity; without it the patient's head, or y")
+      ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}))
+      ->type_name("AXIS");
   CLI::Option* camera =
       command
           .add_option("--camera", options.camera,

@@ -48,13 +48,14 @@ double mm_per(const std::string& unit) {
   return unit == "cm" ? 10 : 1000;
 }
 
-void write_vtu(const std::filesystem::path& file, const VoxelMesh& made, bool ascii) {
+void write_vtu(const std::filesystem::path& file, const VoxelMesh& made, bool is_of_patient, bool ascii) {
   const HexMesh& mesh = made.mesh;
   VtuGrid grid{.points = coordinates_of(mesh.positions()), .connectivity = std::as_bytes(std::span(mesh.hexahedra()))};
   grid.add_cells(mesh.hexahedra().size(), kVtkHexahedron, kCorners);
   const std::vector<std::int32_t> labels(made.labels.begin(), made.labels.end());
   grid.cell_data.push_back(scalars("Int32", "label", labels));
   grid.shown_first = "label";
+  if (is_of_patient) grid.field_data.push_back({std::string(kOfPatient), 1});
   if (!ascii) return grid.write(file);
   WholeFile out(file);
   out.write(grid.text());
@@ -199,7 +200,7 @@ void make_voxels(const MeshVoxelsOptions& options) {
   std::optional<PlannedScene> scene;
   if (!options.scene.empty())
     scene.emplace(load_file(options.segmentation, [&] { return plan_scene(options, found, cells, made); }));
-  write_vtu(output_place(options.out, InputFiles(found.files)), made, options.ascii);
+  write_vtu(output_place(options.out, InputFiles(found.files)), made, found.has_frame, options.ascii);
   if (options.surfaces) write_surfaces(options, found, cells, made);
   if (scene) scene->write(options, found);
   print_summary(options, found.volume, made);

@@ -279,6 +279,13 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
   const Totals& totals = simulation.totals();
   const long num_steps = simulation.latest().step;
   const double per_step = totals.step_ms / static_cast<double>(std::max(num_steps, 1L));
+  for (std::size_t p = 0; p < simulation.probes().size(); ++p) {
+    const double reading = simulation.latest().probes[p];
+    const auto& [min, min_at, max, max_at] = totals.probes[p];
+    add_finite(simulation.probes()[p]->name().c_str(), {reading, min, max},
+               fmt::format("{:.6g} {}  (min {:.6g} at {:.6g} s, max {:.6g} at {:.6g} s)", reading,
+                           simulation.probes()[p]->unit(), min, min_at, max, max_at));
+  }
   add("nodes", fmt::format("{}", simulation.num_nodes()));
   if (const output::Bodies* bodies = simulation.bodies()) {
     const output::Summary summary = output::summarise(*bodies, simulation.positions());
@@ -323,16 +330,12 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
     add_largest("plastic strain", "max, in", summary.plastic_strain);
     if (num_steps > 0) add("speed", fmt::format("{:.1f} hex/ms", bodies->mesh().num_elements() / per_step));
   }
-  for (std::size_t p = 0; p < simulation.probes().size(); ++p) {
-    const double reading = simulation.latest().probes[p];
-    add_finite(simulation.probes()[p]->name().c_str(), {reading},
-               fmt::format("{:.6g} {}", reading, simulation.probes()[p]->unit()));
-  }
   if (const std::optional<EnergyBalance>& energy = simulation.latest().energy)
     add_finite("energy", {energy->error()}, energy_line(*energy, totals.energy_put_in));
   if (num_steps > 0)
-    add("step", fmt::format("{:.3f} ms, {:.1f} solver iterations", per_step,
-                            static_cast<double>(totals.iterations) / static_cast<double>(num_steps)));
+    add("step", fmt::format("{:.3f} ms, {:.1f} solver iterations, {:.3g} times real time", per_step,
+                            static_cast<double>(totals.iterations) / static_cast<double>(num_steps),
+                            1000 * simulation.dt() / per_step));
   if (totals.threshold_solves > 0)
     add("not solved", fmt::format("{} of {} steps, in which the linear solver stopped at its threshold above its "
                                   "tolerance",

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 
 #include "hexaplast/base/error.hpp"
 #include "runner/exit_code.hpp"
@@ -61,6 +62,7 @@ Simulation::Simulation(const SceneOptions& options)
   if (!scene_bodies_.empty()) bodies_.emplace(entries_of(scene_bodies_));
   latest_ = record_of(0, {}, 0);
   load_time_ = scene_.time();
+  note_extremes();
 }
 
 const PointArray& Simulation::positions() { return scene::positions_of(shown_states_, positions_); }
@@ -115,14 +117,14 @@ const output::StepRecord& Simulation::step() {
     totals_.max_inverted = latest_.flow.inverted;
     totals_.max_inverted_in = step;
   }
-  note_energy();
+  note_extremes();
   return latest_;
 }
 
 void Simulation::keep_energy_balance() {
   for (scene::OdeSolver* solver : solvers_) solver->keep_energy_balance();
   latest_ = record_of(0, {}, 0);
-  note_energy();
+  note_extremes();
 }
 
 void Simulation::reset() {
@@ -130,7 +132,7 @@ void Simulation::reset() {
   latest_ = record_of(0, {}, 0);
   load_time_ = scene_.time();
   totals_ = {};
-  note_energy();
+  note_extremes();
 }
 
 void Simulation::serialize(Archive& archive) {
@@ -146,6 +148,8 @@ void Simulation::serialize_totals(Archive& archive) {
           totals_.rolled_back, totals_.first_removal, totals_.latest_removal, totals_.max_inverted,
           totals_.max_inverted_in, totals_.energy_put_in);
   for (long& steps : totals_.steps_by_preconditioner) archive(steps);
+  totals_.probes.resize(latest_.probes.size());
+  for (Totals::Extremes& probe : totals_.probes) archive(probe.min, probe.min_at, probe.max, probe.max_at);
 }
 
 long Simulation::saved_step(Archive archive) {
@@ -154,10 +158,19 @@ long Simulation::saved_step(Archive archive) {
   return step;
 }
 
-void Simulation::note_energy() {
+void Simulation::note_extremes() {
   if (const std::optional<EnergyBalance>& energy = latest_.energy)
     totals_.energy_put_in = std::max(totals_.energy_put_in, energy->initial + energy->load_work + energy->support_work +
                                                                 energy->recovery_work + energy->change_work);
+  const double time = latest_.time;
+  totals_.probes.resize(latest_.probes.size(), {std::numeric_limits<double>::infinity(), time,
+                                                -std::numeric_limits<double>::infinity(), time});
+  for (std::size_t p = 0; p < latest_.probes.size(); ++p) {
+    Totals::Extremes& extremes = totals_.probes[p];
+    const double reading = latest_.probes[p];
+    if (reading < extremes.min) extremes.min = reading, extremes.min_at = time;
+    if (reading > extremes.max) extremes.max = reading, extremes.max_at = time;
+  }
 }
 
 output::StepRecord Simulation::record_of(long step, const SolveReport& solve, double step_ms) {

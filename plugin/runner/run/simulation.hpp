@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "record/recorder.hpp"
 #include "runner/run/scene_file.hpp"
@@ -25,6 +26,13 @@ struct Totals {
   long rolled_back = 0;      ///< plastic steps of hexahedra that were rolled back
   int max_inverted = 0;      ///< hexahedra that were inverted in one step
   long max_inverted_in = 0;  ///< the first such step
+
+  /// The least and the greatest reading of a probe, and when [s] it first was so.
+  struct Extremes {
+    double min = 0, min_at = 0, max = 0, max_at = 0;
+  };
+  std::vector<Extremes> probes = {};  ///< one per probe
+
   double energy_put_in = 0;  ///< [J] that it began with, and work of loads and supports: the most so far
 };
 
@@ -98,7 +106,7 @@ class Simulation {
 
  private:
   output::StepRecord record_of(long step, const SolveReport& solve, double step_ms);
-  void note_energy();
+  void note_extremes();
 
   scene::Scene scene_;
   std::vector<scene::MechanicalState*> states_;  // independent ones

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "runner/run/staging.hpp"
 
+#include <algorithm>
 #include <optional>
 
 #include "scene/visuals.hpp"
@@ -62,6 +63,8 @@ output::Staging staging_of(Simulation& simulation) {
   staging.shows_hexahedra = shows_hexahedra.value_or(staging.embedded_surfaces.empty());
 
   staging.gravity = root.clock().gravity;
+  staging.is_anatomical = std::ranges::any_of(root.all<scene::MayBeOfPatient>(),
+                                              [](scene::MayBeOfPatient* mesh) { return mesh->is_of_patient(); });
   if (const std::vector cameras = root.all<scene::Camera>(); !cameras.empty())
     staging.viewpoint = viewpoint_of(*cameras.front());
   return staging;
@@ -72,7 +75,8 @@ output::PictureRecord record_of(const output::Staging& staging) {
           .is_wireframe = staging.is_wireframe,
           .shows_loads = staging.shows_loads,
           .viewpoint = staging.viewpoint,
-          .gravity = staging.gravity};
+          .gravity = staging.gravity,
+          .is_anatomical = staging.is_anatomical};
 }
 
 void restore(const output::PictureRecord& record, output::Staging& staging) {
@@ -81,6 +85,7 @@ void restore(const output::PictureRecord& record, output::Staging& staging) {
   staging.shows_loads = record.shows_loads;
   staging.viewpoint = record.viewpoint;
   staging.gravity = record.gravity;
+  staging.is_anatomical = record.is_anatomical;
 }
 
 }  // namespace hexaplast::runner

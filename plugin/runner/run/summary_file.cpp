@@ -49,14 +49,19 @@ Json summary_json(Simulation& simulation) {
                {"dissipated_energy", bodies.dissipated_energy()},
                {"energy_error", latest.energy ? Json(latest.energy->error()) : Json(nullptr)},
                {"probes", Json::object()},
+               {"probe_extremes", Json::object()},
                {"doubts", check_results(simulation)}};
   if (measures_ends(simulation))
     json.update({{"plastic_elongation", summary.plastic_elongation},
                  {"plastic_twist_deg", summary.plastic_twist_deg},
                  {"current_elongation", summary.current_elongation},
                  {"current_twist_deg", summary.current_twist_deg}});
-  for (std::size_t p = 0; p < simulation.probes().size(); ++p)
-    json["probes"][simulation.probes()[p]->name()] = latest.probes[p];
+  for (std::size_t p = 0; p < simulation.probes().size(); ++p) {
+    const std::string& name = simulation.probes()[p]->name();
+    const auto& [min, min_at, max, max_at] = totals.probes[p];
+    json["probes"][name] = latest.probes[p];
+    json["probe_extremes"][name] = {{"min", min}, {"min_time", min_at}, {"max", max}, {"max_time", max_at}};
+  }
   return json;
 }
 

@@ -56,6 +56,7 @@ TEST_F(MeshVoxels, MakesTheSameMeshOfEveryFormat) {
     states.push_back(written("liver" + ending + ".vtu"));
     ASSERT_EQ(states.back().cell_data.size(), 1u);
     EXPECT_EQ(states.back().cell_data.front().name, "label");
+    EXPECT_TRUE(states.back().mesh.is_of_patient);
   }
   for (const ImportedState& state : states) {
     EXPECT_EQ(state.mesh.hexahedra, states.front().mesh.hexahedra);

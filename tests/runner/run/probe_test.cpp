@@ -61,10 +61,20 @@ TEST_F(Probes, AreColumnsOfTheHistoryLinesOfTheSummaryAndChartsOfTheReport) {
   EXPECT_EQ(last("strain"), json("summary.json")["largest_plastic_strain"]);
   EXPECT_NEAR(last("volumes"), vector(state["volume_ratio"]).head(4).sum(), 1e-14);
 
-  for (const char* line : {"\n  tip                 ", " m\n", "\n  pull                ", " N\n", "\n  strain"})
+  for (const char* line :
+       {"\n  tip                 ", " m  (min 0 at 0 s, max ", "\n  pull                ", " N  (min ", "\n  strain"})
     EXPECT_TRUE(has(outcome.out, line));
+  EXPECT_TRUE(has(outcome.out, " times real time\n"));
   const std::string report = read("run/report.html");
   for (const char* title : {"pull_z", "tip_y", "volumes"}) EXPECT_TRUE(has(report, title));
+
+  const std::vector<double> pulls = history().numbers("probe_pull_z"), times = history().numbers("time");
+  const Json extremes = json("summary.json")["probe_extremes"]["pull_z"];
+  const auto [min, max] = std::ranges::minmax_element(pulls);
+  EXPECT_EQ(extremes["min"], *min);
+  EXPECT_EQ(extremes["max"], *max);
+  EXPECT_EQ(extremes["min_time"], times[static_cast<std::size_t>(min - pulls.begin())]);
+  EXPECT_EQ(extremes["max_time"], times[static_cast<std::size_t>(std::ranges::max_element(pulls) - pulls.begin())]);
 }
 
 TEST_F(Probes, ChangeNothingAndGoOnFromACheckpoint) {

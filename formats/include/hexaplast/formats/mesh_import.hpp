@@ -24,7 +24,8 @@ struct ImportedMesh {
   std::vector<Hexahedron> hexahedra;
   std::map<std::string, int> skipped = {};  ///< how many cells of other kinds, by what the file calls them
   int num_copies = 0;                       ///< cells that stand there again
-  int num_degenerate = 0;  ///< triangles of .stl files that are left out, as two of their corners are in one place
+  bool is_of_patient = false;  ///< x, y and z run to the left, the back and the head (LPS), as `mesh voxels` writes
+  int num_degenerate = 0;      ///< triangles of .stl files that are left out, as two of their corners are in one place
 };
 
 /// Numbers that a file holds per point or per cell.
