@@ -44,7 +44,7 @@ void carry_out(const std::string& name, int count) {
   x.col(0) += 0.1 * x.col(2);
   body.linearize(x);
   MatrixFreeSystem system;
-  body.describe(-1, system);
+  body.add_operator(-1, system);
   const std::size_t size = 4 * static_cast<std::size_t>(body.state().model.partition->num_slots);
   AlignedVector<double> p(size, 1.0), Ap(size, 0.0);
   PointArray product = PointArray::Zero(x.rows(), 3);
