@@ -355,7 +355,9 @@ std::vector<std::string> Recorder::Files::draw_pictures() {
   return {};
 }
 
-std::string probe_column(std::string_view probe) { return fmt::format("probe_{}", probe); }
+std::string probe_column(std::string_view probe) {
+  return fmt::format("{}{}", probe.starts_with("probe_") ? "" : "probe_", probe);
+}
 
 void require_saved_files(const fs::path& directory, Archive& saved) {
   const LineFile history(directory / "history.csv", saved), removed(directory / "removed.csv", saved);

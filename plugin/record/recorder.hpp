@@ -125,7 +125,7 @@ Summary summarise(const Bodies& bodies, ConstPoints positions);
 std::string state_hash(long step, ConstPoints positions, ConstPoints velocities, const Body* body);
 std::string state_hash(long step, ConstPoints positions, ConstPoints velocities, std::span<const Bodies::Entry> bodies);
 
-/// The column of history.csv that a probe has. No other column ever begins so.
+/// The column of history.csv that a probe has: its name, after "probe_" unless it begins so. No other column does.
 std::string probe_column(std::string_view probe);
 
 /// Looks whether the files of a run are those of a checkpoint, without changing them; `saved` is what save() left.

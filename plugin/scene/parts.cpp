@@ -113,8 +113,10 @@ std::vector<Probe*> probes_of(Scene& scene) {
     };
     if (!is_plain_name(name)) refuse("names a column of history.csv: the name must be of letters, digits, _, - and .");
     for (std::size_t other = 0; other < p; ++other)
-      if (probes[other]->name() == name)
+      if (const std::string& taken = probes[other]->name(); taken == name)
         refuse("a second probe of that name; columns of history.csv need names of their own");
+      else if (taken == "probe_" + name || name == "probe_" + taken)
+        refuse(fmt::format("its column of history.csv has the name of that of Probe '{}'", taken));
   }
   return probes;
 }

@@ -133,6 +133,8 @@ def find_columns(target, scene):
     """Gives columns of probes the units of the scene (as `hexaplast describe` tells it). Refuses what it does not measure."""
     units = {probe["name"]: probe["unit"] for probe in scene["probes"]}
     for column in target.columns:
+        if column.is_probe and column.name not in units and f"probe_{column.name}" in units:
+            column.name = column.label = f"probe_{column.name}"
         if column.is_probe and column.name not in units:
             target.refuse(target.head_line, f"column '{column.name}' is not known; comparable are "
                           f"{', '.join([*QUANTITIES, *units])}, and probes of the scene. --compare chooses some columns of "

@@ -171,7 +171,7 @@ def carry_out(task):
         doubts = summary.pop("doubts")
         case["step_ms"] = summary.pop("step_ms")
         case["results"] = {**{name: summary[name] for name in (*ENDS, *RESULTS) if name in summary},
-                           **{f"probe_{name}": value for name, value in summary["probes"].items()}}
+                           **{f"probe_{name.removeprefix('probe_')}": value for name, value in summary["probes"].items()}}
         (part / "messages.txt").unlink()
     elif task.has_data:
         (part / DATA).unlink(missing_ok=True)

@@ -359,6 +359,14 @@ void warn_of_averaging(const Simulation& simulation) {
                  simulation.latest().step);
 }
 
+void warn_of_probes(const Simulation& simulation) {
+  for (std::size_t p = 0; p < simulation.probes().size(); ++p) {
+    const Totals::Extremes& extremes = simulation.totals().probes[p];
+    if (simulation.latest().step > 0 && extremes.min == 0 && extremes.max == 0)
+      spdlog::warn("warning: the probe '{}' was 0 throughout", simulation.probes()[p]->name());
+  }
+}
+
 output::Manifest manifest_of(Simulation& simulation, long num_steps, const RunOptions& options) {
   output::Manifest manifest = describe_run(simulation.scene());
   manifest.command = options.command;
@@ -400,6 +408,7 @@ void carry_out(Simulation& simulation, long num_steps, Files& files, const RunOp
   flush_standard_output();
   log_warnings(simulation.scene());
   warn_of_averaging(simulation);
+  warn_of_probes(simulation);
   const std::vector<std::string> doubts = check_results(simulation);
   for (const std::string& doubt : doubts) spdlog::warn("warning: {}", doubt);
   if (options.strict && !doubts.empty() && requested_signal() == 0)

@@ -105,6 +105,20 @@ TEST_F(Probes, HaveColumnsThatNoOtherColumnIsCalledLike) {
   EXPECT_NEAR(last("step_ms"), 0.45, 0.05);
 }
 
+TEST_F(Probes, CalledProbeHaveColumnsOfTheirName) {
+  write_scene("  <Probe name='probe_tip' value='@nodes.position' indices='80'/>\n");
+  EXPECT_EQ(succeeds("run bar.scn --out run --frames 0").err, "");
+  EXPECT_EQ(std::ranges::count(history().columns(), "probe_tip"), 1);
+}
+
+TEST_F(Probes, ThatAreZeroThroughoutAreNamed) {
+  write_scene(
+      "  <Probe name='wide' value='@nodes.position' indices='0' component='x'/>\n"
+      "  <Probe name='pull' value='@forceps.force'/>\n");
+  EXPECT_EQ(succeeds("run bar.scn").err, "warning: the probe 'wide' was 0 throughout\n");
+  EXPECT_TRUE(has(succeeds("run bar.scn --steps 3").err, "the probe 'pull' was 0 throughout")) << "not grasped yet";
+}
+
 TEST_F(Probes, OfConstraintsTellWhatBalancesABodyAtRest) {
   // at rest the support carries what the forceps pull, in force and in moment
   write_scene(R"xml(  <Probe name="fx" value="@held.reaction" component="x"/>
@@ -231,7 +245,9 @@ TEST_F(Probes, ThatCannotBeReadAreRefused) {
            {"<Probe name='the tip' value='@nodes.position'/>", "14: error: Probe 'the tip': names a column"},
            {"<Node name='a'><Probe name='tip' value='@../nodes.position'/></Node>\n<Node name='b'><Probe name='tip' "
             "value='@../nodes.position'/></Node>",
-            "15: error: Probe 'tip': a second probe of that name"}}) {
+            "15: error: Probe 'tip': a second probe of that name"},
+           {"<Probe name='probe_tip' value='@nodes.position'/>\n<Probe name='tip' value='@nodes.position'/>",
+            "15: error: Probe 'tip': its column of history.csv has the name of that of Probe 'probe_tip'"}}) {
     write_scene(probe + "\n");
     expect_refused({{"run bar.scn --out run --frames 0", 3, "bar.scn:" + message}});
     EXPECT_FALSE(is_there("run/history.csv"));
