@@ -197,11 +197,18 @@ void Instrument::look_at_start(double time, const OfTwo<ConstPoints>& x) {
   has_looked_at_start_ = true;
 }
 
+/// Whether some part of the path reaches the box around the surface.
 bool Instrument::path_comes_near(ConstPoints x) const {
-  const PointArray at_rest = PointArray::Zero(x.rows(), 3);
+  const ConstPoints surface = options_.embedded_triangles.empty() ? x : ConstPoints(options_.embedded_positions);
+  const double reach = contact_->solid().reach() + accepted_settings(options_.contact, default_stiffness_).distance;
+  const Eigen::AlignedBox3d near(surface.colwise().minCoeff().transpose().array() - 1.01 * reach,
+                                 surface.colwise().maxCoeff().transpose().array() + 1.01 * reach);
   const std::vector<double>& times = options_.key_times;
-  for (std::size_t k = 0; k < times.size(); ++k)
-    if (comes_near(x, at_rest, 0, pose_at(times[k]), pose_at(times[std::min(k + 1, times.size() - 1)]))) return true;
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    Eigen::AlignedBox3d way(pose_at(times[k]).position);
+    way.extend(pose_at(times[std::min(k + 1, times.size() - 1)]).position);
+    if (way.intersects(near)) return true;
+  }
   return false;
 }
 

@@ -31,7 +31,12 @@ std::string snake_case(const std::string& attribute) {
 
 template <class T>
 std::optional<T> given(const py::dict& arguments, const char* name) {
-  return arguments[name].cast<std::optional<T>>();
+  const py::object value = arguments[name];
+  try {
+    return value.cast<std::optional<T>>();
+  } catch (const py::cast_error&) {
+    throw py::type_error(fmt::format("{} = {}: is of another type", name, py::repr(value).cast<std::string>()));
+  }
 }
 
 parts::InstrumentOptions::Shape shape_named(const std::string& word) {
@@ -42,9 +47,13 @@ parts::InstrumentOptions::Shape shape_named(const std::string& word) {
 /// (positions, triangles)
 void set_surface(parts::InstrumentOptions& options, const py::object& surface) {
   if (surface.is_none()) return;
-  const auto [positions, triangles] = surface.cast<std::pair<py::object, std::vector<Triangle>>>();
-  options.surface_positions = as_points(points("surface[0]", positions));
-  options.surface_triangles = triangles;
+  try {
+    const auto [positions, triangles] = surface.cast<std::pair<py::object, std::vector<Triangle>>>();
+    options.surface_positions = as_points(points("surface[0]", positions));
+    options.surface_triangles = triangles;
+  } catch (const py::cast_error&) {
+    throw py::type_error("surface: must be (positions, triangles)");
+  }
 }
 
 }  // namespace
@@ -77,8 +86,8 @@ void Tool::serialize(Archive& archive) {
 }
 
 SolidTool::SolidTool(std::shared_ptr<Body> body, const Pose& start, parts::InstrumentOptions options,
-                     py::dict arguments)
-    : Tool(body, start, std::move(arguments)), part_(std::move(options), around(*body)) {}
+                     const py::dict& arguments)
+    : Tool(body, start, arguments), part_(std::move(options), around(*body)) {}
 
 void SolidTool::set_active(bool is_active) {
   parts::InstrumentOptions options = part_.options();
@@ -102,8 +111,8 @@ output::Instrument SolidTool::shown() const {
           .shape_triangles = shape.triangles};
 }
 
-Grip::Grip(std::shared_ptr<Body> body, const Vec3& position, parts::GraspOptions options, py::dict arguments)
-    : Tool(body, {.position = position}, std::move(arguments)), part_(std::move(options), around(*body)) {}
+Grip::Grip(std::shared_ptr<Body> body, const Vec3& position, parts::GraspOptions options, const py::dict& arguments)
+    : Tool(body, {.position = position}, arguments), part_(std::move(options), around(*body)) {}
 
 void Grip::reset() {
   Tool::reset();
@@ -123,7 +132,7 @@ std::shared_ptr<SolidTool> make_solid_tool(std::shared_ptr<Body> body, const py:
   options.shape = shape_named(arguments["shape"].cast<std::string>());
   options.radius = given<double>(arguments, "radius");
   options.length = given<double>(arguments, "length");
-  if (const auto size = given<std::array<double, 3>>(arguments, "size")) options.size = Vec3::Map(size->data());
+  if (const py::object size = arguments["size"]; !size.is_none()) options.size = vector_from("size", size);
   set_surface(options, arguments["surface"]);
   options.contact = {.contact_stiffness = given<double>(arguments, "contact_stiffness"),
                      .tangential_stiffness = given<double>(arguments, "tangential_stiffness"),

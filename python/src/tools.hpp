@@ -18,8 +18,13 @@ namespace hexaplast::python {
 /// Goes within a step to where it is set, or on with its velocity.
 class Tool {
  public:
-  Tool(std::shared_ptr<Body> body, const Pose& start, py::dict arguments)
-      : body_(std::move(body)), arguments_(std::move(arguments)), start_(start), now_(start), target_(start) {}
+  /// arguments: whose arrays may change afterwards, which does not concern copies of this.
+  Tool(std::shared_ptr<Body> body, const Pose& start, const py::dict& arguments)
+      : body_(std::move(body)),
+        arguments_(py::module_::import("copy").attr("deepcopy")(arguments)),
+        start_(start),
+        now_(start),
+        target_(start) {}
   virtual ~Tool() = default;
 
   std::atomic_flag& body_taken() { return body_->taken(); }
@@ -53,7 +58,7 @@ class Tool {
 /// A solid that touches.
 class SolidTool final : public Instrument, public Tool {  // pybind11 wants the one that it knows first
  public:
-  SolidTool(std::shared_ptr<Body> body, const Pose& start, parts::InstrumentOptions options, py::dict arguments);
+  SolidTool(std::shared_ptr<Body> body, const Pose& start, parts::InstrumentOptions options, const py::dict& arguments);
 
   std::atomic_flag& taken() override { return body_taken(); }
   Pose pose() const override { return now(); }
@@ -77,7 +82,7 @@ class SolidTool final : public Instrument, public Tool {  // pybind11 wants the 
 /// Forceps that hold nodes.
 class Grip final : public Tool {
  public:
-  Grip(std::shared_ptr<Body> body, const Vec3& position, parts::GraspOptions options, py::dict arguments);
+  Grip(std::shared_ptr<Body> body, const Vec3& position, parts::GraspOptions options, const py::dict& arguments);
 
   std::atomic_flag& taken() { return body_taken(); }
   bool is_closed() const { return is_closed_; }

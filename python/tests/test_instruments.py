@@ -302,6 +302,27 @@ def test_instruments_and_grips_that_cannot_be_are_refused():
         grip.velocity = (0, 0, np.inf)
 
 
+def test_a_copy_has_the_arguments_that_the_original_was_made_with():
+    simulation = block()
+    size, mask = np.full(3, 0.05), simulation.body.initial_positions[:, 2] > 0.09
+    simulation.add_instrument("box", size=size, pose=(0.1, 0.1, 0.2))
+    grip = simulation.add_grip(simulation.positions[-1], nodes=mask, stiffness=500)  # a view that follows the motion
+    start = grip.position.copy()
+    size[:], mask[:] = 0.01, False
+    grip.velocity = (0, 0, 0.05)
+    grip.close()
+    simulation.run(5)
+    copy = simulation.copy()
+    copy.reset()
+    assert (copy.grips[0].position == start).all()
+    copy.grips[0].close()
+    copy.step()
+    assert len(copy.grips[0].nodes) == 25
+    for wrong in ({"size": (1, 2)}, {"surface": 5}, {"radius": "a"}):
+        with pytest.raises((TypeError, ValueError), match=next(iter(wrong))):
+            simulation.add_instrument("box", **wrong)
+
+
 def test_pictures_show_instruments():
     simulation = block()
     before = simulation.picture()

@@ -506,11 +506,16 @@ TEST(InstrumentContactForceField, WarnsOfWhatIsHardlyMeant) {
   EXPECT_EQ(warnings(ball + ".038"), "");
   EXPECT_EQ(warnings(ball + ".0379"), "") << "it touches";
   EXPECT_EQ(warnings("embeddedPositions='.01 .01 .01  .02 .01 .01  .01 .02 .01  .01 .01 .02' embeddedTriangles='0 2 1  "
-                     "0 1 3  0 3 2  1 2 3' radius='.008' positions='.04 .04 .03"),
+                     "0 1 3  0 3 2  1 2 3' radius='.008' positions='.025 .025 .026"),
             "")
       << "in the gap between a surface and its cage";
   const std::string from_above = "radius='.008' keyTimes='0 1' positions='.03 .03 .1  .03 .03 ";
   EXPECT_EQ(warnings_along(from_above + ".038"), "");
+  EXPECT_NE(warnings("embeddedPositions='.01 .01 .01  .02 .01 .01  .01 .02 .01  .01 .01 .02' embeddedTriangles='0 2 1  "
+                     "0 1 3  0 3 2  1 2 3' radius='.008' positions='.04 .04 .03")
+                .find("positions: the path never comes near the body"),
+            std::string::npos)
+      << "within the cage, and away from the surface";
   EXPECT_NE(warnings_along(from_above + ".05").find("positions: the path never comes near the body"),
             std::string::npos);
 

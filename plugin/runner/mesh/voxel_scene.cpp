@@ -52,7 +52,7 @@ Support support_of(const std::string& hold, const Box& body, double edge) {
     const auto at = static_cast<int>(side - kSides.begin());
     axis = at / 2;
     at_greater = at % 2 == 0;
-    const double depth = std::max(kHeld * body.sizes()[axis], edge);
+    const double depth = std::max(kHeld * body.sizes()[axis], edge / 2);  // one layer of nodes at least
     found.box = Box(body.min().array() - edge / 2, body.max().array() + edge / 2);
     (at_greater ? found.box.min() : found.box.max())[axis] =
         at_greater ? body.max()[axis] - depth : body.min()[axis] + depth;
@@ -90,6 +90,8 @@ std::string identifier(std::string name) {
 bool is_hold(const std::string& word) { return std::ranges::find(kSides, word) != kSides.end() || box_in(word); }
 
 std::string scene_of_voxels(const VoxelScene& options, const VoxelMesh& made, const PointArray& surface) {
+  std::string title = options.title;  // two hyphens end a comment
+  for (std::size_t at; (at = title.find("--")) != std::string::npos;) title.replace(at, 2, "-");
   const PointArray& x = made.mesh.positions();
   const Box body(Vec3(x.colwise().minCoeff().transpose()), Vec3(x.colwise().maxCoeff().transpose()));
   const double edge = quality(made.mesh).longest_edge;
@@ -109,14 +111,17 @@ std::string scene_of_voxels(const VoxelScene& options, const VoxelMesh& made, co
   std::map<int, int> count;
   for (const int label : made.labels) ++count[label];
   const int commonest = std::ranges::max_element(count, {}, [](const auto& each) { return each.second; })->first;
+  constexpr std::array kSuffixes = {"", "_cells", "_strain"};  // of a region, its selection and its probe
   std::string regions, probes;
   std::set<std::string> taken = {"nodes", "material", "supports", "surface", "skin",
                                  "ball",  "forceps",  "loader",   "push",    "pull"};
   for (const auto& [label, hexahedra] : count) {
     const auto named = options.names.find(label);
     std::string name = named == options.names.end() ? "" : identifier(named->second);
-    if (name.empty() || !taken.insert(name).second || !taken.insert(name + "_cells").second)
+    if (name.empty() || name.starts_with("label_") || name.starts_with("probe_") ||
+        std::ranges::any_of(kSuffixes, [&](const char* suffix) { return taken.contains(name + suffix); }))
       name = fmt::format("label_{}", label);
+    for (const char* suffix : kSuffixes) taken.insert(name + suffix);
     const std::string cells = name + "_cells";
     regions += fmt::format(
         "    <IndicesFromValues name=\"{}\" global=\"@loader.label\" values=\"{}\" recursiveSearch=\"true\"/>\n", cells,
@@ -190,7 +195,7 @@ std::string scene_of_voxels(const VoxelScene& options, const VoxelMesh& made, co
 {probes}  </Node>
 </Node>
 )",
-      fmt::arg("title", escaped(options.title)), fmt::arg("mesh", escaped(options.mesh_file)),
+      fmt::arg("title", escaped(title)), fmt::arg("mesh", escaped(options.mesh_file)),
       fmt::arg("surface", escaped(options.surface_file)),
       fmt::arg("material", fmt::format(kMaterial, "poissonRatio=\"0.45\" ")), fmt::arg("regions", regions),
       fmt::arg("low", numbers(held.min())), fmt::arg("high", numbers(held.max())), fmt::arg("radius", radius),

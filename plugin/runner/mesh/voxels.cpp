@@ -17,6 +17,7 @@
 #include "hexaplast/formats/mesh_export.hpp"
 #include "hexaplast/formats/volume_import.hpp"
 #include "hexaplast/formats/whole_file.hpp"
+#include "hexaplast/geometry/embed.hpp"
 #include "runner/mesh/command.hpp"
 #include "runner/mesh/file.hpp"
 #include "runner/mesh/voxel_scene.hpp"
@@ -87,20 +88,38 @@ void write_surfaces(const MeshVoxelsOptions& options, const ImportedVolume& foun
   }
 }
 
-/// The surface around all that has a label, as fine as the image unless that makes it too large.
-VoxelSurface outer_surface(const ImportedVolume& found, VoxelCells cells) {
+/// The surface around all that has a label, as fine as the image unless that makes it too large. Where a mesh covers
+/// its voxels, parts that hang together there may not do so in the image: all are kept that lie within the mesh.
+VoxelSurface outer_surface(const ImportedVolume& found, VoxelCells cells, const HexMesh& mesh) {
   constexpr double kMostHexahedra = 250'000;
   double num_voxels = 0;
   for (std::size_t l = 1; l <= found.volume.labels().size(); ++l)
     num_voxels += static_cast<double>(found.volume.count(l));
   const auto least = static_cast<int>(std::ceil(std::cbrt(num_voxels / kMostHexahedra)));
+  bool chooses = false;
   if (least < cells.coarsening) {
     cells.coarsening = std::max(least, 1);
+    chooses = cells.covers && cells.largest_part;
     cells.covers = false;
+    cells.largest_part = cells.largest_part && !chooses;
   }
   VoxelMesh fine = mesh_of_voxels(found.volume, cells);
   std::ranges::fill(fine.labels, 1);
+  if (chooses) {
+    PointArray centres(fine.mesh.num_elements(), 3);
+    for (int e = 0; e < fine.mesh.num_elements(); ++e)
+      centres.row(e) =
+          gather(fine.mesh.positions(), fine.mesh.hexahedra()[static_cast<std::size_t>(e)]).colwise().mean();
+    const Embedding in_mesh(mesh.positions(), mesh.hexahedra(), centres);
+    for (int e = 0; e < fine.mesh.num_elements(); ++e)
+      if (std::ranges::min(in_mesh.weights_of(e)) < 0) fine.labels[static_cast<std::size_t>(e)] = 2;
+  }
   return smooth_surface(fine, 1, found, cells);
+}
+
+/// Without links.
+std::filesystem::path directory_of(const std::filesystem::path& file) {
+  return std::filesystem::weakly_canonical(std::filesystem::absolute(file).parent_path());
 }
 
 /// A scene and the surface that it embeds, before they are written.
@@ -122,12 +141,10 @@ struct PlannedScene {
 PlannedScene plan_scene(const MeshVoxelsOptions& options, const ImportedVolume& found, const VoxelCells& cells,
                         const VoxelMesh& made) {
   const auto seen_from_scene = [&](const std::filesystem::path& of) {
-    return std::filesystem::absolute(of)
-        .lexically_normal()
-        .lexically_relative(std::filesystem::absolute(options.scene).lexically_normal().parent_path())
-        .generic_string();
+    return (directory_of(of) / of.filename()).lexically_relative(directory_of(options.scene)).generic_string();
   };
-  PlannedScene scene{.surface_file = surface_place(options.out, "surface"), .surface = outer_surface(found, cells)};
+  PlannedScene scene{.surface_file = surface_place(options.out, "surface"),
+                     .surface = outer_surface(found, cells, made.mesh)};
   const VoxelScene words{.title = options.scene.stem().string(),
                          .mesh_file = seen_from_scene(options.out),
                          .surface_file = seen_from_scene(scene.surface_file),
@@ -186,9 +203,15 @@ void make_voxels(const MeshVoxelsOptions& options) {
   require_vtu(options.out);
   if (!options.scene.empty() && options.unit != "m")
     throw UsageError("--scene: scenes are in metres: leave --unit out");
-  if (!options.scene.empty() && !options.force && std::filesystem::exists(options.scene))
-    throw OutputError(
-        fmt::format("{} is there already: take another name, or --force to replace it", options.scene.string()));
+  if (!options.scene.empty()) {
+    if (options.scene.extension() != ".scn") throw UsageError("--scene: the name must end in .scn");
+    for (const std::filesystem::path& file : {options.scene, surface_place(options.out, "surface")})
+      if (!options.force && std::filesystem::exists(file))
+        throw OutputError(
+            fmt::format("{} is there already: take another name, or --force to replace it", file.string()));
+    if (!std::filesystem::is_directory(directory_of(options.scene)))
+      throw OutputError(fmt::format("{}: no such directory", directory_of(options.scene).string()));
+  }
   const VoxelCells cells{.labels = options.labels,
                          .coarsening = options.coarsening,
                          .covers = options.covers,

@@ -149,6 +149,15 @@ TEST_F(MeshVoxels, SceneOfASegmentationRuns) {
   EXPECT_FALSE(has(said, "push"));
   EXPECT_GT(json("sum")["probes"]["push"], 0.1) << "[N] in the middle of the time for which the ball presses";
 
+  // two segments of one name, and one that a region without a name would have
+  write("twice.seg.nrrd",
+        replaced(replaced(read("liver.seg.nrrd"), "Name:=vessel", "Name:=tumour"), "Name:=liver", "Name:=label_3"));
+  succeeds("mesh voxels twice.seg.nrrd --coarsen 4 --largest-part --cover -o twice.vtu --scene twice--x.scn");
+  const Json twice = Json::parse(succeeds("check twice--x.scn --json").out);
+  EXPECT_EQ(twice["regions"][0]["path"], "organ/tumour");
+  EXPECT_EQ(twice["regions"][1]["path"], "organ/label_3");
+  succeeds("run twice--x.scn --steps 1");
+
   // a scene that is there has been edited, perhaps
   const std::string before = read("a & b.scn");
   EXPECT_EQ(hexaplast(make + "--hold left --scene 'a & b.scn'").code, 5);
@@ -157,7 +166,7 @@ TEST_F(MeshVoxels, SceneOfASegmentationRuns) {
   EXPECT_NE(read("a & b.scn"), before);
 
   for (const auto& [hold, what] : {std::pair("'9 9 9 9 9 9'", "0 of "), {"above", "a side or a box"}}) {
-    const Outcome wrong = hexaplast(make + "--scene new.scn --hold " + hold);
+    const Outcome wrong = hexaplast(make + "--scene new.scn --force --hold " + hold);
     EXPECT_EQ(wrong.code, 2);
     EXPECT_TRUE(has(wrong.err, what)) << wrong.err;
     EXPECT_FALSE(std::filesystem::exists(directory_ / "new.scn"));
