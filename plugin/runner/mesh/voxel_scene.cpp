@@ -138,8 +138,8 @@ std::string scene_of_voxels(const VoxelScene& options, const VoxelMesh& made, co
 <!--
   {title}
 
-  A ball presses into the tissue and draws back; then forceps draw it out and let go. SI units; x to the left, y to the back, z to the head, where the image
-  says so. Materials are values to begin with: replace them by your own.
+  A ball presses into the tissue and draws back; then forceps draw it out and let go. SI units; x to the left, y to the
+  back, z to the head, where the image says so. Materials are values to begin with: replace them by your own.
 -->
 <Node name="root" dt="0.01" gravity="0 0 0">
   <RequiredPlugin pluginName="Hexaplast"/>
