@@ -7,7 +7,7 @@ file's name chooses the format: .nrrd (with the names of segments, as 3D Slicer 
 liver: a thick right lobe and a thin left one, domed towards the head. Label 2 is a tumour, a ball in the right lobe. Label 3 is a
 vessel, a bent tube in both lobes. A crumb of label 1 lies apart, as segmentations by threshold have them.
 
-`hexaplast mesh voxels liver_tumour.seg.nrrd --coarsen 2 --largest-part -o liver_tumour.vtu` makes the mesh.
+`hexaplast mesh voxels liver_tumour.seg.nrrd --coarsen 2 --largest-part --ascii -o liver_tumour.vtu` makes the mesh.
 """
 import gzip
 import struct

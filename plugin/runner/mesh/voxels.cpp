@@ -223,7 +223,8 @@ void make_voxels(const MeshVoxelsOptions& options) {
   std::optional<PlannedScene> scene;
   if (!options.scene.empty())
     scene.emplace(load_file(options.segmentation, [&] { return plan_scene(options, found, cells, made); }));
-  write_vtu(output_place(options.out, InputFiles(found.files)), made, found.has_frame, options.ascii);
+  write_vtu(output_place(options.out, InputFiles(found.files)), made, found.has_frame,
+            options.ascii || !options.scene.empty());
   if (options.surfaces) write_surfaces(options, found, cells, made);
   if (scene) scene->write(options, found);
   print_summary(options, found.volume, made);
