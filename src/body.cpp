@@ -9,11 +9,11 @@
 
 #include "base/finite.hpp"
 #include "base/require.hpp"
-#include "base/saved_stream.hpp"
 #include "body_state.hpp"
 #include "element/samples.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
+#include "hexaplast/base/saved_stream.hpp"
 #include "hexaplast/material/rows.hpp"
 #include "mesh/trilinear.hpp"
 #include "plastic/isolated_flow.hpp"

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "base/require.hpp"
-#include "base/saved_stream.hpp"
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/saved_stream.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "mesh/lumped_mass.hpp"
 

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <sstream>
 
-#include "base/saved_stream.hpp"
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/saved_stream.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "mesh/lumped_mass.hpp"
 #include "picture/gallery.hpp"

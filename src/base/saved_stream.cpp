@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "base/saved_stream.hpp"
+#include "hexaplast/base/saved_stream.hpp"
 
 #include <fmt/format.h>
 

@@ -138,7 +138,9 @@ TEST(SofaPlugin, ItsComponentsNameAllThatIsWrongAtOnce) {
   for (const auto& [class_name, given] : cases) {
     sofa_standin::messages().clear();
     const auto component = make(class_name);
-    for (const Given& each : given) component->findData(each.data)->read(each.text);
+    sofa::core::objectmodel::BaseObjectDescription description;
+    for (const Given& each : given) description.attributes[each.data] = each.text;
+    component->parse(&description);
     component->init();
     EXPECT_EQ(component->d_componentState.getValue(), sofa::core::objectmodel::ComponentState::Invalid);
     std::string said;

@@ -177,6 +177,9 @@ class OptionsGroup {
     if (std::ranges::count(words_, word) > 0) selected_ = word;
   }
   const std::string& getSelectedItem() const { return selected_; }
+  unsigned int getSelectedId() const {
+    return static_cast<unsigned int>(std::ranges::find(words_, selected_) - words_.begin());
+  }
 
  private:
   std::vector<std::string> words_;
@@ -217,10 +220,31 @@ class DDGNode {
  public:
   virtual ~DDGNode() = default;
   virtual void update() = 0;
+  void addInput(DDGNode*) {}
   void addOutput(DDGNode*) {}
+  bool isDirty() const { return false; }
   void setDirtyValue() {}
   void cleanDirty() {}
   void updateIfDirty() const {}
+
+ protected:
+  std::vector<DDGNode*> inputs;
+};
+
+/// What a file or a script gives to a component.
+class BaseObjectDescription {
+ public:
+  std::map<std::string, std::string> attributes;
+  const char* getAttribute(const std::string& name) const {
+    const auto found = attributes.find(name);
+    return found == attributes.end() ? nullptr : found->second.c_str();
+  }
+};
+
+struct AbstractTypeInfo {
+  Size size() const { sofa_standin::absent(); }
+  Size size(const void*) const { sofa_standin::absent(); }
+  SReal getScalarValue(const void*, Size) const { sofa_standin::absent(); }
 };
 
 class BaseData : public DDGNode {
@@ -242,8 +266,13 @@ class BaseData : public DDGNode {
   bool isReadOnly() const { return init_.is_read_only; }
   const std::string& getHelp() const { return init_.help; }
   const std::string& getGroup() const { return init_.group; }
+  void setGroup(const std::string& group) { init_.group = group; }
   BaseData* getParent() const { return nullptr; }
+  std::string getLinkPath() const { sofa_standin::absent(); }
   bool setParent(BaseData*) { sofa_standin::absent(); }
+  bool setParent(const std::string&) { sofa_standin::absent(); }
+  const AbstractTypeInfo* getValueTypeInfo() const { sofa_standin::absent(); }
+  const void* getValueVoidPtr() const { sofa_standin::absent(); }
 
  protected:
   void set() {
@@ -297,6 +326,12 @@ class Data : public BaseData {
 
  private:
   T value_{};
+};
+
+class DataCallback {
+ public:
+  void addInputs(std::initializer_list<BaseData*>) {}
+  void addCallback(const std::function<void()>&) {}
 };
 
 class DataFileName : public Data<std::string> {
@@ -376,6 +411,10 @@ class BaseComponent {
   const BaseContext* getContext() const { return nullptr; }
   BaseContext* getContext() { return nullptr; }
 
+  virtual void parse(BaseObjectDescription* given) {
+    for (const auto& [name, text] : given->attributes)
+      if (BaseData* data = findData(name)) data->read(text);
+  }
   virtual void init() {}
   virtual void bwdInit() {}
   virtual void reinit() {}
@@ -495,6 +534,7 @@ class AnimateBeginEvent : public core::objectmodel::Event {
   static bool checkEventType(const Event*) { sofa_standin::absent(); }
 };
 class AnimateEndEvent : public AnimateBeginEvent {};
+class UpdateMappingEndEvent : public AnimateBeginEvent {};
 
 }  // namespace simulation
 
@@ -673,7 +713,11 @@ class ConstraintParams {
  public:
   MultiVecDerivId lambda() const { sofa_standin::absent(); }
 };
-class BaseMapping : public objectmodel::BaseComponent {};
+class BaseMapping : public objectmodel::BaseComponent {
+ public:
+  bool isMechanical() const { sofa_standin::absent(); }
+  type::vector<behavior::BaseMechanicalState*> getMechTo() { sofa_standin::absent(); }
+};
 
 namespace behavior {
 
@@ -796,6 +840,44 @@ class MechanicalGetConstraintJacobianVisitor {
 
 }  // namespace mechanicalvisitor
 }  // namespace simulation
+
+namespace component::odesolver::backward {
+
+class EulerImplicitSolver : public core::behavior::OdeSolver {
+ public:
+  core::objectmodel::Data<bool> d_firstOrder, d_trapezoidalScheme;
+  core::objectmodel::Data<SReal> d_rayleighStiffness;
+};
+
+}  // namespace component::odesolver::backward
+
+namespace component::constraint::lagrangian {
+namespace correction {
+
+template <class DataTypes>
+class LinearSolverConstraintCorrection : public core::objectmodel::BaseComponent {};
+
+}  // namespace correction
+namespace solver {
+
+class UnbuiltGaussSeidelConstraintSolver : public core::objectmodel::BaseComponent {};
+
+}  // namespace solver
+}  // namespace component::constraint::lagrangian
+
+namespace helper::system {
+
+class PluginManager {
+ public:
+  static PluginManager& getInstance() {
+    static PluginManager one;
+    return one;
+  }
+  bool pluginIsLoaded(const std::string&) const { return true; }
+  bool registerPlugin(const std::string&) { sofa_standin::absent(); }
+};
+
+}  // namespace helper::system
 
 namespace component::linearsolver {
 

@@ -243,8 +243,8 @@ TEST(ConstraintContactInSofa, RefusesConstraintSolversThatAskForSingleConstraint
     SofaScene scene = SofaScene::from_text(replaced(shipped("constraint_contact"), "<BlockGaussSeidelConstraintSolver",
                                                     "<UnbuiltGaussSeidelConstraintSolver"));
     EXPECT_GT(messages.count("use BlockGaussSeidelConstraintSolver"), 0);
-    scene.root().setAnimate(false);
-    EXPECT_THROW(scene.step(), std::runtime_error);
+    scene.step();
+    EXPECT_GT(messages.count("it does nothing in this step"), 0);
 }
 
 }  // namespace

@@ -200,11 +200,11 @@ TEST_F(ForceFieldChecks, AMaterialMayChangeDuringTheRun)
     Messages messages;
     scene.set("body", "yieldNorm", "spectral");
     scene.field().reinit();
-    EXPECT_TRUE(is_invalid(scene.field()));
+    EXPECT_TRUE(isInvalid(scene.field()));
     EXPECT_EQ(messages.count("yieldNorm: cannot change during a run"), 1) << messages.text();
     scene.set("body", "yieldNorm", "vonMises");
     scene.field().reinit();
-    EXPECT_FALSE(is_invalid(scene.field())) << "the value is taken back";
+    EXPECT_FALSE(isInvalid(scene.field())) << "the value is taken back";
 }
 
 TEST(ForceField, HalfFullHexahedraOfASparseGridCarryHalf)
@@ -218,31 +218,22 @@ TEST(ForceField, HalfFullHexahedraOfASparseGridCarryHalf)
     EXPECT_EQ(materials.back().young_modulus, 5000);
 }
 
-// SOFA would go on with the word before.
+// SOFA would go on with the first word.
 TEST(ForceField, AWordThatIsRefusedStaysSoUntilAnotherIsGiven)
 {
     SofaScene scene = SofaScene::from_text(block(kPlastic + R"( yieldNorm="frobenus")"));
     for (int time = 0; time < 2; ++time)
     {
-        EXPECT_TRUE(is_invalid(scene.field()));
+        EXPECT_TRUE(isInvalid(scene.field()));
         scene.field().reinit();
     }
     scene.set("body", "yieldNorm", "frobenius");
     scene.field().reinit();
-    EXPECT_FALSE(is_invalid(scene.field()));
+    EXPECT_FALSE(isInvalid(scene.field()));
     EXPECT_EQ(scene.body().settings().yield_norm, YieldNorm::kFrobenius);
-
-    scene.field().d_yieldNorm.read("best");
-    scene.step();
-    EXPECT_TRUE(is_invalid(scene.field()));
-    scene.set("body", "yieldNorm", "frobenius");
-    scene.reset();
-    EXPECT_TRUE(is_invalid(scene.field())) << "reset reads no Data";
-    scene.field().reinit();
-    EXPECT_FALSE(is_invalid(scene.field()));
 }
 
-TEST(ForceField, AStepThatIsLostStopsAndKeepsTheHistory)
+TEST(ForceField, AStepThatIsLostKeepsTheHistory)
 {
     SofaScene scene = SofaScene::from_text(block(kPlastic));
     const PointArray rest = scene.positions(), stretched = rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal();
@@ -252,15 +243,15 @@ TEST(ForceField, AStepThatIsLostStopsAndKeepsTheHistory)
     PointArray lost = stretched;
     lost(4, 1) = std::numeric_limits<double>::quiet_NaN();
     scene.move_to(lost);
-    scene.root().setAnimate(true);
-    scene.step();
-    EXPECT_TRUE(is_invalid(scene.field()));
-    EXPECT_FALSE(scene.root().getAnimate());
-    EXPECT_EQ(scene.body().plastic_rest_positions(), flowed);
-    EXPECT_THROW(scene.step(), std::runtime_error);
+    for (int step = 0; step < 2; ++step)
+    {
+        scene.step();
+        EXPECT_TRUE(isInvalid(scene.field()));
+        EXPECT_EQ(scene.body().plastic_rest_positions(), flowed);
+    }
 
     scene.reset();
-    EXPECT_FALSE(is_invalid(scene.field())) << "the step that was lost is forgotten";
+    EXPECT_FALSE(isInvalid(scene.field())) << "the step that was lost is forgotten";
     EXPECT_EQ(scene.body().plastic_rest_positions(), rest);
     scene.move_to(stretched);
     scene.step();
@@ -279,8 +270,8 @@ TEST(ForceField, BodiesOfOneNodeDoNotKnowEachOther)
     EXPECT_EQ(stiff.body()->plastic_rest_positions(), rest);
     scene.set("body", "youngModulus", "-1");
     scene.step();
-    EXPECT_TRUE(is_invalid(scene.field()));
-    EXPECT_FALSE(is_invalid(stiff));
+    EXPECT_TRUE(isInvalid(scene.field()));
+    EXPECT_FALSE(isInvalid(stiff));
 }
 
 // Positions change several times between the events of a step; the body flows once, by the whole of it.
@@ -421,15 +412,15 @@ TEST(Topology, NodesMayNotGo)
     scene.move_to(rest * Eigen::Vector3d(1, 1, 1.5).asDiagonal());
     for (int step = 0; step < 10; ++step) scene.step();
     EXPECT_FALSE(scene.body().removed().empty());
-    EXPECT_FALSE(is_invalid(field)) << "the topology stays whole";
+    EXPECT_FALSE(isInvalid(field)) << "the topology stays whole";
     EXPECT_GT(messages.count("removeIsolated must be false"), 0) << messages.text();
 
     scene.only<sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier>().removeHexahedra({0});
-    EXPECT_TRUE(is_invalid(field));
+    EXPECT_TRUE(isInvalid(field));
     scene.reset();
-    EXPECT_TRUE(is_invalid(field)) << "for good";
+    EXPECT_TRUE(isInvalid(field)) << "for good";
     field.reinit();
-    EXPECT_TRUE(is_invalid(field));
+    EXPECT_TRUE(isInvalid(field));
 }
 
 }  // namespace

@@ -122,6 +122,7 @@ TEST(InstrumentInSofa, MovesNearlyAlikeWithALinearSolverOfSofa)
     Messages messages;
     EXPECT_LE(compared(sofa, host, 200).positions, 2e-2);
     EXPECT_EQ(messages.count("not a MultigridCGLinearSolver"), 1) << messages.text();
+    EXPECT_EQ(sofa.only<Contact>().rayleighStiffness.getValue(), 0) << "what is given stays";
 }
 
 TEST(InstrumentInSofa, BeginsAnewAfterReset)
@@ -258,7 +259,7 @@ TEST(InstrumentInSofa, IsInvalidWhereItCannotWork)
 
     SofaScene corrected = SofaScene::from_text(replaced(scene, friction, R"(friction="-1")"));
     corrected.reset();
-    EXPECT_TRUE(is_invalid(corrected.named("tool")));
+    EXPECT_TRUE(isInvalid(corrected.named("tool")));
     corrected.set("tool", "friction", "0.4");
     corrected.named("tool").reinit();
     for (int step = 0; step < 45; ++step) corrected.step();

@@ -14,7 +14,7 @@ namespace
 {
 
 /// Its default in the tables; none: it has none, or the component is not one of ours.
-std::string_view default_of(const std::string& class_name, const std::string& name)
+std::string_view defaultOf(const std::string& class_name, const std::string& name)
 {
     for (const attributes::Description* description : registered())
         if (description->class_name == class_name)
@@ -27,13 +27,13 @@ std::string_view default_of(const std::string& class_name, const std::string& na
 template <class... Reals>
 std::function<void()> keep(sofa::core::BaseData& data)
 {
-    std::function<void()> put_back = [&data, text = data.getValueString()] { data.read(text); };
-    const auto keep_as = [&]<class T>(Data<T>* typed)
+    std::function<void()> putBack = [&data, text = data.getValueString()] { data.read(text); };
+    const auto keepAs = [&]<class T>(Data<T>* typed)
     {
-        if (typed) put_back = [typed, value = typed->getValue()] { typed->setValue(value); };
+        if (typed) putBack = [typed, value = typed->getValue()] { typed->setValue(value); };
     };
-    (keep_as(dynamic_cast<Data<Reals>*>(&data)), ...);
-    return put_back;
+    (keepAs(dynamic_cast<Data<Reals>*>(&data)), ...);
+    return putBack;
 }
 
 }  // namespace
@@ -47,10 +47,9 @@ void AttributeChange::bwdInit()
                 m_data = l_component->findData(d_attribute.getValue());
                 // SOFA makes what follows another Data read-only
                 if (!m_data || (m_data->isReadOnly() && !m_data->getParent()))
-                    throw parts::OptionError(
-                        "attribute",
-                        fmt::format("{} '{}' has no attribute '{}' that a scene gives", l_component->getClassName(),
-                                    l_component->getName(), d_attribute.getValue()));
+                    throw parts::OptionError("attribute", l_component->getClassName() + " '" + l_component->getName() +
+                                                              "' has no attribute '" + d_attribute.getValue() +
+                                                              "' that a scene gives");
                 m_values.clear();
                 for (const auto& value : parts::values_of_changes(d_values.getValue()))
                     m_values.push_back(value ? std::optional<std::string>(*value) : std::nullopt);
@@ -58,7 +57,7 @@ void AttributeChange::bwdInit()
                 m_times.assign(times.begin(), times.end());
                 parts::check_key_times("key_times", m_times, "values", m_values.size());
                 using sofa::type::Vec3, sofa::type::vector;
-                m_parent = m_data->getParent();
+                m_parent = m_data->getParent() ? m_data->getLinkPath() : "";
                 m_putBack = keep<SReal, vector<SReal>, Vec3, vector<Vec3>>(*m_data);
                 m_wasSet = m_data->isSet();
             });
@@ -69,13 +68,13 @@ void AttributeChange::reset()
     if (m_numDone == 0) return;
     m_numDone = 0;
     m_putBack();
-    if (m_parent) m_data->setParent(m_parent);
+    if (!m_parent.empty()) m_data->setParent(m_parent);
     if (!m_wasSet) m_data->unset();
 }
 
 void AttributeChange::handleEvent(sofa::core::objectmodel::Event* event)
 {
-    if (!sofa::simulation::AnimateBeginEvent::checkEventType(event) || !may_step(*this)) return;
+    if (!sofa::simulation::AnimateBeginEvent::checkEventType(event) || !mayStep(*this)) return;
     const auto due = parts::num_come(m_times, getContext()->getTime());
     if (due <= m_numDone) return;
     m_numDone = due;
@@ -90,23 +89,23 @@ void AttributeChange::put(const std::optional<std::string>& value)
             [&]
             {
                 m_data->setParent(nullptr);
-                if (!value) return put_default();
-                if (!m_data->read(*value))
-                    throw parts::OptionError("values",
-                                             fmt::format("'{}' is no value of {}", *value, d_attribute.getValue()));
+                if (!value) return putDefault();
+                const auto* words = dynamic_cast<const Data<OptionsGroup>*>(m_data);
+                if (!m_data->read(*value) || (words && words->getValue().getSelectedItem() != *value))
+                    throw parts::OptionError("values", "'" + *value + "' is no value of " + d_attribute.getValue());
             });
 }
 
-void AttributeChange::put_default()
+void AttributeChange::putDefault()
 {
-    const std::string_view text = default_of(l_component->getClassName(), d_attribute.getValue());
+    const std::string_view text = defaultOf(l_component->getClassName(), d_attribute.getValue());
     if (text.empty() || !m_data->read(std::string(text))) m_putBack();
     m_data->unset();
 }
 
 void registerAttributeChange(sofa::core::ObjectFactory* factory)
 {
-    register_component<AttributeChange>(factory, attributes::kAttributeChange);
+    registerComponent<AttributeChange>(factory, attributes::kAttributeChange);
 }
 
 }  // namespace hexaplast::sofa_plugin

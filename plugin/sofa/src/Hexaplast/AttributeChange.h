@@ -3,7 +3,6 @@
 
 #include <Hexaplast/config.h>
 #include <Hexaplast/table.h>
-#include <sofa/core/objectmodel/BaseObject.h>
 #include <sofa/core/objectmodel/Link.h>
 
 #include <functional>
@@ -18,15 +17,15 @@ namespace hexaplast::sofa_plugin
 
 /// Changes a Data of another component at AnimateBeginEvent. It stands before that component, so that the change counts
 /// in the same step. Data: plugin/attributes/parts.hpp.
-class HEXAPLAST_SOFA_API AttributeChange final : public TableComponent<sofa::core::objectmodel::BaseObject>
+class HEXAPLAST_SOFA_API AttributeChange final : public TableComponent<SofaComponent>
 {
 public:
-    SOFA_CLASS(AttributeChange, SOFA_TEMPLATE(TableComponent, sofa::core::objectmodel::BaseObject));
+    SOFA_CLASS(AttributeChange, SOFA_TEMPLATE(TableComponent, SofaComponent));
 
     Data<std::string> d_attribute{fromTable(d_attribute, "attribute")};
     Data<sofa::type::vector<SReal>> d_keyTimes{fromTable(d_keyTimes, "keyTimes")};
     Data<std::string> d_values{fromTable(d_values, "values")};
-    sofa::core::objectmodel::SingleLink<AttributeChange, sofa::core::objectmodel::BaseObject,
+    sofa::core::objectmodel::SingleLink<AttributeChange, SofaComponent,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
         l_component{initLink("component", helpOf("component"))};  ///< that has the Data
@@ -40,12 +39,12 @@ protected:
 
 private:
     void put(const std::optional<std::string>& value);
-    void put_default();
+    void putDefault();
 
     sofa::core::BaseData* m_data = nullptr;
     std::vector<std::optional<std::string>> m_values;  // none: not given
     std::vector<double> m_times;                       // [s]
-    sofa::core::BaseData* m_parent = nullptr;          // that it followed before; null: none
+    std::string m_parent;                              // path of the Data that it followed before; empty: none
     std::function<void()> m_putBack;                   // the value that it had before, to the last bit
     bool m_wasSet = false;
     std::ptrdiff_t m_numDone = 0;

@@ -56,7 +56,7 @@ void ForceBetweenStates::addDForce(const MechanicalParams* mparams, DataVecDeriv
 
 void ForceBetweenStates::addOwnProduct(double b, double k, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const
 {
-    force().add_stiffness_product(k + b * rayleighStiffness.getValue(), dx, df);
+    force().add_stiffness_product(k + b * wholeRayleighStiffness(), dx, df);
     if (b != 0) force().add_damping_product(b, dx, df);
 }
 
@@ -64,10 +64,10 @@ void ForceBetweenStates::addOwnProduct(double b, double k, const OfTwo<ConstPoin
 template <class Add>
 BlockMatrix ForceBetweenStates::blocksOf(const Add& add) const
 {
-    const int num_first = static_cast<int>(mstate1->getSize());
-    const int num_second = isWithItself() ? 0 : static_cast<int>(mstate2->getSize());
-    BlockMatrix blocks(num_first + num_second);
-    add(blocks, std::array{0, isWithItself() ? 0 : num_first});
+    const int numFirst = static_cast<int>(mstate1->getSize());
+    const int numSecond = isWithItself() ? 0 : static_cast<int>(mstate2->getSize());
+    BlockMatrix blocks(numFirst + numSecond);
+    add(blocks, std::array{0, isWithItself() ? 0 : numFirst});
     return blocks;
 }
 
@@ -75,9 +75,9 @@ BlockMatrix ForceBetweenStates::blocksOf(const Add& add) const
 template <class OfPair>
 void ForceBetweenStates::addBlocks(const BlockMatrix& blocks, const OfPair& ofPair) const
 {
-    const int num_first = static_cast<int>(mstate1->getSize());
+    const int numFirst = static_cast<int>(mstate1->getSize());
     const std::array of = states();
-    const std::array ranges = {NodeRange{0, num_first}, NodeRange{num_first, blocks.num_nodes() - num_first}};
+    const std::array ranges = {NodeRange{0, numFirst}, NodeRange{numFirst, blocks.num_nodes() - numFirst}};
     for (std::size_t k = 0; k < (isWithItself() ? 1 : 2); ++k)
         for (std::size_t l = 0; l < (isWithItself() ? 1 : 2); ++l)
             add(blocks, ranges[k], ranges[l], ofPair(of[k], of[l]));
@@ -86,14 +86,14 @@ void ForceBetweenStates::addBlocks(const BlockMatrix& blocks, const OfPair& ofPa
 void ForceBetweenStates::buildStiffnessMatrix(sofa::core::behavior::StiffnessMatrix* matrix)
 {
     if (!works()) return;
-    attempt(
-        *this,
-        [&]
-        {
-            addBlocks(
-                blocksOf([&](BlockMatrix& A, std::array<int, 2> first) { force().add_stiffness_blocks(1, A, first); }),
-                [&](auto* of, auto* by) { return matrix->getForceDerivativeIn(of).withRespectToPositionsIn(by); });
-        });
+    attempt(*this,
+            [&]
+            {
+                addBlocks(blocksOf([&](BlockMatrix& A, std::array<int, 2> first)
+                                   { force().add_stiffness_blocks(matrixScale(), A, first); }),
+                          [&](auto* of, auto* by)
+                          { return matrix->getForceDerivativeIn(of).withRespectToPositionsIn(by); });
+            });
 }
 
 void ForceBetweenStates::buildDampingMatrix(sofa::core::behavior::DampingMatrix* matrix)

@@ -48,6 +48,8 @@ public:
 protected:
     explicit ForceBetweenStates(const Description& description);
 
+    double ownRayleighStiffness() const override { return hasPart() ? force().rayleigh_stiffness() : 0; }
+
     virtual parts::Force& force() = 0;
     const parts::Force& force() const { return const_cast<ForceBetweenStates&>(*this).force(); }
     virtual void beforeForces() {}  ///< are computed

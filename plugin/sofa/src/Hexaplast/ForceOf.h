@@ -67,6 +67,16 @@ protected:
         showOutputs();
     }
 
+    void savePart(std::ostream& out) const override
+    {
+        SavedState::write(out, this->getClassName(), [this](Archive& archive) { m_part->serialize(archive); });
+    }
+    void loadPart(std::istream& in) override
+    {
+        SavedState::read(in, this->getClassName(), [this](Archive& archive) { m_part->serialize(archive); });
+        showOutputs();
+    }
+
     void beginPart(const Step& step)
     {
         const std::array states = this->states();
@@ -87,12 +97,12 @@ protected:
             [&](std::string_view name, const auto& of)
             {
                 using T = std::remove_cvref_t<decltype(std::invoke(of, std::as_const(*m_part)))>;
-                write_output<T>(*this->findData(std::string(name)), std::invoke(of, std::as_const(*m_part)));
+                writeOutput<T>(*this->findData(std::string(name)), std::invoke(of, std::as_const(*m_part)));
             });
     }
-    void sayWarnings() { pass_on(*this, m_part->take_warnings()); }
+    void sayWarnings() { passOn(*this, m_part->take_warnings()); }
 
-    std::optional<Part> m_part;
+    mutable std::optional<Part> m_part;  // which an archive may write to
 };
 
 }  // namespace hexaplast::sofa_plugin

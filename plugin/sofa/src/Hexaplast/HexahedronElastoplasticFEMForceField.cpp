@@ -11,7 +11,7 @@ template class HEXAPLAST_SOFA_API HexahedronElastoplasticFEMForceField<Vec3Types
 
 void registerHexahedronElastoplasticFEMForceField(sofa::core::ObjectFactory* factory)
 {
-    register_component<HexahedronElastoplasticFEMForceField<Vec3Types>>(
+    registerComponent<HexahedronElastoplasticFEMForceField<Vec3Types>>(
         factory, attributes::kHexahedronElastoplasticFEMForceField);
 }
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <Hexaplast/PartForceField.h>
-#include <sofa/core/objectmodel/DDGNode.h>
 #include <sofa/core/objectmodel/Link.h>
 
+#include <memory>
 #include <vector>
 
 #include "parts/hexahedral_body.hpp"
@@ -27,35 +27,35 @@ public:
 
     Data<VecReal> d_youngModulus{this->fromTable(d_youngModulus, "youngModulus")};
     Data<VecReal> d_poissonRatio{this->fromTable(d_poissonRatio, "poissonRatio")};
-    DataWord d_law{this->fromTable(d_law, "law")};
+    Data<OptionsGroup> d_law{this->fromTable(d_law, "law")};
     Data<SReal> d_mooneyFraction{this->fromTable(d_mooneyFraction, "mooneyFraction")};
     Data<VecReal> d_relaxation{this->fromTable(d_relaxation, "relaxation")};
     Data<VecReal> d_yieldStress{this->fromTable(d_yieldStress, "yieldStress")};
-    DataWord d_yieldNorm{this->fromTable(d_yieldNorm, "yieldNorm")};
-    DataWord d_yieldStressMeasure{this->fromTable(d_yieldStressMeasure, "yieldStressMeasure")};
+    Data<OptionsGroup> d_yieldNorm{this->fromTable(d_yieldNorm, "yieldNorm")};
+    Data<OptionsGroup> d_yieldStressMeasure{this->fromTable(d_yieldStressMeasure, "yieldStressMeasure")};
     Data<SReal> d_plasticFlowRate{this->fromTable(d_plasticFlowRate, "plasticFlowRate")};
     Data<SReal> d_rotationYield{this->fromTable(d_rotationYield, "rotationYield")};
     Data<SReal> d_rotationFlowRate{this->fromTable(d_rotationFlowRate, "rotationFlowRate")};
-    DataWord d_restShape{this->fromTable(d_restShape, "restShape")};
-    DataWord d_rotationPlasticity{this->fromTable(d_rotationPlasticity, "rotationPlasticity")};
-    DataWord d_rotationFrame{this->fromTable(d_rotationFrame, "rotationFrame")};
+    Data<OptionsGroup> d_restShape{this->fromTable(d_restShape, "restShape")};
+    Data<OptionsGroup> d_rotationPlasticity{this->fromTable(d_rotationPlasticity, "rotationPlasticity")};
+    Data<OptionsGroup> d_rotationFrame{this->fromTable(d_rotationFrame, "rotationFrame")};
     Data<SReal> d_hardening{this->fromTable(d_hardening, "hardening")};
     Data<SReal> d_volumeRestitution{this->fromTable(d_volumeRestitution, "volumeRestitution")};
     Data<SReal> d_inversionThreshold{this->fromTable(d_inversionThreshold, "inversionThreshold")};
     Data<SReal> d_fractureStress{this->fromTable(d_fractureStress, "fractureStress")};
     Data<SReal> d_fractureStretch{this->fromTable(d_fractureStretch, "fractureStretch")};
-    DataWord d_bending{this->fromTable(d_bending, "bending")};
+    Data<OptionsGroup> d_bending{this->fromTable(d_bending, "bending")};
     Data<SReal> d_blendWeight{this->fromTable(d_blendWeight, "blendWeight")};
-    DataWord d_volumetric{this->fromTable(d_volumetric, "volumetric")};
-    DataWord d_recovery{this->fromTable(d_recovery, "recovery")};
+    Data<OptionsGroup> d_volumetric{this->fromTable(d_volumetric, "volumetric")};
+    Data<OptionsGroup> d_recovery{this->fromTable(d_recovery, "recovery")};
     Data<SReal> d_recoveryStrength{this->fromTable(d_recoveryStrength, "recoveryStrength")};
     Data<SReal> d_recoveryFrom{this->fromTable(d_recoveryFrom, "recoveryFrom")};
     Data<SReal> d_recoveryFull{this->fromTable(d_recoveryFull, "recoveryFull")};
-    DataWord d_averaging{this->fromTable(d_averaging, "averaging")};
+    Data<OptionsGroup> d_averaging{this->fromTable(d_averaging, "averaging")};
     Data<int> d_averagingSteps{this->fromTable(d_averagingSteps, "averagingSteps")};
     Data<SReal> d_averagingTolerance{this->fromTable(d_averagingTolerance, "averagingTolerance")};
-    DataWord d_precision{this->fromTable(d_precision, "precision")};
-    DataWord d_implementation{this->fromTable(d_implementation, "implementation")};
+    Data<OptionsGroup> d_precision{this->fromTable(d_precision, "precision")};
+    Data<OptionsGroup> d_implementation{this->fromTable(d_implementation, "implementation")};
 
     Data<VecReal> d_plasticStrain{this->fromTable(d_plasticStrain, "plasticStrain")};
     Data<VecReal> d_presentYieldStress{this->fromTable(d_presentYieldStress, "presentYieldStress")};
@@ -79,8 +79,8 @@ public:
     void draw(const sofa::core::visual::VisualParams* vparams) override;
     void handleTopologyChange(sofa::core::topology::Topology* changed) override;
 
-    bool hasPart() const override { return m_body.has_value(); }
-    bool add_operator(double factor, MatrixFreeSystem& system) const override
+    bool hasPart() const override { return m_body != nullptr; }
+    bool addOperator(double factor, MatrixFreeSystem& system) const override
     {
         m_body->body().add_operator(factor, system);
         return true;
@@ -88,7 +88,8 @@ public:
 
     /// The body; null before init and after an error.
     const Body* body() const { return m_body ? &m_body->body() : nullptr; }
-    int timesMade() const { return m_timesMade; }  ///< whoever refers to the body refers to that one
+    /// Whoever refers to the body keeps it by this, and looks whether it is that one still.
+    std::shared_ptr<const parts::HexahedralBody> part() const { return m_body; }
 
 protected:
     HexahedronElastoplasticFEMForceField();
@@ -96,8 +97,9 @@ protected:
     void initPart() override;
     void makePart() override;
     void updatePart() override;
-    bool othersHaveChanged() override;
     void resetPart() override;
+    void savePart(std::ostream& out) const override { m_body->body().save(out); }
+    void loadPart(std::istream& in) override;
     void beginStep(SReal time, SReal dt) override;
     void endStep(SReal dt) override;
     void addPartForce(SReal time, ConstPoints x, ConstPoints v, Points f) override;
@@ -115,6 +117,9 @@ private:
     /// Throws InputError where its topology has changed in a way that it cannot follow.
     void requireTopology() const;
 
+    /// Removes from the body what is gone from its topology, which has no way back.
+    void followTopology();
+
     /// Hexahedra that went in the latest step leave the topology, where that can be.
     void tearTopology();
 
@@ -123,32 +128,23 @@ private:
     void computeReleasedShape();
     void setOutputsDirty();
 
-    std::optional<parts::HexahedralBody> m_body;
-    int m_timesMade = 0;
+    std::shared_ptr<parts::HexahedralBody> m_body;
     std::vector<double> m_fill;   // fraction of each hexahedron of a sparse grid that is full
     std::vector<int> m_original;  // number that each hexahedron of the topology has in the body
     bool m_topologyIsLost = false;
     bool m_regionsAreReady = false;  // they may stand behind the body, and what they follow too
 
-    /// Stands before the outputs in SOFA's graph of dependencies, so that they are computed when somebody reads them.
-    class Outputs final : public sofa::core::objectmodel::DDGNode
-    {
-    public:
-        using Compute = void (HexahedronElastoplasticFEMForceField::*)();
-        Outputs(HexahedronElastoplasticFEMForceField& owner, Compute compute) : m_owner(owner), m_compute(compute) {}
-        void update() override
-        {
-            cleanDirty();
-            if (m_owner.works()) (m_owner.*m_compute)();
-        }
-
-    private:
-        HexahedronElastoplasticFEMForceField& m_owner;
-        Compute m_compute;
-    };
-    Outputs m_outputs{*this, &HexahedronElastoplasticFEMForceField::computeOutputs};
+    Outputs m_outputs{{&d_plasticStrain, &d_presentYieldStress, &d_stressNorm, &d_volumeRatio, &d_volume, &d_removed},
+                      [this]
+                      {
+                          if (this->works()) computeOutputs();
+                      }};
     /// What needs the shape without forces, which takes an equilibrium where rest shapes are isolated.
-    Outputs m_releasedShape{*this, &HexahedronElastoplasticFEMForceField::computeReleasedShape};
+    Outputs m_releasedShape{{&d_plasticVolume, &d_plasticRestPositions},
+                            [this]
+                            {
+                                if (this->works()) computeReleasedShape();
+                            }};
 };
 
 #if !defined(HEXAPLAST_HEXAHEDRONELASTOPLASTICFEMFORCEFIELD_CPP)

@@ -26,14 +26,6 @@ template <class TDataTypes>
 HexahedronElastoplasticFEMForceField<TDataTypes>::HexahedronElastoplasticFEMForceField()
     : Inherit(attributes::kHexahedronElastoplasticFEMForceField)
 {
-    m_outputs.addOutput(&d_plasticStrain);
-    m_outputs.addOutput(&d_presentYieldStress);
-    m_outputs.addOutput(&d_stressNorm);
-    m_outputs.addOutput(&d_volumeRatio);
-    m_outputs.addOutput(&d_volume);
-    m_releasedShape.addOutput(&d_plasticVolume);
-    m_releasedShape.addOutput(&d_plasticRestPositions);
-    m_outputs.addOutput(&d_removed);
 }
 
 template <class TDataTypes>
@@ -47,6 +39,7 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::initPart()
         return;
     }
     Inherit::initPart();
+    for (MaterialRegion* region : regions()) region->tell(this->inputs());
     setOutputsDirty();
 }
 
@@ -56,7 +49,9 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::bwdInit()
 {
     Inherit::bwdInit();
     m_regionsAreReady = true;
-    if (this->works() && !regions().empty()) this->reinit();
+    if (!this->works() || regions().empty()) return;
+    for (MaterialRegion* region : regions()) region->tell(this->inputs());
+    this->reinit();
 }
 
 template <class TDataTypes>
@@ -71,18 +66,9 @@ std::vector<MaterialRegion*> HexahedronElastoplasticFEMForceField<TDataTypes>::r
 }
 
 template <class TDataTypes>
-bool HexahedronElastoplasticFEMForceField<TDataTypes>::othersHaveChanged()
-{
-    bool haveChanged = false;
-    for (MaterialRegion* region : regions()) haveChanged = region->haveChanged() || haveChanged;
-    return haveChanged;
-}
-
-template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::makePart()
 {
     m_body.reset();
-    ++m_timesMade;
     m_topologyIsLost = false;
     std::vector<Hexahedron> hexahedra;
     for (const auto& hexahedron : l_topology->getHexahedra())
@@ -96,9 +82,9 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::makePart()
     m_original.resize(hexahedra.size());
     std::iota(m_original.begin(), m_original.end(), 0);
 
-    m_body.emplace(view(this->mstate->readRestPositions().ref()), hexahedra, options(hexahedra),
-                   this->getContext()->getDt());
-    pass_on(*this, m_body->take_warnings());
+    m_body = std::make_shared<parts::HexahedralBody>(view(this->mstate->readRestPositions().ref()), hexahedra,
+                                                     options(hexahedra), this->getContext()->getDt());
+    passOn(*this, m_body->take_warnings());
 }
 
 template <class TDataTypes>
@@ -106,7 +92,7 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::updatePart()
 {
     requireTopology();
     m_body->set_options(options(body()->mesh().hexahedra()), this->getContext()->getDt());
-    pass_on(*this, m_body->take_warnings());
+    passOn(*this, m_body->take_warnings());
 }
 
 template <class TDataTypes>
@@ -125,10 +111,10 @@ parts::HexahedralBodyOptions HexahedronElastoplasticFEMForceField<TDataTypes>::o
     {
         const auto* data = this->findData(std::string(row.name));
         if (row.may_be_infinite() && !data->isSet()) return std::nullopt;
-        if (const auto* word = dynamic_cast<const DataWord*>(data))
+        if (const auto* word = dynamic_cast<const Data<OptionsGroup>*>(data))
         {
-            parts::check_word(row.name, row.words, word->given());
-            return {{static_cast<double>(place_of_word(row, word->given()))}};
+            this->checkWord(row.name);
+            return {{static_cast<double>(place_of_word(row, word->getValue().getSelectedItem()))}};
         }
         if (const auto* whole = dynamic_cast<const Data<int>*>(data)) return {{static_cast<double>(whole->getValue())}};
         if (const auto* number = dynamic_cast<const Data<SReal>*>(data)) return {{number->getValue()}};
@@ -142,23 +128,37 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::resetPart()
 {
     requireTopology();
     m_body->reset();
-    if (m_original.size() < static_cast<std::size_t>(body()->mesh().num_elements()))
-    {
-        // the topology stays torn, and so does the body
-        std::vector<bool> is_left(body()->mesh().num_elements(), false);
-        for (const int e : m_original) is_left[e] = true;
-        std::vector<int> gone;
-        for (int e = 0; e < static_cast<int>(is_left.size()); ++e)
-            if (!is_left[e]) gone.push_back(e);
-        m_body->remove(gone);
-    }
+    followTopology();
     setOutputsDirty();
+}
+
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::loadPart(std::istream& in)
+{
+    requireTopology();
+    m_body->body().load(in);
+    followTopology();
+    setOutputsDirty();
+    tearTopology();
+}
+
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::followTopology()
+{
+    std::vector<bool> isLeft(static_cast<std::size_t>(body()->mesh().num_elements()), false);
+    for (const int e : m_original) isLeft[static_cast<std::size_t>(e)] = true;
+    const std::span<const unsigned char> alive = body()->alive();
+    std::vector<int> gone;
+    for (std::size_t e = 0; e < isLeft.size(); ++e)
+        if (!isLeft[e] && alive[e]) gone.push_back(static_cast<int>(e));
+    if (!gone.empty()) m_body->remove(gone);
 }
 
 // Relaxation within a step follows from its length; in an equilibrium it is over.
 template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::beginStep(SReal, SReal dt)
 {
+    // by its name: an installed SOFA lacks NonLinearFunction.h, which StaticSolver.h includes (v25.06 to v26.06)
     const auto* solver = this->getContext()->template get<sofa::core::behavior::OdeSolver>();
     const bool isStatic = solver && solver->getClassName() == "StaticSolver";
     m_body->body().set_time_step(isStatic ? std::numeric_limits<SReal>::infinity() : dt);
@@ -235,6 +235,11 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::computeReleasedShape()
 template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::tearTopology()
 {
+    const std::span<const unsigned char> alive = body()->alive();
+    sofa::type::vector<sofa::Index> gone;
+    for (std::size_t i = 0; i < m_original.size(); ++i)
+        if (!alive[static_cast<std::size_t>(m_original[i])]) gone.push_back(static_cast<sofa::Index>(i));
+    if (gone.empty()) return;
     sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier* modifier = nullptr;
     l_topology->getContext()->get(modifier, sofa::core::objectmodel::BaseContext::Local);
     if (!modifier) return;  // the body is torn, and what is drawn from the topology is not
@@ -245,10 +250,6 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::tearTopology()
             << " would take nodes away with them: removeIsolated must be false. The topology stays whole.";
         return;
     }
-    const std::span<const unsigned char> alive = body()->alive();
-    sofa::type::vector<sofa::Index> gone;
-    for (std::size_t i = 0; i < m_original.size(); ++i)
-        if (!alive[m_original[i]]) gone.push_back(static_cast<sofa::Index>(i));
     modifier->removeHexahedra(gone);
 }
 

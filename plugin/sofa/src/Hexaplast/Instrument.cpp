@@ -13,12 +13,12 @@ void Instrument::checkRigid() const
 {
     if (!l_rigid) return;
     if (l_rigid->getCoordDimension() != 7 || l_rigid->getDerivDimension() != 6)
-        throw parts::OptionError("rigid", fmt::format("leads to '{}', must lead to a MechanicalObject of rigid frames "
-                                                      "(template Rigid3d)",
-                                                      l_rigid->getName()));
+        throw parts::OptionError("rigid", "leads to '" + l_rigid->getName() +
+                                              "', must lead to a MechanicalObject of rigid frames (template Rigid3d)");
     const int index = d_rigidIndex.getValue(), count = static_cast<int>(l_rigid->getSize());
     if (index < 0 || index >= count)
-        throw parts::OptionError("rigid_index", fmt::format("{} must lie in [0, {})", index, count));
+        throw parts::OptionError("rigid_index",
+                                 std::to_string(index) + " must lie in [0, " + std::to_string(count) + ")");
 }
 
 Pose Instrument::poseAfter(SReal duration) const

@@ -55,7 +55,7 @@ std::optional<parts::MaterialRegion> MaterialRegion::values(const std::vector<He
                         for (const auto& hexahedron : d_hexahedra.getValue())
                             nodes->insert(nodes->end(), hexahedron.begin(), hexahedron.end());
                     }
-                    if (d_indices.isSet()) numbers = whole_numbers(d_indices.getValue());
+                    if (d_indices.isSet()) numbers = wholeNumbers(d_indices.getValue());
                     found = parts::material_region([this](const Row<Material>& row) { return given(row); },
                                                    parts::region_hexahedra(nodes, numbers, ofBody),
                                                    this->getContext()->getDt());
@@ -66,7 +66,7 @@ std::optional<parts::MaterialRegion> MaterialRegion::values(const std::vector<He
 
 void registerMaterialRegion(sofa::core::ObjectFactory* factory)
 {
-    register_component<MaterialRegion>(factory, attributes::kMaterialRegion);
+    registerComponent<MaterialRegion>(factory, attributes::kMaterialRegion);
 }
 
 }  // namespace hexaplast::sofa_plugin

@@ -3,7 +3,6 @@
 
 #include <Hexaplast/HexahedronElastoplasticFEMForceField.h>
 #include <Hexaplast/table.h>
-#include <sofa/core/objectmodel/BaseObject.h>
 #include <sofa/core/objectmodel/Link.h>
 
 #include "attributes/hexaplast.hpp"
@@ -14,10 +13,10 @@ namespace hexaplast::sofa_plugin
 
 /// Gives some hexahedra of a body values of their own; its body asks for them. Data: the rows of Material, and
 /// plugin/attributes/hexaplast.hpp.
-class HEXAPLAST_SOFA_API MaterialRegion final : public TableComponent<sofa::core::objectmodel::BaseObject>
+class HEXAPLAST_SOFA_API MaterialRegion final : public TableComponent<SofaComponent>
 {
 public:
-    SOFA_CLASS(MaterialRegion, SOFA_TEMPLATE(TableComponent, sofa::core::objectmodel::BaseObject));
+    SOFA_CLASS(MaterialRegion, SOFA_TEMPLATE(TableComponent, SofaComponent));
     using Field = HexahedronElastoplasticFEMForceField<Vec3Types>;
     using VecReal = sofa::type::vector<SReal>;
 
@@ -47,8 +46,8 @@ public:
     /// nothing.
     std::optional<parts::MaterialRegion> values(const std::vector<Hexahedron>& ofBody);
 
-    /// Whether Data have changed since this was asked last.
-    bool haveChanged() { return m_inputs.have_changed(); }
+    /// From now on a change of its Data is one of these.
+    void tell(Inputs& ofBody) { ofBody.addInput(&m_inputs); }
 
 protected:
     MaterialRegion() : TableComponent(attributes::kMaterialRegion) {}

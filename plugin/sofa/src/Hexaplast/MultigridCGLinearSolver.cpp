@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <Hexaplast/SavedState.h>
 #include <Hexaplast/SofaSystem.h>
 #include <Hexaplast/errors.h>
 #include <Hexaplast/registration.h>
+#include <sofa/component/constraint/lagrangian/correction/LinearSolverConstraintCorrection.h>
 #include <sofa/component/linearsolver/iterative/MatrixLinearSolver.h>
 #include <sofa/core/ConstraintParams.h>
 #include <sofa/linearalgebra/BaseVector.h>
 #include <sofa/linearalgebra/SparseMatrix.h>
+#include <sofa/simulation/AnimateBeginEvent.h>
 #include <sofa/simulation/MechanicalOperations.h>
 #include <sofa/simulation/mechanicalvisitor/MechanicalGetConstraintJacobianVisitor.h>
 
@@ -60,30 +63,33 @@ public:
     using Inherit = sofa::component::linearsolver::MatrixLinearSolver<GraphScatteredMatrix, GraphScatteredVector>;
     SOFA_CLASS(MultigridCGLinearSolver, SOFA_TEMPLATE(TableComponent, Inherit));
 
-    DataWord d_preconditioner{fromTable(d_preconditioner, "preconditioner")};
+    Data<OptionsGroup> d_preconditioner{fromTable(d_preconditioner, "preconditioner")};
     Data<SReal> d_tolerance{fromTable(d_tolerance, "tolerance")};
     Data<int> d_iterations{fromTable(d_iterations, "iterations")};
 
-    /// SOFA's constraint corrections refuse solvers that are called GraphScattered, of which none has J A^-1 J^T.
+    /// SOFA's constraint corrections refuse solvers that are called GraphScattered, as of its own ones none has
+    /// J A^-1 J^T, and they ask for nothing but this name (v26.06: GenericConstraintCorrection.cpp, line 83, and
+    /// LinearSolverConstraintCorrection.inl, line 90).
     static std::string GetCustomTemplateName() { return "MatrixFree"; }
 
     void init() override
     {
         Inherit::init();
         m_solver.reset();
-        m_constraints_are_checked = false;
+        m_constraintsAreChecked = false;
         const auto make = [&]
         {
             m_solver.emplace(readOptions<parts::MultigridCGOptions>());
             m_compliance = Compliance(m_solver->options().preconditioner);
         };
         if (!attempt(*this, make)) m_solver.reset();
-        reset();
+        forget();
     }
     void bwdInit() override
     {
         Inherit::bwdInit();
         attempt(*this, [&] { refuseUnbuiltConstraints(); });
+        takeFirstState();
     }
     void reinit() override
     {
@@ -94,11 +100,16 @@ public:
     // A step that was lost is forgotten, Data that were refused are not.
     void reset() override
     {
-        if (m_solver) d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
-        m_compliance.reset();
-        m_memory.reset();
-        m_knowsCompliance = false;
-        if (m_solver) attempt(*this, [&] { refuseUnbuiltConstraints(); });
+        forget();
+        if (!m_solver) return;
+        attempt(*this, [&] { refuseUnbuiltConstraints(); });
+        takeFirstState();
+    }
+
+    void handleEvent(sofa::core::objectmodel::Event* event) override
+    {
+        if (!sofa::simulation::AnimateBeginEvent::checkEventType(event) || !mayStep(*this)) return;
+        if (m_state.isGiven()) attempt(*this, [&] { m_state.take([this](std::istream& in) { load(in); }); });
     }
 
     /// SOFA has set up another matrix.
@@ -106,7 +117,7 @@ public:
 
     void solve(GraphScatteredMatrix& A, GraphScatteredVector& x, GraphScatteredVector& b) override
     {
-        if (!may_step(*this) || !m_solver) return;
+        if (isInvalid(*this) || !m_solver) return;
         typename Inherit::TempVectorContainer vectors(this, sofa::core::execparams::defaultInstance(), A, x, b);
         const std::unique_ptr<GraphScatteredVector> in(vectors.createTempVector()), out(vectors.createTempVector());
         attempt(*this,
@@ -114,16 +125,17 @@ public:
                 {
                     const SofaSystem system(*getContext(), A, *in, *out);
                     if (m_knowsCompliance) return system.write(motionOf(system, system.read(b)), x);
-                    check_constraints(system);
+                    checkConstraints(system);
                     PointArray solution(system.num_nodes(), 3), load = system.read(b);
                     const SolveReport report = ImplicitEuler::solve(
                         m_solver->solver(), system, load, solution, m_memory,
                         [&](const PointArray& dv, PointArray& rhs) { return system.release(dv, rhs); });
                     system.acceptStep();
                     system.write(solution, x);
+                    m_state.hasChanged();
                     msg_info() << report.iterations << " iterations, preconditioner " << name_of(report.preconditioner)
                                << ", |r| / |b| = " << report.residual;
-                    pass_on(*this, m_solver->heed(report));
+                    passOn(*this, m_solver->heed(report));
                     if (!report.converged)
                         msg_warning() << "stopped after " << report.iterations
                                       << " iterations with |r| / |b| = " << report.residual;
@@ -150,7 +162,7 @@ public:
                        [&]
                        {
                            m_jacobian.resize(result->rowSize(),
-                                             3 * static_cast<Jacobian::Index>(States(*getContext()).num_nodes()));
+                                             3 * static_cast<Jacobian::Index>(States(*getContext()).numNodes()));
                            sofa::simulation::mechanicalvisitor::MechanicalGetConstraintJacobianVisitor visitor(
                                cparams, &m_jacobian);
                            visitor.execute(getContext());
@@ -171,7 +183,7 @@ public:
                     const ConstraintRows found(m_jacobian);
                     std::vector<double> lambda;
                     for (const Jacobian::Index number : found.numbers) lambda.push_back(multipliers->element(number));
-                    PointArray force = PointArray::Zero(states.num_nodes(), 3);
+                    PointArray force = PointArray::Zero(states.numNodes(), 3);
                     add_constraint_force(found.rows, lambda, force);
                     const auto write = [&](const PointArray& field, auto id)
                     {
@@ -184,36 +196,60 @@ public:
     }
 
 protected:
-    MultigridCGLinearSolver() : TableComponent(attributes::kMultigridCGLinearSolver) {}
+    MultigridCGLinearSolver() : TableComponent(attributes::kMultigridCGLinearSolver)
+    {
+        f_listening.setValue(true);  // to say in each step that it is invalid, and to take a state
+    }
 
 private:
+    void forget()
+    {
+        if (m_solver) d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
+        m_compliance.reset();
+        m_memory.reset();
+        m_knowsCompliance = false;
+    }
+
+    void takeFirstState()
+    {
+        if (m_solver && !isInvalid(*this))
+            attempt(*this, [&] { m_state.takeFirst([this](std::istream& in) { load(in); }); });
+    }
+
+    void save(std::ostream& out) const
+    {
+        SavedState::write(out, getClassName(),
+                          [memory = m_memory](Archive& archive) mutable { memory.serialize(archive); });
+    }
+    void load(std::istream& in)
+    {
+        SolverMemory saved;
+        SavedState::read(in, getClassName(), [&](Archive& archive) { saved.serialize(archive); });
+        const bool isOfSystem = saved.start.rows() == 0 || saved.start.rows() == States(*getContext()).numNodes();
+        if (!isOfSystem || !saved.is_valid()) throw InputError("the saved state is that of another system");
+        m_memory = std::move(saved);
+    }
+
     /// Solvers of constraints that ask for one constraint after the other need the entries of a factorised matrix. SOFA
     /// would go on without, and crash.
     void refuseUnbuiltConstraints()
     {
-        const auto find = [](BaseContext* context, BaseContext::SearchDirection where, const std::string& name)
-        {
-            std::vector<SofaComponent*> components;
-            context->get<SofaComponent>(&components, where);
-            return std::find_if(components.begin(), components.end(),
-                                [&](const SofaComponent* component)
-                                { return component->getClassName() == name; }) != components.end();
-        };
-        if (find(getContext(), BaseContext::Local, "LinearSolverConstraintCorrection") &&
-            find(getContext()->getRootContext(), BaseContext::SearchDown, "UnbuiltGaussSeidelConstraintSolver"))
+        using sofa::component::constraint::lagrangian::correction::LinearSolverConstraintCorrection;
+        if (getContext()->get<LinearSolverConstraintCorrection<Vec3Types>>(BaseContext::Local) &&
+            hasUnbuiltConstraints(*getContext()->getRootContext()))
             throw InputError(
                 "UnbuiltGaussSeidelConstraintSolver asks for single constraints, for which a matrix must be there: "
                 "use BlockGaussSeidelConstraintSolver");
     }
 
     /// Once, since a scene keeps its constraints.
-    void check_constraints(const SofaSystem& system)
+    void checkConstraints(const SofaSystem& system)
     {
-        if (!m_constraints_are_checked && !system.constraints_project())
+        if (!m_constraintsAreChecked && !system.constraintsProject())
             msg_warning() << "a constraint is not a projection: what it projects twice differs from what it projects "
                              "once, and its nodes leave the places that it should keep them at. "
                              "FixedPlaneProjectiveConstraint needs a direction of length 1";
-        m_constraints_are_checked = true;
+        m_constraintsAreChecked = true;
     }
 
     template <class Call>
@@ -229,13 +265,13 @@ private:
 
     void addCompliance(const Jacobian& J, SReal factor, sofa::linearalgebra::BaseMatrix& result)
     {
-        if (!may_step(*this) || !m_solver) return;
+        if (isInvalid(*this) || !m_solver) return;
         const ConstraintRows found(J);
         withSystem(
             [&](const SofaSystem& system)
             {
                 if (J.colSize() != 3 * static_cast<Jacobian::Index>(system.num_nodes()))
-                    throw InputError(system.states().are_several()
+                    throw InputError(system.states().areSeveral()
                                          ? "LinearSolverConstraintCorrection knows one of its MechanicalObjects: use a "
                                            "GenericConstraintCorrection in the node of the solver"
                                          : "the Jacobian of the constraints is not that of its MechanicalObject");
@@ -256,25 +292,26 @@ private:
         const parts::MultigridCGOptions& options = m_solver->options();
         PreconditionedConjugateGradients solver(std::min(kOfMultipliers, options.tolerance), options.iterations,
                                                 options.preconditioner);
-        const bool has_start = m_compliance.start(force, motion);
+        const bool hasStart = m_compliance.start(force, motion);
         SolverMemory none;
         const SolveReport report =
-            has_start ? solver.solve_from_guess(system, force, motion, none) : solver.solve(system, force, motion);
+            hasStart ? solver.solve_from_guess(system, force, motion, none) : solver.solve(system, force, motion);
         msg_info() << report.iterations << " iterations for multipliers, |r| / |b| = " << report.residual;
         return motion;
     }
 
     std::optional<parts::MultigridCG> m_solver;
     SolverMemory m_memory;
+    SavedState m_state{*this, [this](std::ostream& out) { save(out); }};
     Compliance m_compliance;
     bool m_knowsCompliance = false;  // of the present matrix
     Jacobian m_jacobian;             // of the latest buildComplianceMatrix
-    bool m_constraints_are_checked = false;
+    bool m_constraintsAreChecked = false;
 };
 
 void registerMultigridCGLinearSolver(sofa::core::ObjectFactory* factory)
 {
-    register_component<MultigridCGLinearSolver>(factory, attributes::kMultigridCGLinearSolver);
+    registerComponent<MultigridCGLinearSolver>(factory, attributes::kMultigridCGLinearSolver);
 }
 
 }  // namespace hexaplast::sofa_plugin

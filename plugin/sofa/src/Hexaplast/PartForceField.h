@@ -53,7 +53,7 @@ public:
 
     /// For MultigridCGLinearSolver: derivatives with respect to positions for the kernels, where they can express them,
     /// and the diagonal of those with respect to velocities beside them.
-    virtual bool add_operator(double /*factor*/, MatrixFreeSystem& /*system*/) const { return false; }
+    virtual bool addOperator(double /*factor*/, MatrixFreeSystem& /*system*/) const { return false; }
     virtual void addDampingDiagonal(double /*factor*/, Points /*diagonal*/) const {}
 
     /// For the same solver: lets go of what pulls at these ends of a step. Whether there was anything.
@@ -63,7 +63,7 @@ public:
     void addOwnForce(ConstPoints x, ConstPoints v, Points f) { addPartForce(this->getContext()->getTime(), x, v, f); }
     void addOwnProduct(double b, double k, ConstPoints dx, Points df) const
     {
-        addStiffnessProduct(k + b * this->rayleighStiffness.getValue(), dx, df);
+        addStiffnessProduct(k + b * this->wholeRayleighStiffness(), dx, df);
         if (b != 0) addDampingProduct(b, dx, df);
     }
 
@@ -99,7 +99,7 @@ public:
     SOFA_ABSTRACT_CLASS(ForceOnState, PartForceField<Vec3Types>);
 
     bool isInMatrix() const override { return force().is_in_matrix(); }
-    bool add_operator(double factor, MatrixFreeSystem& system) const override
+    bool addOperator(double factor, MatrixFreeSystem& system) const override
     {
         return force().add_stiffness_diagonal(factor, system.diagonal);
     }
@@ -112,6 +112,7 @@ public:
 protected:
     using PartForceField<Vec3Types>::PartForceField;
 
+    double ownRayleighStiffness() const override { return hasPart() ? force().rayleigh_stiffness() : 0; }
     virtual parts::Force& force() = 0;
     const parts::Force& force() const { return const_cast<ForceOnState&>(*this).force(); }
     virtual void beforeForces() {}  ///< are computed

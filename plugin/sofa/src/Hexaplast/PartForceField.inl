@@ -44,7 +44,7 @@ template <class TDataTypes>
 void PartForceField<TDataTypes>::addDForce(const MechanicalParams* mparams, DataVecDeriv& df, const DataVecDeriv& dx)
 {
     const double factor =
-        sofa::core::mechanicalparams::kFactorIncludingRayleighDamping(mparams, this->rayleighStiffness.getValue());
+        sofa::core::mechanicalparams::kFactorIncludingRayleighDamping(mparams, this->wholeRayleighStiffness());
     if (!this->works() || this->isLeftOut()) return;
     auto forces = sofa::helper::getWriteAccessor(df);
     if (forces.size() < dx.getValue().size()) forces.resize(dx.getValue().size());
@@ -61,7 +61,7 @@ template <class TDataTypes>
 bool PartForceField<TDataTypes>::findStiffness()
 {
     m_stiffness.clear();
-    return attempt(*this, [&] { addStiffnessBlocks(1, m_stiffness); });
+    return attempt(*this, [&] { addStiffnessBlocks(this->matrixScale(), m_stiffness); });
 }
 
 template <class TDataTypes>

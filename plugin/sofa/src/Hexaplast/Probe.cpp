@@ -1,30 +1,140 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "parts/probe.hpp"
+
+#include <Hexaplast/errors.h>
 #include <Hexaplast/registration.h>
 #include <Hexaplast/table.h>
-#include <sofa/core/objectmodel/BaseObject.h>
+#include <sofa/core/objectmodel/DataFileName.h>
+#include <sofa/simulation/UpdateMappingEndEvent.h>
+
+#include <fstream>
+#include <limits>
+#include <optional>
 
 #include "attributes/parts.hpp"
+#include "hexaplast/geometry/embed.hpp"
 
 namespace hexaplast::sofa_plugin
 {
 
-/// What `hexaplast run` records. In SOFA that is the business of Monitor and of scripts, which may read it.
-class Probe final : public TableComponent<sofa::core::objectmodel::BaseObject>
+/// Makes one number of a Data after every step, when all components have ended it, wherever they stand.
+class Probe final : public TableComponent<SofaComponent>
 {
 public:
-    SOFA_CLASS(Probe, SOFA_TEMPLATE(TableComponent, sofa::core::objectmodel::BaseObject));
+    SOFA_CLASS(Probe, SOFA_TEMPLATE(TableComponent, SofaComponent));
 
     Data<sofa::type::vector<SReal>> d_value{fromTable(d_value, "value")};
     Data<sofa::type::vector<sofa::Index>> d_indices{fromTable(d_indices, "indices")};
     Data<sofa::type::vector<sofa::type::Vec3>> d_points{fromTable(d_points, "points")};
-    DataWord d_component{fromTable(d_component, "component")};
-    DataWord d_statistic{fromTable(d_statistic, "statistic")};
+    Data<OptionsGroup> d_component{fromTable(d_component, "component")};
+    Data<OptionsGroup> d_statistic{fromTable(d_statistic, "statistic")};
     Data<bool> d_change{fromTable(d_change, "change")};
+    Data<SReal> d_reading{initData(&d_reading, SReal(0), "reading", "The number after the latest step.", true, true)};
+    sofa::core::objectmodel::DataFileName d_filename{
+        initData(&d_filename, "filename", "A CSV file of time [s] and reading, with a line after every step.")};
+
+    // When the Data of all components are there.
+    void bwdInit() override
+    {
+        const bool isAccepted = attempt(*this, [&] { begin(); });
+        if (isAccepted) d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
+    }
+    void reinit() override { bwdInit(); }
+    void reset() override
+    {
+        if (m_probe) attempt(*this, [&] { begin(); });
+    }
+
+    void handleEvent(sofa::core::objectmodel::Event* event) override
+    {
+        if (!sofa::simulation::UpdateMappingEndEvent::checkEventType(event) || !mayStep(*this)) return;
+        attempt(*this,
+                [&]
+                {
+                    read();
+                    if (!m_file.is_open()) return;
+                    m_file << getContext()->getTime() << "," << d_reading.getValue() << std::endl;
+                    if (!m_file) throw parts::OptionError("filename", "cannot be written any more");
+                });
+    }
 
 protected:
-    Probe() : TableComponent(attributes::kProbe) {}
+    Probe() : TableComponent(attributes::kProbe) { f_listening.setValue(true); }
+
+private:
+    const sofa::core::BaseData& source() const
+    {
+        const sofa::core::BaseData* data = &d_value;
+        while (data->getParent()) data = data->getParent();
+        return *data;
+    }
+
+    void begin()
+    {
+        m_file.close();
+        m_points.reset();
+        const int width = static_cast<int>(source().getValueTypeInfo()->size());
+        if (width != 1 && width != 3)
+            throw parts::OptionError("value", "holds entries of " + std::to_string(width) + " numbers, must be 1 or 3");
+        if (width == 1 && d_component.isSet())
+            throw parts::OptionError("component",
+                                     "is given for a value that holds no vectors: its entries are single numbers");
+        if (d_points.isSet()) embed(width);
+        m_probe.emplace(readOptions<parts::ProbeOptions>(), width);
+        read();
+        if (d_filename.getValue().empty()) return;
+        m_file.open(d_filename.getFullPath());
+        m_file.imbue(std::locale::classic());
+        m_file.precision(std::numeric_limits<SReal>::max_digits10);
+        m_file << "time," << getName() << std::endl;
+        if (!m_file) throw parts::OptionError("filename", "'" + d_filename.getFullPath() + "' cannot be written");
+    }
+
+    void embed(int width)
+    {
+        if (d_indices.isSet())
+            throw parts::OptionError("points", "are given besides indices: entries are the ones or the others");
+        const auto* state = getContext()->get<MechanicalState>();
+        auto* topology = getContext()->getMeshTopologyLink();
+        if (width != 3 || !state || !topology || topology->getHexahedra().empty())
+            throw parts::OptionError(
+                "points",
+                "need one vector per node for a value, as @nodes.position is, and a MechanicalObject "
+                "and a topology with hexahedra in the node of the probe or above");
+        std::vector<Hexahedron> hexahedra;
+        for (const auto& hexahedron : topology->getHexahedra())
+        {
+            Hexahedron& corners = hexahedra.emplace_back();
+            for (std::size_t a = 0; a < corners.size(); ++a) corners[a] = static_cast<int>(hexahedron[a]);
+        }
+        m_points.emplace(view(state->readRestPositions().ref()), hexahedra, view(d_points.getValue()));
+    }
+
+    void read()
+    {
+        m_probe->set_options(readOptions<parts::ProbeOptions>());
+        const sofa::core::BaseData& from = source();
+        const auto* type = from.getValueTypeInfo();
+        const void* value = from.getValueVoidPtr();
+        m_values.resize(type->size(value));
+        for (std::size_t i = 0; i < m_values.size(); ++i)
+            m_values[i] = type->getScalarValue(value, static_cast<sofa::Size>(i));
+        if (m_points)
+        {
+            PointArray at(m_points->num_points(), 3);
+            m_points->apply(
+                Eigen::Map<const PointArray>(m_values.data(), static_cast<Eigen::Index>(m_values.size() / 3), 3), at);
+            m_values.assign(at.data(), at.data() + at.size());
+        }
+        d_reading.setValue(m_probe->read(m_values));
+    }
+
+    std::optional<parts::Probe> m_probe;
+    std::optional<Embedding> m_points;
+    std::vector<double> m_values;
+    std::ofstream m_file;
 };
 
-void registerProbe(sofa::core::ObjectFactory* factory) { register_component<Probe>(factory, attributes::kProbe); }
+void registerProbe(sofa::core::ObjectFactory* factory) { registerComponent<Probe>(factory, attributes::kProbe); }
 
 }  // namespace hexaplast::sofa_plugin

@@ -3,8 +3,8 @@
 
 #include <Hexaplast/ForceBetweenStates.h>
 #include <Hexaplast/PartForceField.h>
+#include <Hexaplast/States.h>
 #include <sofa/component/linearsolver/iterative/MatrixLinearSolver.h>
-#include <sofa/core/BaseMapping.h>
 #include <sofa/core/behavior/BaseMass.h>
 #include <sofa/core/behavior/MultiVec.h>
 
@@ -25,89 +25,6 @@ using sofa::core::objectmodel::BaseContext;
 using OurForceField = PartForceField<Vec3Types>;
 using OurInteraction = ForceBetweenStates;
 
-/// The states of a system, one behind the other.
-class States
-{
-public:
-    struct Entry
-    {
-        MechanicalState* state;
-        int first_node, num_nodes;
-    };
-
-    /// Those below that follow no other.
-    explicit States(BaseContext& context)
-    {
-        std::vector<sofa::core::behavior::BaseMechanicalState*> found;
-        context.get<sofa::core::behavior::BaseMechanicalState>(&found, BaseContext::SearchDown);
-        for (auto* each : found)
-        {
-            if (each->getContext()->get<sofa::core::BaseMapping>(BaseContext::Local)) continue;
-            auto* state = dynamic_cast<MechanicalState*>(each);
-            if (!state)
-                throw InputError(
-                    "the independent MechanicalObjects in its node and below must be of template Vec3, "
-                    "which '" +
-                    each->getPathName() + "' is not");
-            const int num_nodes = static_cast<int>(state->getSize());
-            m_entries.push_back({state, m_num_nodes, num_nodes});
-            m_num_nodes += num_nodes;
-        }
-        if (m_entries.empty()) throw InputError("there is no MechanicalObject in its node and below");
-    }
-
-    int num_nodes() const { return m_num_nodes; }
-    const std::vector<Entry>& entries() const { return m_entries; }
-    bool are_several() const { return m_entries.size() > 1; }
-
-    const Entry* find(const void* state) const
-    {
-        for (const Entry& entry : m_entries)
-            if (entry.state == state) return &entry;
-        return nullptr;
-    }
-
-    /// field = of(state) of each; to(state) = field.
-    template <class Of>
-    PointArray read(const Of& of) const
-    {
-        PointArray field(m_num_nodes, 3);
-        for (const Entry& entry : m_entries) rows<Points>(field, entry) = view(of(*entry.state));
-        return field;
-    }
-    template <class To>
-    void write(ConstPoints field, const To& to) const
-    {
-        for (const Entry& entry : m_entries)
-        {
-            Data<Vec3Types::VecDeriv>& data = to(*entry.state);
-            Vec3Types::VecDeriv& values = *data.beginEdit();
-            values.resize(static_cast<std::size_t>(entry.num_nodes));
-            view(values) = rows(field, entry);
-            data.endEdit();
-        }
-    }
-    PointArray positions() const
-    {
-        return read([](const MechanicalState& state) -> auto& { return state.readPositions().ref(); });
-    }
-    PointArray velocities() const
-    {
-        return read([](const MechanicalState& state) -> auto& { return state.readVelocities().ref(); });
-    }
-
-    /// The rows of a field that belong to a state.
-    template <class Field>
-    static Field rows(Field field, const Entry& entry)
-    {
-        return Field(field.middleRows(entry.first_node, entry.num_nodes));
-    }
-
-private:
-    std::vector<Entry> m_entries;
-    int m_num_nodes = 0;
-};
-
 /// The system m M + b B + k K of a SOFA node as a system of ours, over all states that move by themselves. The kernels
 /// work on our bodies, lumped masses and what of ours has a diagonal; what else of ours acts, on a state or between
 /// two, is asked for its products beside them, and the rest of SOFA.
@@ -120,7 +37,7 @@ public:
     {
     }
 
-    int num_nodes() const override { return m_states.num_nodes(); }
+    int num_nodes() const override { return m_states.numNodes(); }
 
     void apply(ConstPoints p, Points Ap) const override
     {
@@ -137,10 +54,10 @@ public:
 
     bool matrix_free(MatrixFreeSystem& system) const override
     {
-        find_constraints(system.constraints);
-        m_mass_of_others = masses_are_lumped() ? 0 : m_A.mparams.mFactor();
-        if (m_mass_of_others == 0)
-            find_diagonal(system.diagonal);
+        findConstraints(system.constraints);
+        m_massOfOthers = massesAreLumped() ? 0 : m_A.mparams.mFactor();
+        if (m_massOfOthers == 0)
+            findDiagonal(system.diagonal);
         else
             system.diagonal.setZero(num_nodes(), 3);
 
@@ -148,25 +65,25 @@ public:
         m_besides.clear();
         m_besides.reserve(m_states.entries().size());  // referred to by the system
         m_between.pairs.clear();
-        bool has_others = m_mass_of_others != 0;
+        bool hasOthers = m_massOfOthers != 0;
         std::vector<BaseForceField*> fields;
         m_context.get<BaseForceField>(&fields, BaseContext::SearchDown);
         for (const States::Entry& entry : m_states.entries())
         {
-            if (!m_states.are_several())
+            if (!m_states.areSeveral())
             {
-                add_operator(entry, fields, system);
+                addOperator(entry, fields, system);
                 continue;
             }
             MatrixFreeSystem part;
             part.wants_levels = system.wants_levels;
-            part.diagonal.setZero(entry.num_nodes, 3);
-            add_operator(entry, fields, part);
-            system.add_part(part, entry.first_node);
+            part.diagonal.setZero(entry.numNodes, 3);
+            addOperator(entry, fields, part);
+            system.add_part(part, entry.firstNode);
         }
         for (BaseForceField* field : fields)
         {
-            if (dynamic_cast<BaseMass*>(field) || has_no_stiffness(*field)) continue;
+            if (dynamic_cast<BaseMass*>(field)) continue;
             if (auto* ours = dynamic_cast<OurInteraction*>(field))
             {
                 const auto *first = m_states.find(ours->getMState1()), *second = m_states.find(ours->getMState2());
@@ -175,12 +92,12 @@ public:
             }
             const auto* ours = dynamic_cast<OurForceField*>(field);
             if (ours ? ours->hasPart() && ours->isInMatrix() && !m_states.find(ours->getMState()) : true)
-                has_others = true;
+                hasOthers = true;
         }
         m_between.b = m_A.mparams.bFactor();
         m_between.k = m_A.mparams.kFactor();
         if (!m_between.pairs.empty()) system.others.emplace_back(&m_between);
-        if (has_others && others_act()) system.others.emplace_back(static_cast<const NodalOperator*>(this));
+        if (hasOthers && othersAct()) system.others.emplace_back(static_cast<const NodalOperator*>(this));
         return true;
     }
 
@@ -191,30 +108,30 @@ public:
         if (m_A.mparams.bFactor() == 0) return false;  // not a step of implicit Euler, where it is -h
         const double h = -m_A.mparams.bFactor(), ofProduct = m_A.mparams.kFactor() / m_A.mparams.bFactor();
         const PointArray x = m_states.positions(), v = m_states.velocities();
-        const PointArray v_end = v + dv, x_end = x + h * v_end;
+        const PointArray vEnd = v + dv, xEnd = x + h * vEnd;
         PointArray force = PointArray::Zero(num_nodes(), 3), product = force, scratch;
-        bool has_released = false;
-        const auto release_from = [&](auto& field, const auto& of, const auto& in)
+        bool hasReleased = false;
+        const auto releaseFrom = [&](auto& field, const auto& of, const auto& in)
         {
             if (!field.isOneSided()) return;
             const bool pulled = ImplicitEuler::release_from(
                 force, scratch, [&](Points f) { field.addOwnForce(of(x), of(v), in(f)); },
                 [&](double sign) { field.addOwnProduct(0, sign, of(v), in(product)); },
-                [&] { return field.release(of(x_end), of(v_end)); });
-            has_released = has_released || pulled;
+                [&] { return field.release(of(xEnd), of(vEnd)); });
+            hasReleased = hasReleased || pulled;
         };
         for (const Beside& beside : m_besides)
             for (OurForceField* field : beside.fields)
-                release_from(
+                releaseFrom(
                     *field, [&](ConstPoints all) { return States::rows<ConstPoints>(all, beside.entry); },
                     [&](Points all) { return States::rows<Points>(all, beside.entry); });
         for (const Between::Pair& pair : m_between.pairs)
-            release_from(
+            releaseFrom(
                 *pair.field, [&](ConstPoints all) { return pair.rows<ConstPoints>(all); },
                 [&](Points all) { return pair.rows<Points>(all); });
-        if (!has_released) return false;
+        if (!hasReleased) return false;
         Constraints constraints;
-        find_constraints(constraints);
+        findConstraints(constraints);
         ImplicitEuler::add_released(h, ofProduct, force, product, constraints, b);
         return true;
     }
@@ -248,7 +165,7 @@ public:
     const States& states() const { return m_states; }
 
     /// Whether what the constraints leave of a vector is left by them once more.
-    bool constraints_project() const
+    bool constraintsProject() const
     {
         PointArray once = irregular_numbers(num_nodes());
         project(once);
@@ -258,13 +175,6 @@ public:
     }
 
 private:
-    /// Loads that SOFA's scenes prescribe.
-    static bool has_no_stiffness(const BaseForceField& field)
-    {
-        const std::string name = field.getClassName();
-        return name == "ConstantForceField" || name == "LinearForceField";
-    }
-
     /// Force fields of ours that SOFA's products are without while it lives.
     class LeftOut
     {
@@ -285,7 +195,7 @@ private:
     /// SOFA's constraints are known by what they do to vectors alone
     /// (BaseProjectiveConstraintSet::projectResponse): here to one of each axis, with a number of its own at every
     /// node, so that no tie is taken for freedom.
-    void find_constraints(Constraints& constraints) const
+    void findConstraints(Constraints& constraints) const
     {
         constraints.reset(num_nodes());
         const PointArray numbers = irregular_numbers(num_nodes());
@@ -303,19 +213,19 @@ private:
         }
         for (const States::Entry& entry : m_states.entries())
         {
-            if (!constraints.projector || !m_states.are_several()) return;
+            if (!constraints.projector || !m_states.areSeveral()) return;
             PointArray one = PointArray::Zero(num_nodes(), 3);
             States::rows<Points>(one, entry) = States::rows<ConstPoints>(numbers, entry);
             project(one);
             for (const States::Entry& other : m_states.entries())
                 if (&other != &entry && !States::rows<ConstPoints>(one, other).isZero(0))
-                    constraints.ties.push_back({entry.first_node, other.first_node});
+                    constraints.ties.push_back({entry.firstNode, other.firstNode});
         }
     }
 
     /// What of ours acts on one state.
-    void add_operator(const States::Entry& entry, const std::vector<BaseForceField*>& fields,
-                      MatrixFreeSystem& system) const
+    void addOperator(const States::Entry& entry, const std::vector<BaseForceField*>& fields,
+                     MatrixFreeSystem& system) const
     {
         Beside& beside = m_besides.emplace_back(entry);
         beside.b = m_A.mparams.bFactor();
@@ -325,7 +235,7 @@ private:
             auto* ours = dynamic_cast<OurForceField*>(field);
             if (!ours || ours->getMState() != entry.state || !ours->hasPart() || !ours->isInMatrix()) continue;
             m_ours.push_back(ours);
-            if (ours->add_operator(beside.k + beside.b * ours->rayleighStiffness.getValue(), system))
+            if (ours->addOperator(beside.k + beside.b * ours->wholeRayleighStiffness(), system))
                 ours->addDampingDiagonal(beside.b, system.diagonal);
             else
                 beside.fields.push_back(ours);
@@ -338,14 +248,14 @@ private:
     {
         write(p, m_in);
         const LeftOut leftOut(*this);
-        multiply(m_mass_of_others, m_A.mparams.bFactor(), m_A.mparams.kFactor());
+        multiply(m_massOfOthers, m_A.mparams.bFactor(), m_A.mparams.kFactor());
         for (const States::Entry& entry : m_states.entries())
             States::rows(Fp, entry) += view(entry.state->read(m_out.id().getId(entry.state))->getValue());
     }
 
     /// Whether the others have an entry at all, as planes that nothing touches have none: a vector without any
     /// regularity has a product then.
-    bool others_act() const
+    bool othersAct() const
     {
         PointArray product = PointArray::Zero(num_nodes(), 3);
         add_product(irregular_numbers(num_nodes()), product);
@@ -353,7 +263,7 @@ private:
     }
 
     /// Whether all masses are lumped, act on the states themselves, and do not damp.
-    bool masses_are_lumped() const
+    bool massesAreLumped() const
     {
         std::vector<BaseMass*> masses;
         m_context.get<BaseMass>(&masses, BaseContext::SearchDown);
@@ -368,7 +278,7 @@ private:
     }
 
     /// Diagonal of m M, from the product with a vector of ones.
-    void find_diagonal(PointArray& diagonal) const
+    void findDiagonal(PointArray& diagonal) const
     {
         write(PointArray::Ones(num_nodes(), 3), m_in);
         multiply(m_A.mparams.mFactor(), 0, 0);
@@ -401,9 +311,9 @@ private:
         struct Pair
         {
             template <class Field>
-            OfTwo<Field> rows(Field of_all) const
+            OfTwo<Field> rows(Field ofAll) const
             {
-                return {States::rows(of_all, *first), States::rows(of_all, *second)};
+                return {States::rows(ofAll, *first), States::rows(ofAll, *second)};
             }
             OurInteraction* field;
             const States::Entry *first, *second;
@@ -423,7 +333,7 @@ private:
     mutable std::vector<OurForceField*> m_ours;  // on the states: SOFA's products are without them
     mutable std::vector<Beside> m_besides;       // one per state
     mutable Between m_between;                   // SOFA's products are without it as well
-    mutable double m_mass_of_others = 0;         // factor of the masses in what the kernels do not know
+    mutable double m_massOfOthers = 0;           // factor of the masses in what the kernels do not know
 };
 
 }  // namespace hexaplast::sofa_plugin

@@ -4,10 +4,12 @@
 #include <Hexaplast/ForceOf.h>
 #include <Hexaplast/HexahedronElastoplasticFEMForceField.h>
 #include <Hexaplast/contact_drawing.h>
-#include <sofa/core/BaseMapping.h>
+#include <Hexaplast/mappings.h>
+#include <sofa/component/odesolver/backward/EulerImplicitSolver.h>
 #include <sofa/core/behavior/OdeSolver.h>
 
 #include <algorithm>
+#include <sstream>
 
 #include "parts/contact_options.hpp"
 
@@ -15,38 +17,46 @@ namespace hexaplast::sofa_plugin
 {
 
 using BodyField = HexahedronElastoplasticFEMForceField<Vec3Types>;
+using sofa::component::odesolver::backward::EulerImplicitSolver;
 
-/// The field whose body has its nodes in `state`; InputError where there is none.
-inline BodyField& body_field_of(const sofa::core::behavior::BaseMechanicalState& state)
+/// All of the scene that `context` is in.
+inline std::vector<BodyField*> bodyFields(const sofa::core::objectmodel::BaseContext& context)
 {
-    using sofa::core::objectmodel::BaseContext;
-    const std::string on = "on its state '" + state.getName() + "'";
-    BodyField* found = nullptr;
     std::vector<BodyField*> fields;
-    state.getContext()->getRootContext()->get<BodyField>(&fields, BaseContext::SearchDown);
-    for (BodyField* field : fields)
-        if (field->getMState() == &state) found = field;
-    if (!found) throw InputError("no body " + on + ": contact is that of a body's surface");
-    if (!found->works()) throw InputError("its body '" + found->getName() + "' is invalid (see its error above)");
-    if (state.getContext()->get<sofa::core::BaseMapping>(BaseContext::Local))
-        throw InputError("its state '" + state.getName() +
-                         "' follows another one: must be one that an integrator moves");
-    return *found;
+    context.getRootContext()->get<BodyField>(&fields, sofa::core::objectmodel::BaseContext::SearchDown);
+    return fields;
+}
+
+/// The field of a scene whose body has its nodes in `state`; InputError where there is none.
+inline BodyField& bodyFieldOf(const sofa::core::behavior::BaseMechanicalState& state,
+                              const sofa::core::objectmodel::BaseContext& context)
+{
+    for (BodyField* field : bodyFields(context))
+    {
+        if (field->getMState() != &state) continue;
+        if (!field->works()) throw InputError("its body '" + field->getName() + "' is invalid (see its error above)");
+        if (followsAnother(state))
+            throw InputError("its state '" + state.getName() +
+                             "' follows another one: must be one that an integrator moves");
+        return *field;
+    }
+    throw InputError("no body on its state '" + state.getName() + "': contact is that of a body's surface");
 }
 
 /// The EulerImplicitSolver that moves what is in a context; InputError for any other.
-inline const sofa::core::behavior::OdeSolver& implicit_euler_of(const sofa::core::objectmodel::BaseContext& context)
+inline const EulerImplicitSolver& implicitEulerOf(const sofa::core::objectmodel::BaseContext& context)
 {
     const auto* integrator = context.get<sofa::core::behavior::OdeSolver>();
-    const auto has = [&](const char* scheme)
-    {
-        const auto* data = dynamic_cast<const Data<bool>*>(integrator->findData(scheme));
-        return data && data->getValue();
-    };
-    const std::string lacks =
-        parts::integrator_lacks(integrator ? integrator->getClassName() : "", has, "in its node or above");
+    const auto* euler = dynamic_cast<const EulerImplicitSolver*>(integrator);
+    const std::string lacks = parts::integrator_lacks(
+        euler        ? "EulerImplicitSolver"
+        : integrator ? integrator->getClassName()
+                     : "",
+        [&](std::string_view scheme)
+        { return scheme == "firstOrder" ? euler->d_firstOrder.getValue() : euler->d_trapezoidalScheme.getValue(); },
+        "in its node or above");
     if (!lacks.empty()) throw InputError(lacks);
-    return *integrator;
+    return *euler;
 }
 
 /// A contact of bodies. Contacts are found at AnimateBeginEvent, anchors follow at AnimateEndEvent.
@@ -60,6 +70,13 @@ public:
     Data<SReal> d_drawForceScale{this->initData(&d_drawForceScale, SReal(0), "drawForceScale",
                                                 "Length of a force that is drawn [m/N]. 0: the greatest one has a "
                                                 "tenth of the size of the body.")};
+
+    /// The bodies that touch, which are found by their states; of one state, the same twice.
+    using BodyLink = sofa::core::objectmodel::SingleLink<ContactOf, BodyField,
+                                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
+                                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>;
+    BodyLink l_body1{this->initLink("body1", "Output: the body of its state, or of object1.")};
+    BodyLink l_body2{this->initLink("body2", "Output: the body of object2, where it has one.")};
 
     // Bodies and integrators may be declared later: it is made when all of them have had their init.
     void init() override
@@ -101,32 +118,34 @@ protected:
 
     parts::Surroundings surroundings() override
     {
-        m_bodyFields = {};
         const std::array states = this->states();
         if (!states[0] || !states[1])
             throw InputError("needs object1, and object2 where it is another one: the MechanicalObjects of two bodies");
-        const std::array fields = {&body_field_of(*states[0]), &body_field_of(*states[1])};
-        const auto& integrator = implicit_euler_of(*this->getContext());
+        const std::array fields = {&bodyFieldOf(*states[0], *this->getContext()),
+                                   &bodyFieldOf(*states[1], *this->getContext())};
+        const auto& integrator = implicitEulerOf(*this->getContext());
         for (std::size_t k = 0; k < Part::kNumStates; ++k)
             if (states[k]->getContext()->template get<sofa::core::behavior::OdeSolver>() != &integrator)
                 throw parts::OptionError(
                     k == 0 ? "object1" : "object2",
-                    fmt::format("leads to '{}', which another integrator moves: bodies that touch need one "
-                                "EulerImplicitSolver and one linear solver in a node above both, and the contact "
-                                "stands below it",
-                                states[k]->getPathName()));
-        m_bodyFields = fields;
-        m_bodiesMade = {fields[0]->timesMade(), fields[1]->timesMade()};
+                    "leads to '" + states[k]->getPathName() +
+                        "', which another integrator moves: bodies that touch need one EulerImplicitSolver and one "
+                        "linear solver in a node above both, and the contact stands below it");
+        l_body1.set(fields[0]);
+        l_body2.set(fields[1]);
+        m_bodies = {fields[0]->part(), fields[1]->part()};
         return {.bodies = {fields[0]->body(), fields[1]->body()}};
     }
 
     void checkRayleighStiffness() const override
     {
-        if (const SReal given = this->rayleighStiffness.getValue(); given != m_ownRayleighStiffness)
-            throw parts::OptionError("rayleighStiffness",
-                                     fmt::format("= {}: must not be given, as the Rayleigh stiffness of the integrator "
-                                                 "does not act on contact. damping damps it",
-                                                 given));
+        const SReal given = this->rayleighStiffness.getValue();
+        if (given == 0) return;
+        std::ostringstream reason;
+        reason << "= " << given
+               << ": must not be given, as the Rayleigh stiffness of the integrator does not act on contact. damping "
+                  "damps it";
+        throw parts::OptionError("rayleighStiffness", reason.str());
     }
 
     void makePart() override
@@ -142,7 +161,10 @@ protected:
     }
     bool othersHaveChanged() override
     {
-        return m_bodiesMade[0] != m_bodyFields[0]->timesMade() || m_bodiesMade[1] != m_bodyFields[1]->timesMade();
+        const std::vector<BodyField*> present = bodyFields(*this->getContext());
+        const auto isAsItWas = [&](const BodyLink& link, const auto& body)
+        { return std::count(present.begin(), present.end(), link.get()) > 0 && link->part() == body; };
+        return !isAsItWas(l_body1, m_bodies[0]) || !isAsItWas(l_body2, m_bodies[1]);
     }
     void resetPart() override
     {
@@ -151,17 +173,13 @@ protected:
         Inherit::resetPart();
     }
 
-    /// SOFA multiplies the stiffness by the Rayleigh stiffness of the integrator: an own one takes that back.
     void beginStep(SReal time, SReal dt) override
     {
         prescribe(dt);
-        const auto* given =
-            dynamic_cast<const Data<SReal>*>(implicit_euler_of(*this->getContext()).findData("rayleighStiffness"));
-        this->beginPart({.time = time, .dt = dt, .rayleigh_stiffness = given ? given->getValue() : 0});
+        const SReal ofIntegrator = implicitEulerOf(*this->getContext()).d_rayleighStiffness.getValue();
+        this->beginPart({.time = time, .dt = dt, .rayleigh_stiffness = ofIntegrator});
         m_dt = dt;
         m_isOpen = true;
-        m_ownRayleighStiffness = this->m_part->rayleigh_stiffness();
-        this->rayleighStiffness.setValue(m_ownRayleighStiffness);
         m_isAccepted = false;
     }
     void endStep(SReal dt) override
@@ -184,9 +202,9 @@ protected:
     void drawContacts(sofa::helper::visual::DrawTool& tool) const
     {
         const std::array states = this->states();
-        draw_contacts(tool, this->m_part->terms(), this->positions(),
-                      {view(states[0]->readVelocities().ref()), view(states[1]->readVelocities().ref())},
-                      d_drawForceScale.getValue());
+        drawContactTerms(tool, this->m_part->terms(), this->positions(),
+                         {view(states[0]->readVelocities().ref()), view(states[1]->readVelocities().ref())},
+                         d_drawForceScale.getValue());
     }
 
 private:
@@ -212,11 +230,9 @@ private:
         }
     }
 
-    std::array<BodyField*, 2> m_bodyFields = {};  // of one state: the same twice
-    std::array<int, 2> m_bodiesMade = {};         // which of the bodies that these fields have made
-    SReal m_dt = 0;                               // of the present step
-    bool m_isOpen = false;                        // it has begun and not ended
-    SReal m_ownRayleighStiffness = 0;
+    std::array<std::shared_ptr<const parts::HexahedralBody>, 2> m_bodies;  // that the part refers to
+    SReal m_dt = 0;                                                        // of the present step
+    bool m_isOpen = false;                                                 // it has begun and not ended
     bool m_isAccepted = true;  // nothing pulls at the end of the present step
     bool m_isWarned = false;   // of a linear solver that does not accept its steps
     bool m_hasWarnedOfPair = false;

@@ -30,10 +30,7 @@ inline Eigen::Map<PointArray> view(Vec3Types::VecCoord& field)
 inline Vec3 vec3(const sofa::type::Vec3& v) { return {v[0], v[1], v[2]}; }
 inline sofa::type::Vec3 vec3(const Vec3& v) { return {v[0], v[1], v[2]}; }
 
-inline std::vector<int> whole_numbers(const sofa::type::vector<sofa::Index>& from)
-{
-    return {from.begin(), from.end()};
-}
+inline std::vector<int> wholeNumbers(const sofa::type::vector<sofa::Index>& from) { return {from.begin(), from.end()}; }
 inline std::vector<Triangle> triangles(const MeshTopology::SeqTriangles& from)
 {
     std::vector<Triangle> to;

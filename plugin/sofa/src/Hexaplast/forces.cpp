@@ -11,10 +11,10 @@ namespace hexaplast::sofa_plugin
 
 void registerForces(sofa::core::ObjectFactory* factory)
 {
-    register_component<ForceOf<parts::TangentialLoad>>(factory, parts::TangentialLoad::description());
-    register_component<ForceOf<parts::Grasp>>(factory, parts::Grasp::description());
-    register_component<Instrument>(factory, attributes::kInstrumentContactInSofa);
-    register_component<ContactOf<parts::Tissues>>(factory, parts::Tissues::description());
+    registerComponent<ForceOf<parts::TangentialLoad>>(factory, parts::TangentialLoad::description());
+    registerComponent<ForceOf<parts::Grasp>>(factory, parts::Grasp::description());
+    registerComponent<Instrument>(factory, attributes::kInstrumentContactInSofa);
+    registerComponent<ContactOf<parts::Tissues>>(factory, parts::Tissues::description());
 }
 
 }  // namespace hexaplast::sofa_plugin

@@ -1,17 +1,25 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <Hexaplast/init.h>
 #include <Hexaplast/registration.h>
+#include <sofa/helper/system/PluginManager.h>
 
 #include <cstdlib>
+#include <utility>
 
 #include "hexaplast/base/parallel.hpp"
 
 namespace hexaplast::sofa_plugin
 {
 
-// OMP_NUM_THREADS says how many threads the kernels have; one where it is not set. Results do not depend on it.
+// OMP_NUM_THREADS says how many threads the kernels have, unless RunSettings does; one where neither is set. Results do
+// not depend on it.
 void init()
 {
+    static bool isFirst = true;
+    if (!std::exchange(isFirst, false)) return;
+    // a program that links the plugin has not loaded it by its name
+    auto& plugins = sofa::helper::system::PluginManager::getInstance();
+    if (!plugins.pluginIsLoaded(MODULE_NAME)) plugins.registerPlugin(MODULE_NAME);
     const char* asked = std::getenv("OMP_NUM_THREADS");
     const int count = asked ? std::atoi(asked) : 0;
     if (count > 0) set_num_threads(count);

@@ -21,7 +21,7 @@ inline std::vector<const attributes::Description*>& registered()
 }
 
 template <class T>
-void register_component(sofa::core::ObjectFactory* factory, const attributes::Description& description)
+void registerComponent(sofa::core::ObjectFactory* factory, const attributes::Description& description)
 {
     registered().push_back(&description);
     factory->registerObjects(sofa::core::ObjectRegistrationData(std::string(description.help)).add<T>());

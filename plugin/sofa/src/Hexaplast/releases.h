@@ -4,6 +4,10 @@
 #include <sofa/core/behavior/ForceField.h>
 #include <sofa/version.h>
 
+#if SOFA_VERSION >= 251200
+#include <sofa/component/constraint/lagrangian/solver/UnbuiltGaussSeidelConstraintSolver.h>
+#endif
+
 /// What differs between the releases of SOFA that the plugin is compiled against, v24.12 to v26.06. No other file asks
 /// for the version.
 namespace hexaplast::sofa_plugin
@@ -17,8 +21,20 @@ using SofaComponent = sofa::core::objectmodel::BaseComponent;
 using SofaComponent = sofa::core::objectmodel::BaseObject;
 #endif
 
+/// Whether a solver of constraints in the scene asks for one constraint after the other. Before v25.12 that was a word
+/// of GenericConstraintSolver, which is not looked for.
+inline bool hasUnbuiltConstraints([[maybe_unused]] const sofa::core::objectmodel::BaseContext& root)
+{
+#if SOFA_VERSION >= 251200
+    using sofa::component::constraint::lagrangian::solver::UnbuiltGaussSeidelConstraintSolver;
+    return root.get<UnbuiltGaussSeidelConstraintSolver>(sofa::core::objectmodel::BaseContext::SearchDown) != nullptr;
+#else
+    return false;
+#endif
+}
+
 /// Whether a component has been found not to work (v24.12 has no question of its own for that).
-inline bool is_invalid(const SofaComponent& component)
+inline bool isInvalid(const SofaComponent& component)
 {
     return component.d_componentState.getValue() == sofa::core::objectmodel::ComponentState::Invalid;
 }

@@ -3,10 +3,14 @@
 
 #include <Hexaplast/fields.h>
 #include <Hexaplast/releases.h>
+#include <sofa/core/objectmodel/BaseObjectDescription.h>
+#include <sofa/core/objectmodel/DDGNode.h>
 #include <sofa/helper/OptionsGroup.h>
 
 #include <functional>
+#include <initializer_list>
 #include <locale>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -29,53 +33,25 @@ using attributes::Description;
 using sofa::core::objectmodel::Data;
 using sofa::helper::OptionsGroup;
 
-/// A word. Of one that it does not have, an OptionsGroup warns, and keeps the word before; this one remembers what it
-/// was given, so that its component can refuse it.
-class DataWord final : public Data<OptionsGroup>
-{
-public:
-    explicit DataWord(const InitData& init) : Data<OptionsGroup>(init) {}
-
-    bool read(const std::string& text) override
-    {
-        const bool is_read = Data<OptionsGroup>::read(text);
-        m_read = text;
-        m_counterRead = getCounter();
-        return is_read;
-    }
-
-    /// The word that it was given latest, whether it has it or not.
-    std::string given() const
-    {
-        const std::string& selected = getValue().getSelectedItem();
-        return m_counterRead == getCounter() ? m_read : selected;
-    }
-
-private:
-    std::string m_read;
-    int m_counterRead = -1;
-};
-
 /// The group of a member of Material or Settings; that of none is empty.
-inline std::string group_of(std::string_view name)
+inline std::string groupOf(std::string_view name)
 {
     if (const auto* row = find_row(material_rows(), name, Names::kScenes)) return std::string(row->group);
     if (const auto* row = find_row(settings_rows(), name, Names::kScenes)) return std::string(row->group);
     return {};
 }
 
-inline std::string help_of(const Attribute& attribute)
+inline std::string helpFrom(const Attribute& attribute)
 {
     std::string help(attribute.help);
-    if (!attribute.words.empty()) help += fmt::format(" One of: {}.", attribute.words);
-    if (const std::string range = attributes::describe(attribute.range); !range.empty())
-        help += fmt::format(" It {}.", range);
-    if (!attribute.unit.empty()) help += fmt::format(" [{}]", attribute.unit);
+    if (!attribute.words.empty()) help += " One of: " + std::string(attribute.words) + ".";
+    if (const std::string range = attributes::describe(attribute.range); !range.empty()) help += " It " + range + ".";
+    if (!attribute.unit.empty()) help += " [" + std::string(attribute.unit) + "]";
     return help;
 }
 
 template <class T>
-T initial_value(const Attribute& attribute)
+T initialValue(const Attribute& attribute)
 {
     if constexpr (std::is_same_v<T, OptionsGroup>)
     {
@@ -108,7 +84,7 @@ template <class T>
 requires std::is_enum_v<T>
 struct DataOf<T>
 {
-    using type = DataWord;
+    using type = Data<OptionsGroup>;
 };
 template <>
 struct DataOf<hexaplast::Vec3> : DataOf<sofa::type::Vec3>
@@ -137,14 +113,13 @@ struct DataOf<std::vector<Triangle>> : DataOf<MeshTopology::SeqTriangles>
 
 /// What a Data of a component is made from. group: where the row has none.
 template <class T>
-typename Data<T>::InitData from_table(SofaComponent& owner, Data<T>& data, const Attribute& attribute,
-                                      const char* group)
+typename Data<T>::InitData fromRow(SofaComponent& owner, Data<T>& data, const Attribute& attribute, const char* group)
 {
-    const bool is_output = attribute.access == attributes::Access::kOutput;
-    const std::string of_row = group_of(attribute.name);
-    auto init = owner.initData(&data, initial_value<T>(attribute), std::string(attribute.name).c_str(),
-                               help_of(attribute).c_str(), true, is_output);
-    init.group = is_output                  ? "Outputs"
+    const bool isOutput = attribute.access == attributes::Access::kOutput;
+    const std::string of_row = groupOf(attribute.name);
+    auto init = owner.initData(&data, initialValue<T>(attribute), std::string(attribute.name).c_str(),
+                               helpFrom(attribute).c_str(), true, isOutput);
+    init.group = isOutput                   ? "Outputs"
                  : !of_row.empty()          ? of_row
                  : !attribute.group.empty() ? std::string(attribute.group)
                                             : group;
@@ -153,17 +128,17 @@ typename Data<T>::InitData from_table(SofaComponent& owner, Data<T>& data, const
 
 /// An option of a part from the Data that has its name.
 template <class T>
-void read_option(const sofa::core::BaseData& data, const Attribute& attribute, T& option)
+void readOption(const sofa::core::BaseData& data, T& option)
 {
     const auto& given = dynamic_cast<const typename DataOf<T>::type&>(data);
     if constexpr (std::is_enum_v<T>)
-        option = static_cast<T>(parts::place_of_word(attribute, given.given()));
+        option = static_cast<T>(given.getValue().getSelectedId());
     else if constexpr (std::is_same_v<T, hexaplast::Vec3>)
         option = vec3(given.getValue());
     else if constexpr (std::is_same_v<T, std::vector<double>>)
         option = reals(given.getValue());
     else if constexpr (std::is_same_v<T, std::vector<int>>)
-        option = whole_numbers(given.getValue());
+        option = wholeNumbers(given.getValue());
     else if constexpr (std::is_same_v<T, PointArray>)
         option = view(given.getValue());
     else if constexpr (std::is_same_v<T, std::vector<Triangle>>)
@@ -172,14 +147,14 @@ void read_option(const sofa::core::BaseData& data, const Attribute& attribute, T
         option = given.getValue();
 }
 template <class T>
-void read_option(const sofa::core::BaseData& data, const Attribute& attribute, std::optional<T>& option)
+void readOption(const sofa::core::BaseData& data, std::optional<T>& option)
 {
-    if (data.isSet()) read_option(data, attribute, option.emplace());
+    if (data.isSet()) readOption(data, option.emplace());
 }
 
 /// An output into the Data that has its name.
 template <class T>
-void write_output(sofa::core::BaseData& data, const T& output)
+void writeOutput(sofa::core::BaseData& data, const T& output)
 {
     auto& shown = dynamic_cast<typename DataOf<T>::type&>(data);
     if constexpr (std::is_same_v<T, hexaplast::Vec3>)
@@ -197,27 +172,6 @@ void write_output(sofa::core::BaseData& data, const T& output)
     }
 }
 
-/// The options of a part from the Data of its component. Throws OptionError for a word that there is not, with what
-/// else is wrong.
-template <class Options>
-Options read_options(const SofaComponent& owner, const Description& description)
-{
-    Options options;
-    parts::OptionErrors errors;
-    Options::each(options,
-                  [&](std::string_view option, auto& member)
-                  {
-                      const std::string name = parts::attribute_name(option);
-                      errors.collect(
-                          [&]
-                          { read_option(*owner.findData(name), attributes::attribute_of(description, name), member); });
-                  });
-    if (errors.empty()) return options;
-    errors.collect([&] { parts::OptionRanges(description, options).throw_all(); });
-    errors.throw_all();
-    return options;
-}
-
 /// A component whose Data are attributes of a table.
 template <class TBase>
 class TableComponent : public TBase
@@ -225,17 +179,38 @@ class TableComponent : public TBase
 public:
     SOFA_ABSTRACT_CLASS(SOFA_TEMPLATE(TableComponent, TBase), TBase);
 
+    /// An OptionsGroup warns of a word that it has not, and keeps the one before: here that is an error.
+    void parse(sofa::core::objectmodel::BaseObjectDescription* given) override
+    {
+        TBase::parse(given);
+        for (const Attribute& attribute : m_description.attributes)
+        {
+            const char* word = given->getAttribute(std::string(attribute.name));
+            const auto* data = this->findData(std::string(attribute.name));
+            if (!attribute.words.empty() && word && *word != '@' && data && data->getValueString() != word)
+                m_wrongWords[attribute.name] = {word, data->getCounter()};
+        }
+    }
+
 protected:
     explicit TableComponent(const Description& description) : m_description(description) {}
 
     const Description& description() const { return m_description; }
+
+    /// Throws OptionError where the scene gives this Data a word that it has not.
+    void checkWord(std::string_view name) const
+    {
+        const auto wrong = m_wrongWords.find(name);
+        if (wrong != m_wrongWords.end() && wrong->second.counter == this->findData(std::string(name))->getCounter())
+            parts::place_of_word(attributes::attribute_of(m_description, name), wrong->second.word);
+    }
 
     /// What a Data is made from: Data<SReal> d_length{this->fromTable(d_length, "length")}. `group`: under which
     /// windows show it, where its row has no group.
     template <class T>
     typename Data<T>::InitData fromTable(Data<T>& data, std::string_view name, const char* group = "")
     {
-        return from_table(*this, data, attributes::attribute_of(m_description, name), group);
+        return fromRow(*this, data, attributes::attribute_of(m_description, name), group);
     }
 
     /// Makes a Data for each option and each output of a part.
@@ -255,11 +230,23 @@ protected:
         return attributes::attribute_of(m_description, name).help.data();
     }
 
-    /// The options of a part from the Data. Throws OptionError.
+    /// The options of a part from the Data. Throws OptionError for a word that there is not, with what else is wrong.
     template <class Options>
     Options readOptions() const
     {
-        return read_options<Options>(*this, m_description);
+        Options options;
+        parts::OptionErrors errors;
+        Options::each(options,
+                      [&](std::string_view option, auto& member)
+                      {
+                          const std::string name = parts::attribute_name(option);
+                          readOption(*this->findData(name), member);
+                          errors.collect([&] { checkWord(name); });
+                      });
+        if (errors.empty()) return options;
+        errors.collect([&] { parts::OptionRanges(m_description, options).throw_all(); });
+        errors.throw_all();
+        return options;
     }
 
 private:
@@ -280,40 +267,63 @@ private:
         m_data.push_back(std::make_unique<OwnedData<typename DataOf<T>::type>>(*this, name));
     }
 
+    struct WrongWord
+    {
+        std::string word;
+        int counter;  // of the Data when it was given
+    };
+
     const Description& m_description;
     std::vector<std::unique_ptr<Owned>> m_data;
+    std::map<std::string_view, WrongWord> m_wrongWords;  // by Data
 };
 
-/// The inputs of a component that has the attributes of a table: whether a value changed since they were seen last.
-class Inputs
+/// Stands behind the inputs of a component in SOFA's graph of dependencies, which tells it of each change.
+class Inputs final : public sofa::core::objectmodel::DDGNode
 {
 public:
     Inputs(const SofaComponent& owner, const Description& description)
     {
         for (const Attribute& attribute : description.attributes)
-            if (const auto* data = owner.findData(std::string(attribute.name)))
-                if (attribute.access != attributes::Access::kOutput) m_data.push_back({data, data->getCounter()});
+            if (auto* data = owner.findData(std::string(attribute.name));
+                data && attribute.access != attributes::Access::kOutput)
+                addInput(data);
+        update();
     }
 
-    bool have_changed()
+    void update() override
     {
-        bool changed = false;
-        for (auto& [data, counter] : m_data)
-        {
-            data->updateIfDirty();  // where it follows another one
-            changed = changed || counter != data->getCounter();
-            counter = data->getCounter();
-        }
+        for (sofa::core::objectmodel::DDGNode* input : inputs) input->updateIfDirty();  // that follow others
+        cleanDirty();
+    }
+
+    /// Whether one has changed since this was asked last.
+    bool haveChanged()
+    {
+        const bool changed = isDirty();
+        if (changed) update();
         return changed;
+    }
+};
+
+/// Stands before outputs there, so that they are computed when somebody reads one of them.
+class Outputs final : public sofa::core::objectmodel::DDGNode
+{
+public:
+    Outputs(std::initializer_list<sofa::core::BaseData*> outputs, std::function<void()> compute)
+        : m_compute(std::move(compute))
+    {
+        for (sofa::core::BaseData* output : outputs) addOutput(output);
+    }
+
+    void update() override
+    {
+        cleanDirty();
+        m_compute();
     }
 
 private:
-    struct Seen
-    {
-        const sofa::core::BaseData* data;
-        int counter;
-    };
-    std::vector<Seen> m_data;
+    std::function<void()> m_compute;
 };
 
 }  // namespace hexaplast::sofa_plugin

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <Hexaplast/ShapeTopologies.h>
+#include <Hexaplast/SheetGridTopology.h>
+#include <Hexaplast/SpherePatchGridTopology.h>
+#include <Hexaplast/TubeGridTopology.h>
 #include <Hexaplast/errors.h>
 #include <Hexaplast/fields.h>
 #include <Hexaplast/registration.h>
@@ -31,9 +33,9 @@ void ShapeTopology::init()
 
 void registerShapeTopologies(sofa::core::ObjectFactory* factory)
 {
-    register_component<TubeGridTopology>(factory, attributes::kTubeGridTopology);
-    register_component<SheetGridTopology>(factory, attributes::kSheetGridTopology);
-    register_component<SpherePatchGridTopology>(factory, attributes::kSpherePatchGridTopology);
+    registerComponent<TubeGridTopology>(factory, attributes::kTubeGridTopology);
+    registerComponent<SheetGridTopology>(factory, attributes::kSheetGridTopology);
+    registerComponent<SpherePatchGridTopology>(factory, attributes::kSpherePatchGridTopology);
 }
 
 }  // namespace hexaplast::sofa_plugin
