@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <fstream>
 #include <set>
+#include <sstream>
 
 #include "attributes/contact.hpp"
 #include "attributes/hexaplast.hpp"
@@ -60,6 +62,18 @@ TEST(SofaPlugin, RegistersEveryComponentWithTheHelpOfTheTable) {
     EXPECT_EQ(entry.template_name, table->category.ends_with("ForceField") ? "Vec3d" : "") << table->class_name;
   }
   EXPECT_EQ(names, expected);
+}
+
+TEST(SofaPlugin, HasAnExampleOfEveryComponentThatSofasRegressionTestsRun) {
+  const std::string folder = HEXAPLAST_SOURCE_DIR "/plugin/sofa/";
+  std::ostringstream list;
+  list << std::ifstream(folder + "Hexaplast.regression-tests").rdbuf();
+  for (const auto& [name, entry] : components()) {
+    std::ostringstream scene;
+    scene << std::ifstream(folder + "examples/" + name + ".scn").rdbuf();
+    EXPECT_NE(scene.str().find("<" + name + " "), std::string::npos) << name;
+    EXPECT_NE(list.str().find("\nexamples/" + name + ".scn 50 "), std::string::npos) << name;
+  }
 }
 
 TEST(SofaPlugin, SaysWhoItIsAndTakesThreadsFromTheEnvironment) {

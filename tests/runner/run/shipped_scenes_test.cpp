@@ -2,6 +2,7 @@
 // Scenes that ship with the program, run as a user runs them: permanent shape, volume and tears in their bands.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <numeric>
 
 #include "hexaplast/geometry/sections.hpp"
@@ -231,6 +232,19 @@ TEST_F(Shipped, PressedRingSpringsBackInPartAndKeepsResidualStress) {
   EXPECT_NEAR(stress.back(), yield_stress, 0.03 * yield_stress);
   EXPECT_GT(elastic.back(), 0.1 * *std::ranges::max_element(elastic));
   for (const double inverted : history.numbers("inverted")) EXPECT_EQ(inverted, 0);
+}
+
+// The examples of SOFA's plugin, but for that of a component which is SOFA's alone.
+TEST_F(Shipped, ExamplesOfTheComponentsAreReadAndStepWithoutWarning) {
+  int num_examples = 0;
+  for (const auto& file : std::filesystem::directory_iterator(HEXAPLAST_SOURCE_DIR "/plugin/sofa/examples")) {
+    if (file.path().stem() == "FinalStateExporter") continue;
+    const std::string scene = quoted(file.path());
+    EXPECT_EQ(succeeds("check " + scene).err, "");
+    EXPECT_EQ(succeeds("run " + scene + " --steps 5 --strict").err, "");
+    ++num_examples;
+  }
+  EXPECT_EQ(num_examples, 13);
 }
 
 }  // namespace
