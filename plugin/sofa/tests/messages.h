@@ -17,10 +17,15 @@ class Messages final : public sofa::helper::logging::MessageHandler
 public:
     Messages() { sofa::helper::logging::MessageDispatcher::addHandler(this); }
     ~Messages() override { sofa::helper::logging::MessageDispatcher::rmHandler(this); }
-    void process(sofa::helper::logging::Message& message) override { m_text += message.messageAsString() + "\n"; }
+    void process(sofa::helper::logging::Message& message) override
+    {
+        m_text += message.messageAsString() + "\n";
+        if (message.type() >= sofa::helper::logging::Message::Error) m_errors += message.messageAsString() + "\n";
+    }
 
     std::string getName() const override { return "test"; }
     const std::string& text() const { return m_text; }
+    const std::string& errors() const { return m_errors; }
     int count(const std::string& words) const
     {
         int found = 0;
@@ -29,7 +34,7 @@ public:
     }
 
 private:
-    std::string m_text;
+    std::string m_text, m_errors;
 };
 
 inline std::string replaced(std::string text, const std::string& from, const std::string& to)
