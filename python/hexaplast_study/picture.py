@@ -8,7 +8,7 @@ from xml.sax.saxutils import escape
 
 from . import command
 
-FIRST, SECOND, PALE = "#2563a8", "#c2410c", "#a5adb8"
+FIRST, SECOND, THIRD, PALE = "#2563a8", "#c2410c", "#3f7a1f", "#a5adb8"
 GRID, FRAME = "#e3e5e8", "#8a8f98"
 LEFT, RIGHT, TOP, BOTTOM = 78, 34, 84, 24  # margins of the page [pixels]
 GAP_X, GAP_Y, HEAD, FOOT = 30, 38, 34, 60  # between plots, around a row of them
@@ -177,8 +177,8 @@ def picture(title, rows):
 
 
 def draw_sweep(directory):
-    """sweep.svg: elongation, twist if there is any, and probes over the first factor, in a small plot for every combination of
-    the others' values. Returns a warning, or None."""
+    """sweep.svg: elongation, twist if there is any, and probes with their extremes over the first factor, in a small plot
+    for every combination of the others' values. Returns a warning, or None."""
     grid = directory.grid
     along, *others = grid.factors
     file = directory.path / "sweep.svg"
@@ -190,8 +190,8 @@ def draw_sweep(directory):
     if quantities and not any(abs(directory.result(run, name)) > NO_TWIST for run in directory.cases
                               for name in quantities[1][2].values()):
         quantities.pop()
-    quantities += [(name.removeprefix("probe_"), 1, {name.removeprefix("probe_"): name}) for name in names
-                   if name.startswith("probe_")]
+    quantities += [(name.removeprefix("probe_"), 1, {"end": name, "maximum": f"max_{name}", "minimum": f"min_{name}"})
+                   for name in names if name.startswith("probe_")]
     if num_plots > MAX_PLOTS or not quantities:
         if file.exists():
             os.unlink(file)
@@ -208,7 +208,7 @@ def draw_sweep(directory):
             title = ", ".join(f"{one.attribute.rpartition('.')[2]} = {values[one.attribute]}" for one in others)
             curves = [Curve(name, colour, [scale * directory.result(first + k * num_plots, result) for k in order],
                             numbers is not None, True)
-                      for (name, result), colour in zip(results.items(), (FIRST, SECOND))]
+                      for (name, result), colour in zip(results.items(), (FIRST, SECOND, THIRD))]
             plots.append(Plot(title, [numbers[k] for k in order] if numbers else list(order), curves,
                               None if numbers else along.values))
         rows.append(Row(quantity, along.attribute + (f" [{unit}]" if unit else ""), plots,

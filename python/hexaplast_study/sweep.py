@@ -170,8 +170,10 @@ def carry_out(task):
         summary = json.loads((part / "summary.json").read_text())
         doubts = summary.pop("doubts")
         case["step_ms"] = summary.pop("step_ms")
-        case["results"] = {**{name: summary[name] for name in (*ENDS, *RESULTS) if name in summary},
-                           **{f"probe_{name.removeprefix('probe_')}": value for name, value in summary["probes"].items()}}
+        case["results"] = {name: summary[name] for name in (*ENDS, *RESULTS) if name in summary}
+        for name, value in summary["probes"].items():
+            column, extremes = f"probe_{name.removeprefix('probe_')}", summary["probe_extremes"][name]
+            case["results"] |= {column: value, f"min_{column}": extremes["min"], f"max_{column}": extremes["max"]}
         (part / "messages.txt").unlink()
     elif task.has_data:
         (part / DATA).unlink(missing_ok=True)
@@ -281,7 +283,7 @@ class Directory:
     def columns(self):
         """Names of results: elongation and twist of scenes that measure them, and probes of scenes that have any."""
         names = {name: None for case in self.cases.values() if case["results"] for name in case["results"]}
-        probes = [name for name in names if name.startswith("probe_")]
+        probes = [name for name in names if name.removeprefix("min_").removeprefix("max_").startswith("probe_")]
         return [name for name in ENDS if name in names] + list(RESULTS) + probes
 
     def rows(self):

@@ -92,6 +92,21 @@ def test_probes_are_columns_and_elongation_belongs_to_bars_that_are_pulled(place
     assert ">tip</text>" in (place / "found/sweep.svg").read_text()
 
 
+def test_extremes_of_probes_are_columns_and_curves(place):
+    """Against the history of the same run."""
+    probe = "<Probe name='tip' value='@nodes.position' indices='2' component='x'/></Node>"
+    scene = PULLED.replace("<MechanicalObject/>", "<MechanicalObject name='nodes'/>").replace("</Node>", probe)
+    (place / "bar.scn").write_text(scene)
+    sweep(place, "sweep", "bar.scn", "--out", "found", "--vary", "body.youngModulus=1000,2000")
+    sweep(place, "run", "bar.scn", "--quiet", "--out", "whole", "--frames", "0", "--set", "body.youngModulus=1000")
+    with open(place / "whole/history.csv") as file:
+        tip = [float(row["probe_tip"]) for row in csv.DictReader(file)]
+    row = table(place / "found")[0]
+    assert (float(row["min_probe_tip"]), float(row["max_probe_tip"])) == (min(tip), max(tip)) and min(tip) < max(tip)
+    picture = (place / "found/sweep.svg").read_text()
+    assert all(f">{name}</text>" in picture for name in ("end", "maximum", "minimum"))
+
+
 def test_the_values_of_a_region_are_reached(place):
     """Two springs in series: the elongation of each half of 0.5 m is F / (2 E A)."""
     (place / "bar.scn").write_text(PULLED.replace("</Node>",
