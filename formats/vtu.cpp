@@ -57,8 +57,8 @@ class VtuFile {
     const XmlElement& grid = child(root, "UnstructuredGrid");
     child(grid, "Piece");  // one at least
     if (const XmlElement* data = grid.child("FieldData"))
-      state_.mesh.is_of_patient = std::ranges::any_of(
-          data->children, [](const XmlElement& array) { return array.attribute("Name") == kOfPatient; });
+      for (const XmlElement& array : data->children) state_.field_names.emplace_back(array.attribute("Name"));
+    state_.mesh.is_of_patient = std::ranges::find(state_.field_names, kOfPatient) != state_.field_names.end();
     for (const XmlElement& piece : grid.children)
       if (piece.name == "Piece") add_piece(piece);
     const std::vector<int> number = merge_copies(state_.mesh);

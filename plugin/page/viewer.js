@@ -347,11 +347,15 @@ class Viewer {
       this.runs.every(run => run.data.fields.some(other => other.word === field.word)));
     const select = this.part("field");
     for (const field of this.fields) select.add(new Option(`${field.label} [${field.unit}]`, field.word));
+    const namesOf = run => run.regions.map(region => region.name).join("/");
+    const hasRegions = this.runs[0].regions.length > 0 && this.runs.every(run => namesOf(run) === namesOf(this.runs[0]));
+    if (hasRegions) select.add(new Option("region", "region"));
     // the one of the pictures, unless it has nothing to show
     const hasRange = field => field.shown[1] > field.shown[0];
     const wanted = this.fields.find(field => field.word === this.runs[0].data.field && hasRange(field)) ??
                    this.fields.find(hasRange) ?? this.fields[0];
     if (wanted) select.value = wanted.word;
+    if (hasRegions && this.runs[0].data.field === "region") select.value = "region";
     select.addEventListener("change", () => this.chooseField(select.value));
     this.chooseField(select.value);
   }
@@ -367,7 +371,14 @@ class Viewer {
     bar.hidden = isFlat;
     this.part("label").textContent = isFlat || !own[0] ? "" : `${own[0].label} [${own[0].unit}]`;
     ticks.replaceChildren();
-    if (isFlat) {
+    if (word === "region") {
+      for (const {name, colour} of this.runs[0].regions) {
+        const entry = document.createElement("b"), swatch = document.createElement("i");
+        swatch.style.background = `#${colour}`;
+        entry.append(swatch, ` ${name} `);
+        this.part("label").append(entry);
+      }
+    } else if (isFlat) {
       const label = own[0]?.label ?? "nothing";
       ticks.textContent = max === 0 ? `no ${label} in this run` : `${label}: ${+max.toPrecision(4)} everywhere`;
     } else {
@@ -701,28 +712,30 @@ class Viewer {
     const edgeOpacity = length < shortest ? 0 : isEmbedded ? cageOpacity : strongest * fraction * thinness;
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(1, 1);
-    const drawSection = () => {
-      const section = run.cut(state, positions, fractions, this.cutNormal, cut[3]);
-      this.painter.surface(section.vertices, null, {light: "none"});  // who cuts wants to read values there
-      return section;
-    };
+    const parts = this.field === "region" ? run.parts(state) : [{paint: null, ...topology}];
+    const drawSection = () => parts.flatMap(({paint, alive}) => {
+      const section = run.cut(alive, positions, fractions, this.cutNormal, cut[3]);
+      this.painter.surface(section.vertices, null, {paint, light: "none"});  // who cuts wants to read values there
+      return [...section.lines];
+    });
     if (isEmbedded && this.shows.surface) {
-      const surfaces = topology.embedded.map((surface, number) => {
+      const surfaces = parts.flatMap(({paint, embedded}) => embedded.map((surface, number) => {
         const values = run.blend(number, fractions, 1);
-        return [surface.vertices(run.embeddedPoints(number, positions), point => values[point]), surface.triangles];
-      });
-      const drawAll = () => surfaces.forEach(one => this.painter.surface(...one, {cut}));
+        return [surface.vertices(run.embeddedPoints(number, positions), point => values[point]), surface.triangles,
+                {paint, cut}];
+      }));
+      const drawAll = () => surfaces.forEach(one => this.painter.surface(...one));
       drawAll();
       if (this.cutNormal && topology.embedded.every(surface => surface.isClosed))
         this.painter.within(drawAll, drawSection);
     }
     if (!isEmbedded) {
-      this.painter.surface(topology.body.vertices(positions, node => fractions[node]), topology.body.triangles,
-                           {cut});
+      for (const {paint, body} of parts)
+        this.painter.surface(body.vertices(positions, node => fractions[node]), body.triangles, {paint, cut});
       if (this.cutNormal) {
-        const section = drawSection();
+        const lines = Float32Array.from(drawSection());
         const nearer = 5e-4 * this.camera.size;
-        if (this.shows.edges) this.painter.marks("LINES", section.lines, null, ink.edge, {opacity: edgeOpacity, nearer});
+        if (this.shows.edges) this.painter.marks("LINES", lines, null, ink.edge, {opacity: edgeOpacity, nearer});
       }
     }
     gl.disable(gl.POLYGON_OFFSET_FILL);

@@ -156,6 +156,7 @@ class Run {
     this.data = data;
     this.arrays = arrays;
     this.numNodes = data.nodes;
+    this.regions = data.regions ?? [];  // of earlier versions: none
     this.times = data.states.map(state => state.time);
     this.original = this.placesIn(arrays.original, data.box, 0, this.numNodes);
     this.topologies = new Map();  // by the state that they begin with
@@ -247,9 +248,10 @@ class Run {
         const nodes = face.map(corner => hexahedra[8 * e + corner]);
         const key = keyOf(nodes);
         if (inner.has(key)) inner.delete(key);
-        else inner.set(key, nodes);
+        else inner.set(key, {nodes, e});
       }
-    const body = new Surface(this.original, Uint32Array.from([...inner.values()].flat()));
+    const faces = [...inner.values()];
+    const body = new Surface(this.original, Uint32Array.from(faces.flatMap(face => face.nodes)));
     const embedded = this.data.embedded.map((range, number) => {
       const faces = this.arrays[`faces_${number}`], carriers = this.arrays[`carriers_${number}`];
       const left = [];
@@ -259,7 +261,7 @@ class Run {
       }
       return new Surface(this.embeddedPoints(number, this.original), Uint32Array.from(left));
     });
-    const topology = {alive, body, embedded};
+    const topology = {alive, body, embedded, hexahedronOfFace: faces.map(face => face.e)};
     const points = new Set(body.pointOfVertex);
     topology.onSurface = node => points.has(node);
     topology.normals = positions => {  // of the body at its nodes, of any length
@@ -271,6 +273,27 @@ class Run {
     };
     this.topologies.set(begin, topology);
     return topology;
+  }
+
+  // The same of each region by itself, with its colour.
+  parts(state) {
+    const topology = this.topology(state), regionOf = this.arrays.regions;
+    topology.parts ??= this.regions.map(({colour}, number) => {
+      const own = (points, {faces}, hexahedronOf) => {
+        const kept = [];
+        for (let f = 0; f < faces.length / 4; ++f)
+          if (regionOf[hexahedronOf(f)] === number) kept.push(...faces.subarray(4 * f, 4 * f + 4));
+        return new Surface(points, Uint32Array.from(kept));
+      };
+      return {
+        paint: colour.match(/../g).map(digits => parseInt(digits, 16) / 255),
+        alive: topology.alive.filter(e => regionOf[e] === number),
+        body: own(this.original, topology.body, f => topology.hexahedronOfFace[f]),
+        embedded: topology.embedded.map((surface, k) => own(this.embeddedPoints(k, this.original), surface,
+                                                            f => this.arrays[`carriers_${k}`][surface.faces[4 * f]]))
+      };
+    });
+    return topology.parts;
   }
 
   // A nodal field of `width` numbers at the points of an embedded surface.
@@ -313,9 +336,9 @@ class Run {
     return shape.surface;
   }
 
-  // Where a plane, normal . x = offset, cuts the hexahedra of a state: triangles as vertices of seven numbers, and the
-  // lines of the mesh.
-  cut(state, positions, fractions, normal, offset) {
+  // Where a plane, normal . x = offset, cuts hexahedra: triangles as vertices of seven numbers, and the lines of the
+  // mesh.
+  cut(alive, positions, fractions, normal, offset) {
     const hexahedra = this.arrays.hexahedra;
     const heights = new Float32Array(this.numNodes);
     for (let node = 0; node < this.numNodes; ++node) heights[node] = dot(normal, pointAt(positions, node)) - offset;
@@ -327,7 +350,7 @@ class Run {
       return [...place, ...normal, value];
     };
     const isAbove = node => heights[node] >= 0;
-    for (const e of this.topology(state).alive) {
+    for (const e of alive) {
       const nodes = hexahedra.subarray(8 * e, 8 * e + 8);
       if (nodes.every(isAbove) || !nodes.some(isAbove)) continue;
       for (const tetrahedron of hexTetrahedra) {

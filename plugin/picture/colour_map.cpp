@@ -69,4 +69,11 @@ Colour colour_of(double t) {
   return {p.red + part * (q.red - p.red), p.green + part * (q.green - p.green), p.blue + part * (q.blue - p.blue)};
 }
 
+Colour colour_of_region(int number) {
+  if (number == 0) return colour_of(0);
+  constexpr double kGoldenAngle = 137.508, kFirst = 20, kChroma = 48;  // [deg]
+  const double hue = (kFirst + (number - 1) * kGoldenAngle) * std::numbers::pi / 180;
+  return srgb({number % 2 ? 52.0 : 66.0, kChroma * std::cos(hue), kChroma * std::sin(hue)});
+}
+
 }  // namespace hexaplast::output

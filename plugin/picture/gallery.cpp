@@ -136,7 +136,8 @@ Drawing Gallery::drawing(const State& state, const Camera& camera, const Scale& 
             page.height(),
             scale.min(),
             scale.max(),
-            Page::strip()};
+            Page::strip(),
+            scale.palette()};
   view.geometry.room = room;
   page.drawing().view = std::make_shared<View>(std::move(view));
   for (const Moment::Tool& tool : state.tools) {
@@ -156,7 +157,7 @@ std::vector<Key> Gallery::keys_of_shapes(const Scale& scale) const {
   const bool has_fixed = std::ranges::any_of(states_, [](const State& state) { return !state.fixed.empty(); });
   std::vector<Key> keys;
   const bool has_springs = std::ranges::any_of(states_, [](const State& state) { return !state.springs.empty(); });
-  if (!shapes_.staging.ghost.empty()) keys.push_back({Key::Mark::kLine, shapes_.staging.ghost, kOriginal});
+  if (shapes_.staging.shows_ghost()) keys.push_back({Key::Mark::kLine, shapes_.staging.ghost, kOriginal});
   if (has_springs) keys.push_back({Key::Mark::kLine, "spring, paler where slack", kSpring});
   if (shapes_.staging.shows_hexahedra && has_fixed) keys.push_back({Key::Mark::kDot, "fixed"});
   if (scale.has_gaps()) keys.push_back({Key::Mark::kGap, fmt::format("no {}", scale.quantity().label)});

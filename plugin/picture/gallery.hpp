@@ -40,7 +40,7 @@ class Gallery {
   void for_each_drawing(const Draw& draw) const {
     if (states_.empty()) return;
     Camera camera(viewpoint_);
-    Scale scale(shapes_.staging.quantity, shapes_.staging.range);
+    Scale scale(shapes_.staging.quantity, shapes_.staging.range, shapes_.staging.regions.names);
     Strongest strongest = strongest_forces();
     const Eigen::AlignedBox3f room = surroundings();
     fit(camera, scale, strongest, room);

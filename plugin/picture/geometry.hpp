@@ -7,6 +7,7 @@
 
 #include "hexaplast/geometry/plane_cut.hpp"
 #include "picture/camera.hpp"
+#include "picture/colour_map.hpp"
 
 namespace hexaplast::output {
 
@@ -25,6 +26,7 @@ struct Geometry {
   Vertices cut_faces;      ///< where the body is cut through, the same: as far as it lies within the surface
   bool is_hollow = false;  ///< the surface is embedded, and not the hexahedra' own
   bool is_closed = true, are_tools_closed = true;  ///< surfaces: only these have an inside where they are cut
+  Vertices veil;                                   ///< of a body that what is shown lies in
   Vertices wires;                                  ///< lines in the colours of the scale
   Places edges, cut_edges, cut_outline;
   Places halo;            ///< outlines of the surface, beside which the shape behind is not seen
@@ -44,10 +46,11 @@ struct Geometry {
 /// A geometry, from where it is seen, and which values its colours stand for.
 struct View {
   Geometry geometry;
-  Camera camera;            ///< fitted to a page
-  float width, height;      ///< of that page, in its units
-  double min = 0, max = 0;  ///< values at the ends of the scale; equal: all have the colour of its beginning
-  float strip = 0;          ///< of the page at its lower border that stays empty, for the colour bar
+  Camera camera;                     ///< fitted to a page
+  float width, height;               ///< of that page, in its units
+  double min = 0, max = 0;           ///< values at the ends of the scale; equal: all have the colour of its beginning
+  float strip = 0;                   ///< of the page at its lower border that stays empty, for the colour bar
+  std::vector<Colour> palette = {};  ///< from the one end to the other, each flat; empty: those of the scale
 };
 
 }  // namespace hexaplast::output

@@ -28,7 +28,9 @@ inline constexpr Colour kNoValue{0.80f, 0.81f, 0.82f};
 inline constexpr std::array kAxes{Colour{0.76f, 0.25f, 0.16f}, Colour{0.20f, 0.50f, 0.22f},
                                   Colour{0.16f, 0.36f, 0.72f}};
 
-inline constexpr float kOutlineWidth = 1.3f;  // of the shape behind, and of instruments
+inline constexpr float kOutlineWidth = 1.3f;         // of the shape behind, and of instruments
+inline constexpr Colour kVeil{0.80f, 0.60f, 0.52f};  // what may be behind it is seen through it
+inline constexpr float kVeilOpacity = 0.34f;         // of a body that regions lie in
 inline constexpr float kSpringWidth = 1.6f;
 inline constexpr float kHaloWidth = 3.6f;  // beside which the shape behind is not seen: it hides its outline
 inline constexpr float kWireWidth = 1.5f;  // of edges in the colours of the scale

@@ -36,12 +36,18 @@ Drawing::Vertex on_circle(Drawing::Vertex centre, float radius, int corner) {
 
 }  // namespace
 
-Scale::Scale(Quantity quantity, std::optional<std::pair<double, double>> range)
+Scale::Scale(Quantity quantity, std::optional<std::pair<double, double>> range, std::vector<std::string> regions)
     : quantity_(entry_of(quantity)), is_given_(range.has_value()) {
+  if (quantity == Quantity::kRegion) regions_ = std::move(regions);
+  if (!regions_.empty()) range = std::pair(-0.5, static_cast<double>(regions_.size()) + 0.5);
   if (range) std::tie(min_, max_) = *range;
 }
 
 void Scale::see(std::span<const float> values) {
+  if (!regions_.empty()) {
+    seen_.insert(values.begin(), values.end());
+    return;
+  }
   for (const float value : values) {
     if (!std::isfinite(value)) {
       has_gaps_ = true;
@@ -60,10 +66,25 @@ void Scale::see(std::span<const float> values) {
 
 Colour Scale::colour(float value) const {
   if (!std::isfinite(value)) return kNoValue;
+  if (!regions_.empty()) return colour_of_region(static_cast<int>(value));
   return colour_of(is_flat() ? 0 : (value - min_) / (max_ - min_));
 }
 
+std::vector<Colour> Scale::palette() const {
+  std::vector<Colour> colours;
+  for (std::size_t k = 0; !regions_.empty() && k <= regions_.size(); ++k)
+    colours.push_back(colour_of_region(static_cast<int>(k)));
+  return colours;
+}
+
+std::vector<Scale::Name> Scale::legend() const {
+  std::vector<Name> names;
+  for (const int number : seen_) names.push_back({Regions::name_of(number, regions_), colour_of_region(number)});
+  return names;
+}
+
 std::string Scale::words() const {
+  if (!regions_.empty()) return "";
   if (!is_flat()) return fmt::format("{} [{}]", quantity_.label, quantity_.unit);
   if (is_empty()) return fmt::format("{}: none", quantity_.label);
   if (max() == 0 && quantity_.from_zero) return fmt::format("no {} in this run", quantity_.label);
@@ -114,6 +135,7 @@ void Page::add_title(std::string title, std::string remark) {
 
 void Page::add_colour_bar(const Scale& scale) {
   const float top = height_ - kBarFromBottom, bottom = top + kBarHeight, left = (width_ - kBarWidth) / 2;
+  if (!scale.palette().empty()) return add_legend(scale.legend());
   if (scale.is_flat()) {
     write(width_ / 2, (top + bottom) / 2 + 5, 17, Drawing::Align::kCentre, kInk, scale.words());
     return;
@@ -137,6 +159,36 @@ void Page::add_colour_bar(const Scale& scale) {
     const float x = left + kBarWidth * static_cast<float>(fraction);
     drawing_.lines.push_back({{x, bottom, 0, kInk}, {x, bottom + 6, 0, kInk}, 1.3f});
     write(x, bottom + 24, 16, Drawing::Align::kCentre, kInk, label);
+  }
+}
+
+// In lines as long as a bar, which stand in the middle.
+void Page::add_legend(const std::vector<Scale::Name>& names) {
+  constexpr float kSize = 16, kSwatch = 22, kGap = 8, kBetween = 26, kLetter = 0.56f;
+  const auto width = [&](const Scale::Name& name) {
+    return kSwatch + kGap + kLetter * kSize * static_cast<float>(name.words.size());
+  };
+  std::vector<std::vector<Scale::Name>> lines;
+  float room = 0;
+  for (const Scale::Name& name : names) {
+    room -= width(name) + kBetween;
+    if (lines.empty() || room < 0) {
+      lines.emplace_back();
+      room = kBarWidth - width(name);
+    }
+    lines.back().push_back(name);
+  }
+  const float line_height = std::min(kKeyLine, (kBarFromBottom + kBarWords) / static_cast<float>(lines.size() + 1));
+  float y = height_ - kBarFromBottom + kBarHeight / 2 - line_height * (static_cast<float>(lines.size()) - 1) / 2;
+  for (const std::vector<Scale::Name>& line : lines) {
+    float x = width_ / 2 + kBetween / 2;
+    for (const Scale::Name& name : line) x -= (width(name) + kBetween) / 2;
+    for (const Scale::Name& name : line) {
+      add_rectangle(x, y - 6, x + kSwatch, y + 6, name.colour);
+      write(x + kSwatch + kGap, y + 5, kSize, Drawing::Align::kLeft, kInk, name.words);
+      x += width(name) + kBetween;
+    }
+    y += line_height;
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,8 +20,10 @@ namespace hexaplast::output {
 /// Which values the colours stand for.
 class Scale {
  public:
-  /// range: smallest and largest value; none: those that are shown, from 0 where the quantity begins there.
-  explicit Scale(Quantity quantity, std::optional<std::pair<double, double>> range = {});
+  /// range: smallest and largest value; none: those that are shown, from 0 where the quantity begins there. regions:
+  /// their names.
+  explicit Scale(Quantity quantity, std::optional<std::pair<double, double>> range = {},
+                 std::vector<std::string> regions = {});
 
   /// Takes in values that are going to be shown. Those that are not finite have no colour of the scale.
   void see(std::span<const float> values);
@@ -35,6 +38,14 @@ class Scale {
   bool has_gaps() const { return has_gaps_; }   ///< something shown has none
 
   Colour colour(float value) const;
+  std::vector<Colour> palette() const;  ///< of regions; of all else: empty
+
+  /// A name and its colour.
+  struct Name {
+    std::string words;
+    Colour colour;
+  };
+  std::vector<Name> legend() const;  ///< of the regions that were seen; of all else: empty
 
   /// What is written over the colours, and where there is but one value in place of them.
   std::string words() const;
@@ -45,6 +56,8 @@ class Scale {
   double min_ = 0, max_ = 0;
   double lowest_ = 0, highest_ = 0;  // of what was seen
   bool has_seen_ = false, has_gaps_ = false;
+  std::vector<std::string> regions_;
+  std::set<int> seen_;  // of them, 0: what is in none
 };
 
 /// A mark and what it means.
@@ -95,6 +108,7 @@ class Page {
 
  private:
   void add_keys(const std::vector<Key>& keys, float left);
+  void add_legend(const std::vector<Scale::Name>& names);
   void add_rectangle(float left, float top, float right, float bottom, Colour colour);
   void add_arrow(float x, float y, const Key& key);
   void add_dot(float x, float y);

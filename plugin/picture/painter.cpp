@@ -129,6 +129,7 @@ in float fraction, gap, light;
 uniform sampler2D colours;
 uniform vec4 paint;  // in place of the scale, where its alpha is 1
 uniform vec3 no_value;
+uniform float opacity;
 out vec4 colour;
 void main() {
   vec3 sight = sight_from(seen_place), normal = turned(seen_normal, sight);
@@ -136,7 +137,7 @@ void main() {
   base = mix(base, paint.rgb, paint.a);
   if (lighting == 1) base = moist(base, normal, sight, kNumLamps > 1 ? light : received(seen_place, normal));
   if (lighting == 2) base = lit_thing(base, normal);
-  colour = vec4(base, 1);
+  colour = vec4(base, opacity);
 })";
 
 constexpr const char* kFlatVertex = R"(
@@ -346,13 +347,8 @@ Painter::Painter(const Light& light) : light_(light) {
   }
   glBindVertexArray(0);
 
-  std::array<float, 3 * kNumColours> colours;
-  for (int k = 0; k < kNumColours; ++k) {
-    const Colour colour = colour_of((k + 0.5) / kNumColours);
-    colours[3 * k] = colour.red, colours[3 * k + 1] = colour.green, colours[3 * k + 2] = colour.blue;
-  }
   colours_ = texture_of(GL_TEXTURE_2D);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, kNumColours, 1, 0, GL_RGB, GL_FLOAT, colours.data());
+  send_colours({});
 
   shadow_ = texture_of(GL_TEXTURE_2D_ARRAY);
   glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_DEPTH_COMPONENT24, light.map_size, light.map_size, light.num_lamps, 0,
@@ -374,6 +370,14 @@ Painter::~Painter() {
   for (const unsigned texture : {colours_, shadow_}) glDeleteTextures(1, &texture);
   glDeleteFramebuffers(1, &shadow_frame_);
   for (const unsigned program : {surface_, flat_}) glDeleteProgram(program);
+}
+
+void Painter::send_colours(const std::vector<Colour>& palette) {
+  palette_ = palette;
+  std::vector<Colour> colours = palette;
+  for (int k = 0; palette.empty() && k < kNumColours; ++k) colours.push_back(colour_of((k + 0.5) / kNumColours));
+  glBindTexture(GL_TEXTURE_2D, colours_);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, static_cast<int>(colours.size()), 1, 0, GL_RGB, GL_FLOAT, colours.data());
 }
 
 void Painter::draw_shadows(const Geometry& geometry, const Matrix4f& seen) {
@@ -405,7 +409,7 @@ void Painter::draw_shadows(const Geometry& geometry, const Matrix4f& seen) {
 }
 
 void Painter::draw(const View& view, const Viewport& viewport) {
-  const auto& [geometry, camera, width, height, min, max, strip] = view;
+  const auto& [geometry, camera, width, height, min, max, strip, palette] = view;
   const Matrix4f clip = camera.clip(width, height).cast<float>(), seen = seen_by(camera, geometry, light_.map_size);
   const float density = viewport.density, length = geometry.edge_length * camera.scale();
   const std::optional<EdgeInk> edges = edge_ink(length, geometry.is_cage);
@@ -445,6 +449,8 @@ void Painter::draw(const View& view, const Viewport& viewport) {
   glBindTexture(GL_TEXTURE_2D_ARRAY, shadow_);
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, colours_);
+  if (palette != palette_) send_colours(palette);
+  set(surface_, "opacity", 1);
   const auto draw_lit = [&](const Geometry::Vertices& vertices, Lit how, const Colour* paint,
                             unsigned mode = GL_TRIANGLES) {
     glUniform1i(place_of(surface_, "lighting"), how);
@@ -530,6 +536,15 @@ void Painter::draw(const View& view, const Viewport& viewport) {
   glEnable(GL_PROGRAM_POINT_SIZE);
   draw_places(geometry.fixed, GL_POINTS, kInk);
   glDepthMask(GL_TRUE);
+  if (!geometry.veil.empty()) {  // its foremost surface
+    glUseProgram(surface_);
+    set_clips(surface_, geometry.cut, {});
+    set(surface_, "opacity", kVeilOpacity);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    draw_lit(geometry.veil, kTissue, nullptr);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    draw_lit(geometry.veil, kTissue, &kVeil);
+  }
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_BLEND);
   for (int k = 0; k < kNumClips; ++k) glDisable(GL_CLIP_DISTANCE0 + k);

@@ -37,6 +37,7 @@ class Painter {
     unsigned array = 0, buffer = 0;
   };
 
+  void send_colours(const std::vector<Colour>& palette);
   void draw_shadows(const Geometry& geometry, const Eigen::Matrix4f& seen);
   int bind(const Geometry::Vertices& vertices);  // and says how many there are
   void draw_lines(const Geometry::Places& ends, const Colour& colour, float opacity, float width);
@@ -47,7 +48,8 @@ class Painter {
   unsigned surface_ = 0, flat_ = 0;     // programs
   Batch vertices_, places_, page_;
   unsigned numbers_ = 0;                    // of those of vertices_ that are drawn
-  unsigned colours_ = 0;                    // texture: the colour scale
+  unsigned colours_ = 0;                    // texture: the colour scale, or
+  std::vector<Colour> palette_;             // of a view
   unsigned shadow_ = 0, shadow_frame_ = 0;  // texture: depths from the lamps, and the frame that is drawn to
 };
 

@@ -15,10 +15,10 @@ std::optional<Quantity> quantity_of(std::string_view word) {
 }
 
 std::vector<double> values_of(Quantity quantity, const Bodies& bodies, ConstPoints positions, ConstPoints velocities,
-                              std::span<const int> regions) {
+                              const Regions& regions) {
   if (quantity == Quantity::kSpeed) return speeds(velocities);
   if (quantity == Quantity::kRegion) {
-    std::vector<double> numbers(regions.begin(), regions.end());
+    std::vector<double> numbers(regions.of_hexahedra.begin(), regions.of_hexahedra.end());
     numbers.resize(static_cast<std::size_t>(bodies.mesh().num_elements()), 0);
     return numbers;
   }

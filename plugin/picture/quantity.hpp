@@ -3,12 +3,12 @@
 
 #include <array>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "picture/bodies.hpp"
+#include "picture/regions.hpp"
 
 namespace hexaplast::output {
 
@@ -45,9 +45,9 @@ std::optional<Quantity> quantity_of(std::string_view word);
 const std::vector<double>& values_in(const ElementFields& fields, Quantity quantity);
 
 /// Values of a body's present state, one per hexahedron or per node. A yield stress is infinite where there is none.
-/// regions: numbers of the hexahedra's regions, which a body does not know; empty: there are none, and all have 0.
+/// regions: which a body does not know; where there are none, all hexahedra have 0.
 std::vector<double> values_of(Quantity quantity, const Bodies& bodies, ConstPoints positions, ConstPoints velocities,
-                              std::span<const int> regions = {});
+                              const Regions& regions);
 
 /// A number of three digits with a unit of the SI and the prefix that suits it: "312 mN". 0 has none.
 std::string with_unit(double value, std::string_view unit);

@@ -56,7 +56,8 @@ Drawing SectionPage::drawing(const HexMesh& mesh, ConstPoints positions, const s
   const Eigen::Matrix3f seen = seen_along(axis, up);
   std::vector<CutFace> sections, ghosts;
   std::vector<double> places;
-  Scale scale(quantity, range);
+  Scale scale(quantity, range, regions.names);
+  const bool shows_numbers = !scale.palette().empty();
   Eigen::AlignedBox2f box;
   const auto extend = [&](const CutFace& section) {
     for (const Eigen::Vector3f& point : section.points) box.extend(Eigen::Vector2f((seen * point).head<2>()));
@@ -64,7 +65,10 @@ Drawing SectionPage::drawing(const HexMesh& mesh, ConstPoints positions, const s
   for (int k = 0; k < count; ++k) {
     const double fraction = (k + 0.5) / count;
     places.push_back(min + fraction * (max - min));
-    sections.push_back(cut_face(mesh, positions, at_nodes, {Vec3::Unit(axis), places.back()}, alive));
+    const Plane plane{Vec3::Unit(axis), places.back()};
+    sections.push_back(shows_numbers
+                           ? cut_face(mesh, positions, at_nodes, plane, alive, regions, regions.numbers(), true)
+                           : cut_face(mesh, positions, at_nodes, plane, alive));
     scale.see(sections.back().values);
     extend(sections.back());
     if (ghost.empty()) continue;

@@ -21,6 +21,7 @@ struct SectionPage {
   Vec3 up = Vec3::UnitY();    ///< as far as it is not along the axis
   int count = 5;              ///< at least 1
   Quantity quantity = Quantity::kPlasticStrain;
+  Regions regions;
   std::optional<std::pair<double, double>> range;  ///< of the colours; none: of what is shown
   bool shows_edges = true;                         ///< between hexahedra
   std::string ghost = "initial shape";             ///< name of the pale sections behind; empty: there are none

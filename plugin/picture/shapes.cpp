@@ -66,7 +66,18 @@ Viewpoint Staging::seen_from(const HexMesh& mesh) const {
   return view;
 }
 
+std::vector<int> Staging::parts() const {
+  return shown_regions.empty() && shows_numbers() ? regions.numbers() : shown_regions;
+}
+
 std::vector<const Moment::Shown*> Moment::filled(const Staging& staging) const {
+  if (parts.empty()) return whole(staging);
+  std::vector<const Shown*> shown;
+  for (const Shown& part : parts) shown.push_back(&part);
+  return shown;
+}
+
+std::vector<const Moment::Shown*> Moment::whole(const Staging& staging) const {
   std::vector<const Shown*> shown;
   if (staging.shows_body()) shown.push_back(&body);
   for (const Shown& embedded : embedded_surfaces) shown.push_back(&embedded);
@@ -135,6 +146,47 @@ void Shapes::follow(std::span<const unsigned char> alive) {
     }
     current_alive_.assign(alive.begin(), alive.end());
   }
+  divide(alive);
+}
+
+// Into what is shown by itself.
+void Shapes::divide(std::span<const unsigned char> alive) {
+  const std::vector<int> numbers = staging.parts();
+  if (parts_of_ == current_ && std::ranges::equal(numbers, parts_, {}, {}, &Part::number)) return;
+  parts_of_ = current_;
+  parts_.clear();
+  for (const int number : numbers) {
+    Part& part = parts_.emplace_back(Part{number, {mesh_, staging.regions.alive_in(number, alive)}, {}});
+    if (!staging.shown_regions.empty()) continue;
+    for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s) {
+      const auto& [embedding, whole, current] = embedded_surfaces_[s];
+      std::vector<Surface::Face> carried;
+      for (const Surface::Face& face : current->faces()) {
+        const int hexahedron = staging.embedded_surfaces[s].first_hexahedron + embedding.hexahedron_of(face[0]);
+        if (staging.regions.of_hexahedra[static_cast<std::size_t>(hexahedron)] == number) carried.push_back(face);
+      }
+      part.embedded_surfaces.push_back(std::make_shared<Surface>(whole->original(), std::move(carried)));
+    }
+  }
+}
+
+void Shapes::add_parts(ConstPoints positions, std::span<const double> values, Moment& moment) const {
+  for (const Part& part : parts_) {
+    const auto add = [&](const std::shared_ptr<const Surface>& surface, Moment::Places points,
+                         std::vector<float> own_values) {
+      if (staging.shows_numbers()) own_values.assign(points.size(), static_cast<float>(part.number));
+      moment.parts.push_back({surface, std::move(points), std::move(own_values)});
+    };
+    if (staging.has_surfaces() && staging.shown_regions.empty()) {
+      for (std::size_t s = 0; s < part.embedded_surfaces.size(); ++s)
+        add(part.embedded_surfaces[s], moment.embedded_surfaces[s].points, {});
+      continue;
+    }
+    std::vector<float> of_points;
+    for (const int node : part.hexahedra.node_of_point)
+      of_points.push_back(static_cast<float>(values[static_cast<std::size_t>(node)]));
+    add(part.hexahedra.surface, single(part.hexahedra.points_at(positions)), std::move(of_points));
+  }
 }
 
 Moment Shapes::at(ConstPoints positions, std::span<const double> values, std::span<const unsigned char> alive,
@@ -162,8 +214,12 @@ Moment Shapes::at(ConstPoints positions, std::span<const double> values, std::sp
       }
       moment.embedded_surfaces.push_back(std::move(shown));
     }
-  if (!staging.ghost.empty()) moment.ghosts = ghosts_at(ghost);
-  if (staging.cut) moment.cut = cut_face(mesh_, positions, at_nodes, *staging.cut, alive);
+  add_parts(positions, values, moment);
+  if (staging.shows_ghost()) moment.ghosts = ghosts_at(ghost);
+  if (staging.cut)
+    moment.cut = parts_.empty() ? cut_face(mesh_, positions, at_nodes, *staging.cut, alive)
+                                : cut_face(mesh_, positions, at_nodes, *staging.cut, alive, staging.regions,
+                                           staging.parts(), staging.shows_numbers());
 
   if (staging.shows_hexahedra && !conditions.fixed.empty())
     for (const int node : current_->node_of_point)
@@ -229,7 +285,8 @@ Geometry Shapes::geometry(const Moment& moment, const Camera& camera, const Stro
 
   const Surface& hexahedra = *moment.body.surface;
   geometry.edge_length = hexahedra.mean_edge();
-  geometry.is_cage = staging.has_surfaces();
+  const bool is_within = !staging.shown_regions.empty();
+  geometry.is_cage = staging.has_surfaces() && !is_within;
   if (staging.is_wireframe) {
     std::vector<const Moment::Shown*> shown = moment.filled(staging);
     if (geometry.is_cage && staging.shows_hexahedra) shown.push_back(&moment.body);
@@ -239,18 +296,22 @@ Geometry Shapes::geometry(const Moment& moment, const Camera& camera, const Stro
           geometry.wires.push_back({one->points[point], camera.towards(), one->values[point]});
   } else {
     for (const Moment::Shown* one : moment.filled(staging)) {
-      draw_surface(*one, camera.scale(), geometry);
+      draw_surface(*one, camera.scale(), geometry.surface);
+      if (is_within && staging.shows_edges) add_lines(one->surface->edges(), one->points, geometry.edges);
+    }
+    for (const Moment::Shown* one : moment.whole(staging)) {
+      if (is_within) draw_surface(*one, camera.scale(), geometry.veil);
       if (!moment.ghosts.empty())
         add_lines(one->surface->outline(one->points, camera.towards()), one->points, geometry.halo);
       geometry.is_closed = geometry.is_closed && one->surface->is_closed();
     }
-    geometry.is_hollow = staging.has_surfaces();
+    geometry.is_hollow = geometry.is_cage;
     const Vector3f above = staging.cut ? Vector3f(staging.cut->normal.cast<float>()) : Vector3f(0, 0, 0);
     for (const Triangle& triangle : moment.cut.triangles)
       for (const int point : triangle)
         geometry.cut_faces.push_back({moment.cut.points[point], above, moment.cut.values[point]});
     if (staging.shows_hexahedra && staging.shows_edges) {
-      add_lines(hexahedra.edges(), moment.body.points, geometry.edges);
+      if (!is_within) add_lines(hexahedra.edges(), moment.body.points, geometry.edges);
       if (!geometry.is_hollow) add_lines(moment.cut.inner_lines, moment.cut.points, geometry.cut_edges);
     }
     if (!geometry.is_hollow)
@@ -282,7 +343,7 @@ Geometry Shapes::geometry(const Moment& moment, const Camera& camera, const Stro
 
 // A quad is a bilinear patch, and a triangle one with two corners in one place: their pieces are drawn as four
 // triangles around the middle of each, so that none shows a preferred diagonal.
-void Shapes::draw_surface(const Moment::Shown& shown, float scale, Geometry& geometry) const {
+void Shapes::draw_surface(const Moment::Shown& shown, float scale, Geometry::Vertices& vertices) const {
   const Surface& surface = *shown.surface;
   const std::vector<std::array<Vector3f, 4>> normals = surface.corner_normals(shown.points);
   const int fine = std::clamp(static_cast<int>(surface.mean_edge() * scale / kPatch), 1, kMaxParts);
@@ -290,8 +351,7 @@ void Shapes::draw_surface(const Moment::Shown& shown, float scale, Geometry& geo
   for (std::size_t f = 0; f < normals.size(); ++f) {
     const Surface::Face& face = surface.faces()[f];
     if (Surface::is_triangle(face) && fine == 1) {
-      for (int k = 0; k < 3; ++k)
-        geometry.surface.push_back({shown.points[face[k]], normals[f][k], shown.values[face[k]]});
+      for (int k = 0; k < 3; ++k) vertices.push_back({shown.points[face[k]], normals[f][k], shown.values[face[k]]});
       continue;
     }
     // where the cut crosses it, as the cut face sees it, so that the two meet
@@ -321,7 +381,7 @@ void Shapes::draw_surface(const Moment::Shown& shown, float scale, Geometry& geo
         const Geometry::Vertex middle = at(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f);
         for (const auto& [from, to] :
              {std::pair(low, low + 1), std::pair(low + 1, high + 1), std::pair(high + 1, high), std::pair(high, low)})
-          geometry.surface.insert(geometry.surface.end(), {*from, *to, middle});
+          vertices.insert(vertices.end(), {*from, *to, middle});
       }
   }
 }

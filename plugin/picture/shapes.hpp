@@ -18,6 +18,7 @@
 #include "picture/geometry.hpp"
 #include "picture/picture_cut.hpp"
 #include "picture/quantity.hpp"
+#include "picture/regions.hpp"
 #include "picture/surface.hpp"
 
 namespace hexaplast::output {
@@ -35,6 +36,8 @@ struct Staging {
   bool is_anatomical = false;                      ///< x, y and z run to the left, the back and the head of a patient
   std::optional<Viewpoint> viewpoint;              ///< none: beside the long axis, and above
   Quantity quantity = Quantity::kPlasticStrain;
+  Regions regions;                                 ///< of the hexahedra
+  std::vector<int> shown_regions;                  ///< within the body, which is translucent; empty: the body is shown
   std::optional<std::pair<double, double>> range;  ///< of the colours, ascending; none: of what is shown
   std::optional<Plane> cut;             ///< what lies on the viewer's side of it is left out; either side may be above
   std::string ghost = "initial shape";  ///< name of the pale shape behind; empty: there is none
@@ -48,6 +51,15 @@ struct Staging {
 
   bool has_surfaces() const { return shows_surfaces && !embedded_surfaces.empty(); }
   bool shows_body() const { return !has_surfaces() && shows_hexahedra; }
+
+  /// Behind a translucent body it would not be told from what lies within.
+  bool shows_ghost() const { return !ghost.empty() && shown_regions.empty(); }
+
+  /// Colours stand for regions.
+  bool shows_numbers() const { return quantity == Quantity::kRegion && !regions.names.empty(); }
+
+  /// What is shown by itself: the regions that are asked for, or where colours stand for them all, and 0 for the rest.
+  std::vector<int> parts() const;
 };
 
 /// What is shown of a body at a moment: in single precision and of its surface only, so that many can be kept.
@@ -77,6 +89,7 @@ struct Moment {
 
   Shown body;
   std::vector<Shown> embedded_surfaces;
+  std::vector<Shown> parts;   ///< of the body, shown in its place or within it
   std::vector<Shown> ghosts;  ///< without values
   CutFace cut;
   Places fixed;  ///< [m]
@@ -84,7 +97,8 @@ struct Moment {
   std::vector<Tool> tools;
   std::vector<SpringLine> springs;
 
-  /// Those that are filled and coloured.
+  /// The whole body, and those that are filled and coloured.
+  std::vector<const Shown*> whole(const Staging& staging) const;
   std::vector<const Shown*> filled(const Staging& staging) const;
 };
 
@@ -141,12 +155,21 @@ class Shapes {
   Staging staging;  ///< may change between two moments, but for the embedded surfaces
 
  private:
+  /// A region, or what is in none.
+  struct Part {
+    int number;
+    Boundary hexahedra;
+    std::vector<std::shared_ptr<const Surface>> embedded_surfaces;  ///< what of them it carries
+  };
+
   void follow(std::span<const unsigned char> alive);
+  void divide(std::span<const unsigned char> alive);
+  void add_parts(ConstPoints positions, std::span<const double> values, Moment& moment) const;
   std::vector<Moment::Shown> ghosts_at(const PointArray* nodes) const;
   std::vector<Moment::Load> loads_of(const BoundaryConditions& conditions, ConstPoints positions,
                                      std::span<const unsigned char> alive) const;
   Moment::Tool tool_of(const Instrument& instrument, ConstPoints positions);
-  void draw_surface(const Moment::Shown& shown, float scale, Geometry& geometry) const;
+  void draw_surface(const Moment::Shown& shown, float scale, Geometry::Vertices& vertices) const;
 
   const HexMesh& mesh_;
   float longest_arrow_;  // [m]
@@ -154,6 +177,8 @@ class Shapes {
   std::shared_ptr<const Boundary> original_, current_;
   std::map<int, std::shared_ptr<const Surface>> tools_;  // by the number of the instrument, as it was last
   std::vector<unsigned char> current_alive_;             // that current_ belongs to; empty: all
+  std::vector<Part> parts_;
+  std::shared_ptr<const Boundary> parts_of_;  // that they are parts of
 };
 
 }  // namespace hexaplast::output

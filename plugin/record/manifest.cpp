@@ -90,12 +90,14 @@ std::optional<Viewpoint> viewpoint_of(const Json& json) {
 }
 
 Json json_of(const PictureRecord& pictures) {
-  return {{"hexahedra", pictures.shows_hexahedra},
-          {"wireframe", pictures.is_wireframe},
-          {"loads", pictures.shows_loads},
-          {"camera", json_of(pictures.viewpoint)},
-          {"gravity_m_per_s2", json_of(pictures.gravity)},
-          {"anatomical", pictures.is_anatomical}};
+  Json json{{"hexahedra", pictures.shows_hexahedra},
+            {"wireframe", pictures.is_wireframe},
+            {"loads", pictures.shows_loads},
+            {"camera", json_of(pictures.viewpoint)},
+            {"gravity_m_per_s2", json_of(pictures.gravity)},
+            {"anatomical", pictures.is_anatomical}};
+  if (pictures.up) json["up"] = json_of(*pictures.up);
+  return json;
 }
 
 PictureRecord pictures_of(const Json& json) {
@@ -104,7 +106,8 @@ PictureRecord pictures_of(const Json& json) {
           .shows_loads = json.at("loads"),
           .viewpoint = viewpoint_of(json.at("camera")),
           .gravity = vector_of(json.at("gravity_m_per_s2")),
-          .is_anatomical = json.value("anatomical", false)};  // earlier versions did not write it
+          .is_anatomical = json.value("anatomical", false),  // earlier versions did not write it
+          .up = json.contains("up") ? std::optional(vector_of(json.at("up"))) : std::nullopt};
 }
 
 RunState state_of(const std::string& word) {

@@ -49,6 +49,7 @@ struct PictureRecord {
   std::optional<Viewpoint> viewpoint = {};
   Vec3 gravity = Vec3::Zero();  ///< [m/s^2]
   bool is_anatomical = false;   ///< x, y and z run to the left, the back and the head of a patient
+  std::optional<Vec3> up = {};  ///< as somebody asked for it
 };
 
 /// What must be known of a run to judge it and to repeat it.

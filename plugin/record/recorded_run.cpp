@@ -16,6 +16,7 @@
 #include "record/springs_vtu.hpp"
 #include "record/state_arrays.hpp"
 #include "record/surface_vtu.hpp"
+#include "record/vtu.hpp"
 
 namespace hexaplast::output {
 namespace fs = std::filesystem;
@@ -111,6 +112,12 @@ RecordedRun::RecordedRun(const fs::path& place) {
   const fs::path& first = entries_.front().file;
   ImportedState state = read(first);
   id_of_hexahedron_ = ids_of(first, state);
+  for (const std::string& name : state.field_names)
+    if (name.starts_with(kRegionPrefix)) regions_.names.push_back(name.substr(kRegionPrefix.size()));
+  if (!regions_.names.empty()) {
+    const std::vector<double> numbers = cell_scalars(first, state, entry_of(Quantity::kRegion).array);
+    regions_.of_hexahedra.assign(numbers.begin(), numbers.end());
+  }
   const PointArray initial = state.mesh.positions - point_vectors(first, state, "displacement");
   try {
     mesh_.emplace(initial, std::move(state.mesh.hexahedra));

@@ -41,6 +41,8 @@ class RecordedRun {
   /// The hexahedra of the first state in their initial shape.
   const HexMesh& mesh() const { return *mesh_; }
 
+  const Regions& regions() const { return regions_; }
+
   /// The surfaces that it carries, where surface.pvd beside the .pvd file names some. Throws OutputError or InputError
   /// as above.
   std::vector<EmbeddedSurface> embedded_surfaces() const;
@@ -56,6 +58,7 @@ class RecordedRun {
   std::vector<Entry> entries_;
   std::vector<Entry> instruments_, springs_;  // of the same times; empty: there are none
   std::optional<HexMesh> mesh_;
+  Regions regions_;
   std::vector<int> id_of_hexahedron_;  // in the mesh that the run began with, ascending
 };
 

@@ -187,7 +187,7 @@ struct Recorder::Files {
   bool finished = false;
 
   void open_gallery() {
-    if (plan.has_viewer) viewer.emplace(bodies, plan.title, plan.num_steps, plan.dt, plan.staging, plan.regions);
+    if (plan.has_viewer) viewer.emplace(bodies, plan.title, plan.num_steps, plan.dt, plan.staging);
     if (plan.num_frames > 0 || film) gallery.emplace(bodies.mesh(), plan.title, time_decimals(plan.dt), plan.staging);
   }
   void open_companions() {
@@ -309,8 +309,8 @@ void Recorder::Files::write_state() {
           [&](const fs::path& file) { write_instruments(file, latest_conditions.instruments, latest_positions); });
   if (springs) write(*springs, kSprings, [&](const fs::path& file) { write_springs(file, latest_conditions.springs); });
   write(meshes, kMesh, [&](const fs::path& file) {
-    write_vtu(file, bodies, latest_positions, latest_velocities, std::move(fields), latest_conditions, plan.regions,
-              plan.region_names);
+    write_vtu(file, bodies, latest_positions, latest_velocities, std::move(fields), latest_conditions,
+              plan.staging.regions);
   });
   step_on_disk = latest.step;
 }
@@ -328,7 +328,7 @@ void Recorder::Files::write_viewer() {
 
 void Recorder::Files::keep_for_picture() {
   gallery->add(latest.step, latest.time, latest_positions,
-               values_of(plan.staging.quantity, bodies, latest_positions, latest_velocities, plan.regions),
+               values_of(plan.staging.quantity, bodies, latest_positions, latest_velocities, plan.staging.regions),
                bodies.alive(), latest_conditions);
 }
 

@@ -31,12 +31,10 @@ struct RunPlan {
   int num_frames = 8;               ///< pictures, spread evenly over the run, the last state among them; 0: none
   bool force = false;               ///< write into a directory that holds an earlier run
   InputFiles inputs = {};           ///< files that are read, and so never replaced
-  std::vector<int> loaded_nodes = {};  ///< nodes that carry prescribed forces, ascending; may be empty
-  bool has_instruments = false;        ///< something in the scene may take hold of the body
-  bool has_springs = false;            ///< something in the scene is seen as springs
-  Staging staging = {};                ///< of the pictures
-  std::vector<int> regions = {};  ///< number of each hexahedron's region, from 1; 0: in none. Empty: there are none
-  std::vector<std::string> region_names = {};
+  std::vector<int> loaded_nodes = {};    ///< nodes that carry prescribed forces, ascending; may be empty
+  bool has_instruments = false;          ///< something in the scene may take hold of the body
+  bool has_springs = false;              ///< something in the scene is seen as springs
+  Staging staging = {};                  ///< of the pictures
   std::vector<std::string> probes = {};  ///< their names, one per StepRecord::probes
   std::filesystem::path video = {};      ///< film of the run in real time, at most 25 pictures a second; empty: none
 };

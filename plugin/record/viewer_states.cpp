@@ -77,18 +77,12 @@ std::vector<std::uint32_t> flat(std::span<const std::array<int, N>> cells) {
 
 }  // namespace
 
-ViewerStates::ViewerStates(const Bodies& bodies, std::string title, long num_steps, double dt, const Staging& staging,
-                           std::vector<int> regions)
-    : bodies_(bodies),
-      title_(std::move(title)),
-      num_steps_(num_steps),
-      dt_(dt),
-      staging_(staging),
-      regions_(std::move(regions)) {
+ViewerStates::ViewerStates(const Bodies& bodies, std::string title, long num_steps, double dt, const Staging& staging)
+    : bodies_(bodies), title_(std::move(title)), num_steps_(num_steps), dt_(dt), staging_(staging) {
   const HexMesh& mesh = bodies.mesh();
   if (mesh.num_nodes() > kMaxNodes) return;
   for (const QuantityEntry& entry : kQuantities)
-    if (entry.quantity != Quantity::kRegion || !regions_.empty()) quantities_.push_back(entry.quantity);
+    if (entry.quantity != Quantity::kRegion) quantities_.push_back(entry.quantity);
   for (const EmbeddedSurface& surface : staging_.embedded_surfaces) embeddings_.push_back(surface.embedding(mesh));
   alive_.assign(static_cast<std::size_t>(mesh.num_elements()), 1);
 
@@ -123,12 +117,9 @@ bool ViewerStates::wants(long step) const { return std::ranges::binary_search(wa
 
 std::vector<float> ViewerStates::nodal_values(Quantity quantity, const ElementFields& fields,
                                               ConstPoints velocities) const {
-  const std::vector<double> of_regions(regions_.begin(), regions_.end());
-  const std::vector<double> numbers =
-      quantity == Quantity::kSpeed
-          ? speeds(velocities)
-          : nodal_means(bodies_.mesh(), quantity == Quantity::kRegion ? of_regions : values_in(fields, quantity),
-                        bodies_.alive());
+  const std::vector<double> numbers = quantity == Quantity::kSpeed
+                                          ? speeds(velocities)
+                                          : nodal_means(bodies_.mesh(), values_in(fields, quantity), bodies_.alive());
   return {numbers.begin(), numbers.end()};
 }
 
@@ -259,6 +250,15 @@ std::string ViewerStates::json() const {
   }
   all["fields"] = fields;
   all["field"] = entry_of(staging_.quantity).word;
+
+  const Regions& regions = staging_.regions;
+  Json names = Json::array();
+  for (const int number : regions.names.empty() ? std::vector<int>() : regions.numbers())
+    names.push_back(
+        {{"name", Regions::name_of(number, regions.names)}, {"colour", hexadecimal(colour_of_region(number))}});
+  all["regions"] = names;
+  if (!names.empty())
+    numbers.add("regions", std::vector<std::uint16_t>(regions.of_hexahedra.begin(), regions.of_hexahedra.end()), 1);
 
   Json embedded = Json::array();
   for (std::size_t s = 0; s < embeddings_.size(); ++s) {

@@ -28,16 +28,15 @@ inline constexpr std::string_view kViewerName = "viewer.json";
 ///    2^bits
 ///
 /// `hexahedra` has eight nodes each, `positions` three numbers per node and state, 0 to 65535 from end to end of `box`
-/// [m], and `values_...` one, 0 to 254 from `least` to `most` of the field, 255 for no value.
+/// [m], and `values_...` one, 0 to 254 from `least` to `most` of the field, 255 for no value. `regions` has the number
+/// of each hexahedron's region, an entry of the list of that name, which has names and colours.
 class ViewerStates {
  public:
   static constexpr int kMaxStates = 60, kFewestStates = 6;
   static constexpr int kMaxNodes = 100'000;  ///< of a mesh that a page still opens fast with
 
-  /// num_steps: of the whole run; regions: as in RunPlan. The bodies must outlive this object. Throws what Embedding
-  /// throws.
-  ViewerStates(const Bodies& bodies, std::string title, long num_steps, double dt, const Staging& staging,
-               std::vector<int> regions);
+  /// num_steps: of the whole run. The bodies must outlive this object. Throws what Embedding throws.
+  ViewerStates(const Bodies& bodies, std::string title, long num_steps, double dt, const Staging& staging);
 
   bool wants(long step) const;
 
@@ -90,7 +89,6 @@ class ViewerStates {
   long num_steps_;
   double dt_;
   Staging staging_;
-  std::vector<int> regions_;
   std::vector<Quantity> quantities_;
   std::vector<Embedding> embeddings_;  // of the embedded surfaces
   std::vector<long> wanted_;           // steps, ascending

@@ -8,8 +8,7 @@
 namespace hexaplast::output {
 
 void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoints positions, ConstPoints velocities,
-               ElementFields fields, const BoundaryConditions& conditions, std::span<const int> regions,
-               std::span<const std::string> region_names) {
+               ElementFields fields, const BoundaryConditions& conditions, const Regions& regions) {
   const HexMesh& mesh = bodies.mesh();
   const std::span<const unsigned char> alive = bodies.alive();
   const PointArray current = positions;
@@ -28,7 +27,7 @@ void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoi
   };
   keep_alive(hexahedra);
   keep_alive(ids);
-  std::vector<std::int32_t> region(regions.begin(), regions.end());
+  std::vector<std::int32_t> region(regions.of_hexahedra.begin(), regions.of_hexahedra.end());
   if (!region.empty()) keep_alive(region);
   for (std::vector<double>* values :
        {&fields.plastic_strain, &fields.yield_stress, &fields.volume_ratio, &fields.stress_norm, &fields.strain})
@@ -62,8 +61,9 @@ void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoi
     grid.cell_data.insert(grid.cell_data.begin() + 2, scalars("Int32", "body", body_of));
   }
   if (!region.empty()) grid.cell_data.push_back(scalars("Int32", "region", region));
-  for (const std::string& name : region_names)
-    grid.field_data.push_back({"region " + name, static_cast<std::int32_t>(grid.field_data.size()) + 1});
+  for (const std::string& name : regions.names)
+    grid.field_data.push_back(
+        {std::string(kRegionPrefix) + name, static_cast<std::int32_t>(grid.field_data.size()) + 1});
   grid.write(file);
 }
 

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <filesystem>
-#include <span>
-#include <string>
 
 #include "picture/bodies.hpp"
 #include "picture/boundary_conditions.hpp"
+#include "picture/regions.hpp"
 
 namespace hexaplast::output {
+
+inline constexpr std::string_view kRegionPrefix = "region ";  ///< of the field data that name regions
 
 /// Writes one state of bodies as a VTK unstructured grid of hexahedra (formats/vtu_grid.hpp). The points are the
 /// current positions [m].
@@ -26,7 +27,6 @@ namespace hexaplast::output {
 /// connected pieces of this state, in the order of their first nodes, and `body` the bodies (Bodies::all). yield_stress
 /// is infinite where a hexahedron never yields. fields: those of the body at the positions. Throws OutputError.
 void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoints positions, ConstPoints velocities,
-               ElementFields fields, const BoundaryConditions& conditions = {}, std::span<const int> regions = {},
-               std::span<const std::string> region_names = {});
+               ElementFields fields, const BoundaryConditions& conditions = {}, const Regions& regions = {});
 
 }  // namespace hexaplast::output

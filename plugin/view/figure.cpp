@@ -32,6 +32,7 @@ const PointArray* Look::ghost_nodes(const Snapshot& snapshot) const {
 
 void stage(const Look& look, output::Staging& staging) {
   staging.cut = look.cut;
+  staging.shown_regions = look.regions;
   staging.shows_surfaces = look.shows_embedded_surfaces;
   staging.shows_hexahedra = look.shows_edges || !staging.has_surfaces();
   staging.shows_edges = look.shows_edges;
@@ -41,6 +42,7 @@ void stage(const Look& look, output::Staging& staging) {
 
 void Figure::update(const Snapshot& snapshot, const Look& look, const output::Strongest& strongest) {
   stage(look, shapes_.staging);
+  shapes_.staging.quantity = snapshot.quantity;
   moment_ = shapes_.at(snapshot.positions, snapshot.values, snapshot.alive, look.conditions(snapshot),
                        look.ghost_nodes(snapshot));
   const float longest = shapes_.longest_arrow();
@@ -62,7 +64,14 @@ output::View Figure::view(const Camera& camera, const output::Scale& scale) cons
     for (const Eigen::Vector3f& point : tool.points) box.extend(point.cast<double>());
   const Vec3 margin = Vec3::Constant(box_.diagonal().norm());
   const output::Camera seen = camera.fitted_to(box.clamp({box_.min() - margin, box_.max() + margin}));
-  return {shapes_.geometry(moment_, seen, strongest_), seen, camera.width(), camera.height(), scale.min(), scale.max()};
+  return {shapes_.geometry(moment_, seen, strongest_),
+          seen,
+          camera.width(),
+          camera.height(),
+          scale.min(),
+          scale.max(),
+          0,
+          scale.palette()};
 }
 
 std::vector<Figure::Force> Figure::tool_forces() const {

@@ -23,6 +23,7 @@ struct Look {
   Ghost ghost = Ghost::kInitial;
   bool shows_instruments = true;  ///< and loads, and what is fixed
   std::optional<Plane> cut = {};  ///< what lies above it is left out
+  std::vector<int> regions = {};  ///< that are shown within the body, which is translucent; empty: the body is
 
   /// Of a snapshot: what is shown of its conditions, and the nodes of the ghost.
   output::BoundaryConditions conditions(const Snapshot& snapshot) const;

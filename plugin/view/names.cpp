@@ -13,9 +13,9 @@ std::string Names::of(int hexahedron) const {
       text = body.name + ", ";
       first = body.first_hexahedron;
     }
-  if (!regions.empty())
-    if (const int region = regions[static_cast<std::size_t>(hexahedron)]; region > 0)
-      text += region_names[static_cast<std::size_t>(region - 1)] + ", ";
+  if (!regions.names.empty())
+    if (const int region = regions.of_hexahedra[static_cast<std::size_t>(hexahedron)]; region > 0)
+      text += regions.names[static_cast<std::size_t>(region - 1)] + ", ";
   return text + fmt::format("hexahedron {}", hexahedron - first);
 }
 

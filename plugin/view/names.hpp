@@ -4,17 +4,20 @@
 #include <string>
 #include <vector>
 
+#include "picture/regions.hpp"
+#include "record/manifest.hpp"
+
 namespace hexaplast::view {
 
-/// What the hexahedra of a mesh belong to.
+/// What the hexahedra of a mesh belong to, and what a scene measures.
 struct Names {
   struct Body {
     std::string name;
     int first_hexahedron = 0;
   };
   std::vector<Body> bodies = {};  ///< in the order of the mesh; empty: unknown
-  std::vector<int> regions = {};  ///< of each hexahedron from 1, 0: none; empty: there are none
-  std::vector<std::string> region_names = {};
+  output::Regions regions = {};
+  std::vector<output::ProbeRecord> probes = {};
 
   /// "liver, tumour, hexahedron 12", with the number that the hexahedron has in its body.
   std::string of(int hexahedron) const;

@@ -73,13 +73,34 @@ void draw_name(const WindowState& window, ImDrawList* draw) {
   std::string words = window.names.of(window.pointed_at->hexahedron);
   const std::vector<double>& values = window.now.of_hexahedra;
   const output::QuantityEntry& quantity = window.scale.quantity();
-  if (hexahedron < values.size() && std::isfinite(values[hexahedron]))
+  if (quantity.quantity != Quantity::kRegion && hexahedron < values.size() && std::isfinite(values[hexahedron]))
     words += fmt::format(", {} {:.3g}{}", quantity.label, values[hexahedron],
                          quantity.unit == "–" ? "" : fmt::format(" {}", quantity.unit));
   draw->AddText({window.left + 16, 34}, kInk, words.c_str());
 }
 
+/// In one line, which goes on below where there is no room.
+void draw_legend(const WindowState& window, ImDrawList* draw) {
+  constexpr float kSwatch = 18, kGap = 6, kBetween = 22, kLine = 20;
+  const std::vector<output::Scale::Name> names = window.scale.legend();
+  const auto width = [&](const output::Scale::Name& name) {
+    return kSwatch + kGap + text_size(name.words).x + kBetween;
+  };
+  float all = -kBetween;
+  for (const output::Scale::Name& name : names) all += width(name);
+  const float begin = window.left + std::max(20.0f, (window.width - all) / 2);
+  float x = begin, y = window.height - kBarStrip + 20;
+  for (const output::Scale::Name& name : names) {
+    if (x > begin && x + width(name) > window.left + window.width) x = begin, y += kLine;
+    draw->AddRectFilled({x, y + 2}, {x + kSwatch, y + 13},
+                        ImGui::ColorConvertFloat4ToU32({name.colour.red, name.colour.green, name.colour.blue, 1}));
+    draw->AddText({x + kSwatch + kGap, y}, kInk, name.words.c_str());
+    x += width(name);
+  }
+}
+
 void draw_colour_bar(const WindowState& window, ImDrawList* draw) {
+  if (!window.scale.palette().empty()) return draw_legend(window, draw);
   const float bar = std::min(380.0f, window.width - 80), left = window.left + (window.width - bar) / 2,
               top = window.height - kBarStrip + 28;
   const std::string words = window.scale.words();

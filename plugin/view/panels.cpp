@@ -111,14 +111,37 @@ void draw_motion(WindowState& window) {
   explain("Seconds of the simulation per second. Frames are dropped before steps are.");
 }
 
+void draw_regions(WindowState& window) {
+  const std::vector<std::string>& names = window.names.regions.names;
+  std::vector<int>& shown = window.look.regions;
+  if (names.empty()) return;
+  std::string words;
+  for (const int region : shown) words += (words.empty() ? "" : ", ") + names[static_cast<std::size_t>(region - 1)];
+  if (ImGui::BeginCombo("regions", words.empty() ? "whole body" : words.c_str())) {
+    for (int region = 1; region <= std::ssize(names); ++region) {
+      const auto at = std::ranges::find(shown, region);
+      if (!ImGui::Selectable(names[static_cast<std::size_t>(region - 1)].c_str(), at != shown.end(),
+                             ImGuiSelectableFlags_DontClosePopups))
+        continue;
+      if (at != shown.end())
+        shown.erase(at);
+      else
+        shown.push_back(region);
+    }
+    ImGui::EndCombo();
+  }
+  explain("Regions that are shown within the body, which is then translucent");
+}
+
 void draw_view(WindowState& window) {
   if (ImGui::BeginCombo("colour", window.scale.quantity().label.data())) {
     for (const output::QuantityEntry& entry : output::kQuantities)
-      if (entry.quantity != Quantity::kRegion &&
+      if ((entry.quantity != Quantity::kRegion || !window.names.regions.names.empty()) &&
           ImGui::Selectable(entry.label.data(), entry.quantity == window.now.quantity))
         window.source.show(entry.quantity);
     ImGui::EndCombo();
   }
+  draw_regions(window);
   int ghost = static_cast<int>(window.look.ghost);
   if (choose("ghost", ghost, kGhosts)) window.show_ghost(static_cast<Ghost>(ghost));
   explain("Shape behind the body: the initial shape, or the shape without load (G)");
@@ -216,6 +239,10 @@ void draw_plots(const WindowState& window) {
     if (window.session || std::ranges::any_of(curves, [](const Curve& curve) { return !curve.trace.empty(); }))
       plot(title, unit, curves, begin, end, cursor);
   };
+  for (std::size_t p = 0; p < traces.probes.size(); ++p) {
+    const auto& [name, unit] = window.names.probes[p];
+    draw(name.c_str(), unit.empty() ? "-" : unit.c_str(), {{"", kSteel, traces.probes[p]}});
+  }
   draw("elongation", "%",
        {{"current", kSteel, traces.current_elongation}, {"plastic", kRust, traces.plastic_elongation}});
   draw("max plastic strain", "-", {{"", kRust, traces.plastic_strain}});

@@ -440,7 +440,10 @@ void Session::publish_values(const ElementFields& fields) {
     back_.values = output::speeds(gather(&scene::MechanicalState::velocities, velocities_));
     return;
   }
-  back_.of_hexahedra = output::values_in(fields, quantity_);
+  if (quantity_ == Quantity::kRegion)  // which the window knows
+    back_.of_hexahedra.assign(static_cast<std::size_t>(mesh().num_elements()), 0);
+  else
+    back_.of_hexahedra = output::values_in(fields, quantity_);
   back_.values = nodal_means(mesh(), back_.of_hexahedra, shown_.alive());
 }
 
@@ -489,7 +492,8 @@ void Session::publish() {
                   .greatest_plastic_strain = std::ranges::max(fields.plastic_strain),
                   .kinetic_energy = latest_.kinetic_energy,
                   .elastic_energy = shown_.energy(x),
-                  .dissipated_energy = shown_.dissipated_energy()};
+                  .dissipated_energy = shown_.dissipated_energy(),
+                  .probes = latest_.probes};
   back_.step_ms = std::exchange(step_ms_, {});
   has_changed_ = false;
   pacing_.show(Clock::now());

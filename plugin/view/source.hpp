@@ -28,6 +28,7 @@ struct Sample {
   double kinetic_energy = 0;           ///< [J]
   double elastic_energy = 0;           ///< [J]
   double dissipated_energy = 0;        ///< [J]
+  std::vector<double> probes = {};     ///< of the latest step; empty: there was none yet
 };
 
 /// The simulation as it was between two steps. Nodal arrays have num_nodes rows, of several bodies those of one behind

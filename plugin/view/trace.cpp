@@ -10,6 +10,7 @@
 
 #include "page/thinning.hpp"
 #include "record/history_table.hpp"
+#include "record/recorder.hpp"
 
 namespace hexaplast::view {
 
@@ -50,10 +51,13 @@ Traces::Traces(double span, double num_steps)
       kinetic(span),
       elastic(span),
       dissipated(span),
-      step_ms(num_steps) {}
+      step_ms(num_steps),
+      span_(span) {}
 
-Traces traces_of(const std::filesystem::path& directory) {
-  Traces traces(std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
+Traces traces_of(const std::filesystem::path& directory, const std::vector<output::ProbeRecord>& probes) {
+  constexpr double kAll = std::numeric_limits<double>::infinity();
+  Traces traces(kAll, kAll);
+  traces.probes.resize(probes.size(), Trace(kAll));
   const std::filesystem::path file = directory / "history.csv";
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return traces;
@@ -72,6 +76,9 @@ Traces traces_of(const std::filesystem::path& directory) {
         Column{"kinetic_energy", &traces.kinetic, 1, 0}, Column{"elastic_energy", &traces.elastic, 1, 0},
         Column{"dissipated_energy", &traces.dissipated, 1, 0}})
     if (const int number = table.find(column.name); number >= 0) columns.emplace_back(number, column);
+  for (std::size_t p = 0; p < probes.size(); ++p)
+    if (const int number = table.find(output::probe_column(probes[p].name)); number >= 0)
+      columns.emplace_back(number, Column{nullptr, &traces.probes[p], 1, 0});
   const int step_ms = table.find("step_ms");
   for (std::span<const double> row = table.next(); !row.empty(); row = table.next()) {
     const auto at = [&](int column) { return row[static_cast<std::size_t>(column)]; };
@@ -90,6 +97,7 @@ void Traces::add(const Snapshot& snapshot) {
     for (Trace* trace : {&current_elongation, &plastic_elongation, &plastic_strain, &current_volume,
                          &plastic_rest_volume, &kinetic, &elastic, &dissipated})
       trace->forget_after(sample.time);
+    for (Trace& trace : probes) trace.forget_after(sample.time);
     step_ms.forget_after(static_cast<double>(snapshot.step) - static_cast<double>(snapshot.step_ms.size()));
   }
   const double time = sample.time;
@@ -102,6 +110,8 @@ void Traces::add(const Snapshot& snapshot) {
   kinetic.add(time, sample.kinetic_energy);
   elastic.add(time, sample.elastic_energy);
   dissipated.add(time, sample.dissipated_energy);
+  if (probes.size() < sample.probes.size()) probes.resize(sample.probes.size(), Trace(span_));
+  for (std::size_t p = 0; p < sample.probes.size(); ++p) probes[p].add(time, sample.probes[p]);
   const auto first = snapshot.step - static_cast<long>(snapshot.step_ms.size());
   for (std::size_t k = 0; k < snapshot.step_ms.size(); ++k)
     step_ms.add(static_cast<double>(first) + static_cast<double>(k + 1), snapshot.step_ms[k]);

@@ -3,7 +3,9 @@
 
 #include <deque>
 #include <filesystem>
+#include <vector>
 
+#include "record/manifest.hpp"
 #include "view/source.hpp"
 
 namespace hexaplast::view {
@@ -56,10 +58,14 @@ struct Traces {
   Trace current_volume, plastic_rest_volume;     ///< error [%]
   Trace kinetic, elastic, dissipated;            ///< [J]
   Trace step_ms;                                 ///< [ms], over the number of the step
+  std::vector<Trace> probes;                     ///< in the order of the scene
+
+ private:
+  double span_;
 };
 
 /// Those of a run, from its history.csv; empty where there is none. A column that it has not is an empty trace. Throws
 /// OutputError.
-Traces traces_of(const std::filesystem::path& directory);
+Traces traces_of(const std::filesystem::path& directory, const std::vector<output::ProbeRecord>& probes = {});
 
 }  // namespace hexaplast::view

@@ -30,7 +30,9 @@ WindowState::WindowState(WindowCall& call)
   look.shows_edges = call.staging.shows_hexahedra || !figure.has_embedded_surfaces();
   look.shows_embedded_surfaces = figure.has_embedded_surfaces();
   look.shows_instruments = call.staging.shows_loads;
-  if (replay) traces = traces_of(replay->directory());
+  look.regions = call.staging.shown_regions;
+  source.show(call.staging.quantity);
+  if (replay) traces = traces_of(replay->directory(), names.probes);
   set_pace();
 }
 
@@ -48,12 +50,12 @@ void WindowState::take(double clock) {
     num_steps = static_cast<long>(now.step_ms.size());
     if (session) traces.add(now);
     for (const std::string& said : now.messages) message = said;
-    if (scale.quantity().quantity != now.quantity) scale = output::Scale(now.quantity);
     for (const output::Instrument& instrument : now.conditions.instruments)
       strongest.tool = std::max(strongest.tool, static_cast<float>(instrument.force().norm()));
     for (const output::NodalLoad& load : output::shown_loads(source.mesh(), now.alive, now.conditions))
       strongest.load = std::max(strongest.load, static_cast<float>(load.force.norm()));
   }
+  if (scale.quantity().quantity != now.quantity) scale = empty_scale();
   steps.count(num_steps, clock);
   place_cut();
   figure.update(now, look, strongest);
@@ -80,7 +82,7 @@ void WindowState::toggle_running() {
 void WindowState::reset() {
   source.reset();
   if (session) traces = Traces();
-  scale = output::Scale(now.quantity);
+  scale = empty_scale();
   strongest = {};
 }
 

@@ -74,6 +74,7 @@ struct WindowState {
 
  private:
   void place_cut();
+  output::Scale empty_scale() const { return output::Scale(now.quantity, {}, names.regions.names); }
 };
 
 void draw_controls(WindowState& window);       ///< what can be changed

@@ -30,7 +30,7 @@ MotionRecord::MotionRecord(std::vector<output::Bodies::Entry> bodies, std::share
       bodies_(small_enough(std::move(bodies))),
       title_(std::move(title)),
       first_step_(first_step),
-      states_(bodies_, title_, first_step, dt, {}, {}),
+      states_(bodies_, title_, first_step, dt, {}),
       dt_(dt) {}
 
 void MotionRecord::add(long step, ConstPoints positions, ConstPoints velocities,

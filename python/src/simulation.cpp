@@ -163,7 +163,7 @@ py::array Simulation::picture(int width, int height) {
   }
   output::Gallery gallery(body.mesh(), "Simulation", output::time_decimals(moving_->dt()), staging);
   gallery.add(moving_->steps(), moving_->time(), moving_->x,
-              output::values_of(staging.quantity, body, moving_->x, moving_->v), body.alive(), shown);
+              output::values_of(staging.quantity, body, moving_->x, moving_->v, staging.regions), body.alive(), shown);
   output::Image image;
   gallery.for_each_drawing([&](int, const output::Drawing& drawing) { image = renderer->render(drawing); });
   py::array_t<std::uint8_t> pixels({height, width, 3});

@@ -174,6 +174,102 @@ output::Staging with_surface_of_bar() {
   return staging;
 }
 
+/// The picture and drawing of a block of 3 x 3 x 3 cells at rest, of which that in the middle is a region, and those of
+/// one side.
+struct Divided {
+  explicit Divided(output::Staging staging) {
+    static const Body body(support::block({3, 3, 3}, 0.1), {Material{}});
+    staging.shows_edges = false;
+    staging.regions = {std::vector<int>(27, 0), {"core", "organ/side"}};
+    for (int e = 0; e < 27; ++e) {
+      Vec3 middle = Vec3::Zero();
+      for (const int node : body.mesh().hexahedra()[static_cast<std::size_t>(e)])
+        middle += body.mesh().positions().row(node).transpose() / kCorners;
+      const Vec3 cell = (middle - body.mesh().positions().colwise().mean().transpose()) / 0.1;
+      if (cell.norm() < 0.1) staging.regions.of_hexahedra[static_cast<std::size_t>(e)] = 1;
+      if (cell.x() > 0.9) staging.regions.of_hexahedra[static_cast<std::size_t>(e)] = 2;
+    }
+    Gallery gallery(body.mesh(), "block", 2, staging);
+    std::vector<double> strain(27, 0.0);
+    strain[13] = 1;
+    gallery.add(0, 0, body.mesh().positions(), strain);
+    drawing = drawings_of(gallery)[0];
+  }
+
+  Drawing drawing;
+};
+
+std::set<std::string> words_of(const Drawing& drawing) {
+  std::set<std::string> words;
+  for (const Drawing::Text& text : drawing.texts) words.insert(text.words);
+  return words;
+}
+
+// Each hexahedron is in one region: no value lies between two numbers, on the surface and where it is cut.
+TEST(Regions, AreFlatAndNamed) {
+  output::Staging staging;
+  staging.quantity = output::Quantity::kRegion;
+  staging.cut = Plane{Vec3::UnitZ(), 0.12};
+  const Divided block(staging);
+  for (const auto& [vertices, numbers] :
+       {std::pair(block.drawing.view->geometry.surface, std::set<float>{0, 1, 2}),
+        std::pair(block.drawing.view->geometry.cut_faces, std::set<float>{0, 1, 2})}) {
+    std::set<float> values;
+    for (const output::Geometry::Vertex& vertex : vertices) values.insert(vertex.value);
+    EXPECT_EQ(values, numbers);
+  }
+  // of the cut, the middle cell has a ninth
+  double core = 0, all = 0;
+  const output::Geometry::Vertices& cut = block.drawing.view->geometry.cut_faces;
+  for (std::size_t v = 0; v + 2 < cut.size(); v += 3) {
+    const double area = (cut[v + 1].place - cut[v].place).cross(cut[v + 2].place - cut[v].place).norm() / 2;
+    all += area;
+    if (cut[v].value == 1) core += area;
+  }
+  EXPECT_NEAR(all, 0.09, 1e-6);
+  EXPECT_NEAR(core, 0.01, 1e-6);
+  for (const char* name : {"core", "organ/side", "in no region"}) EXPECT_TRUE(words_of(block.drawing).contains(name));
+
+  // cut faces have no light: their pixels are the colours themselves
+  const Image image = output::load_renderer()->render(block.drawing);
+  for (const int number : {0, 1, 2}) {
+    int num_seen = 0;
+    for (int y = 90; y < 590; ++y)
+      for (int x = 0; x < image.width; ++x)
+        num_seen += difference(pixel(image, x, y), bytes(output::colour_of_region(number))) <= 1;
+    EXPECT_GT(num_seen, 1000) << number;
+  }
+}
+
+TEST(Regions, AreSeenThroughTheBody) {
+  output::Staging staging;
+  staging.quantity = output::Quantity::kRegion;
+  const auto middle = [&] {
+    const Image image = output::load_renderer()->render(Divided(staging).drawing);
+    return pixel(image, 640, 340);
+  };
+  const Rgb whole = middle();
+  staging.shown_regions = {1};
+  const Drawing within = Divided(staging).drawing;
+  Eigen::AlignedBox3f box, veil;
+  for (const output::Geometry::Vertex& vertex : within.view->geometry.surface) box.extend(vertex.place);
+  for (const output::Geometry::Vertex& vertex : within.view->geometry.veil) veil.extend(vertex.place);
+  EXPECT_LT((box.sizes() - Eigen::Vector3f::Constant(0.1f)).norm(), 1e-6);
+  EXPECT_LT((veil.sizes() - Eigen::Vector3f::Constant(0.3f)).norm(), 1e-6);
+  EXPECT_TRUE(within.view->geometry.ghost.empty());
+  EXPECT_TRUE(words_of(within).contains("core"));
+  EXPECT_FALSE(words_of(within).contains("organ/side"));
+  // the core is red: through the veil still more so than the body
+  const Rgb seen = middle();
+  EXPECT_GT(seen[0] - seen[2], whole[0] - whole[2] + 20);
+
+  staging.quantity = output::Quantity::kPlasticStrain;
+  float max = 0;
+  for (const output::Geometry::Vertex& vertex : Divided(staging).drawing.view->geometry.surface)
+    max = std::max(max, vertex.value);
+  EXPECT_FLOAT_EQ(max, 0.125f) << "mean over the eight cells around a corner";
+}
+
 TEST(EmbeddedSurface, IsShownInPlaceOfTheHexahedraAndFollowsThem) {
   const Body body(support::block({1, 1, 4}, 0.1), {Material{}});
   const std::vector<double> strain{0.3, 0.3, 0.3, 0.3};

@@ -167,7 +167,7 @@ TEST(ViewerFile, HasWhatHoldsAndLoadsTheBody) {
 TEST(ViewerFile, NamesHexahedraThatGo) {
   TornPillar pillar;
   const output::Bodies bodies(pillar.body);
-  ViewerStates states(bodies, "tear", 1, 0.01, {}, {});
+  ViewerStates states(bodies, "tear", 1, 0.01, {});
   const PointArray v = some_velocities(pillar.body);
   states.add(0, 0, pillar.x, v, {});
   pillar.tear();
@@ -182,7 +182,7 @@ TEST(ViewerFile, NamesHexahedraThatGo) {
 TEST(ViewerFile, HasTheEndsOfSpringsAndWhichAreSlack) {
   const Body body(block({1, 2, 3}, 0.1), {Material{}});
   const output::Bodies bodies(body);
-  ViewerStates states(bodies, "springs", 2, 0.01, {}, {});
+  ViewerStates states(bodies, "springs", 2, 0.01, {});
   const PointArray x = body.mesh().positions(), v = some_velocities(body);
   const std::vector<output::SpringLine> springs{{Vec3(.3, .1, -.2), Vec3(.5, .7, 0)},
                                                 {Vec3(.4, .15, .25), Vec3(0, 0, .31), true}};
@@ -205,11 +205,26 @@ TEST(ViewerFile, HasTheEndsOfSpringsAndWhichAreSlack) {
     }
 }
 
+TEST(ViewerFile, HasRegionsWithTheirColours) {
+  const Body body(block({1, 2, 3}, 0.1), {Material{}});
+  const output::Bodies bodies(body);
+  output::Staging staging;
+  staging.regions = {{0, 2, 1, 1, 0, 2}, {"wall", "organ/tumour"}};
+  ViewerStates states(bodies, "regions", 1, 0.01, staging);
+  states.add(0, 0, body.mesh().positions(), some_velocities(body), {});
+  const Json all = Json::parse(states.json());
+  EXPECT_EQ(unpacked(all, "regions"), (std::vector<std::uint32_t>{0, 2, 1, 1, 0, 2}));
+  std::vector<std::string> names;
+  for (const Json& region : all.at("regions")) names.push_back(region.at("name"));
+  EXPECT_EQ(names, (std::vector<std::string>{"in no region", "wall", "organ/tumour"}));
+  EXPECT_NE(all.at("regions").at(1).at("colour"), all.at("regions").at(2).at("colour"));
+}
+
 TEST(ViewerFile, OfManyNodesHasFewerStatesAndSaysSo) {
   const auto steps_of = [](const std::array<int, 3>& n, bool& is_thinned) {
     const Body body(block(n, 0.1), {Material{}});
     const output::Bodies bodies(body);
-    ViewerStates states(bodies, "block", 400, 0.01, {}, {});
+    ViewerStates states(bodies, "block", 400, 0.01, {});
     std::vector<long> steps;
     const PointArray v = some_velocities(body);
     for (long step = 0; step <= 400; ++step) {

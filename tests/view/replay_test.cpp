@@ -21,13 +21,15 @@ class WrittenRun : public testing::Test {
  protected:
   WrittenRun() {
     support::Played played(support::bar_with("<ConstantForceField indices='54-62' totalForce='1 0 8'/>"));
-    output::Recorder recorder(scratch / "run", played.body(),
-                              {.title = "bar", .num_steps = 12, .dt = 0.01, .output_every = 3, .num_frames = 0});
+    output::Recorder recorder(
+        scratch / "run", played.body(),
+        {.title = "bar", .num_steps = 12, .dt = 0.01, .output_every = 3, .num_frames = 0, .probes = {"pull"}});
     auto& state = support::at<scene::MechanicalState>(played.scene(), "nodes");
-    recorder.record({}, state.positions(), state.velocities());
+    recorder.record({.probes = {0}}, state.positions(), state.velocities());
     for (int step = 1; step <= 12; ++step) {
       output::StepRecord record = played.step();
       record.time = played.scene().time();
+      record.probes = {0.5 * step};
       recorder.record(record, state.positions(), state.velocities());
       positions.push_back(state.positions());
     }
@@ -74,7 +76,9 @@ TEST_F(WrittenRun, GoesFromStateToState) {
   replay->take(now);
   EXPECT_EQ(now.step, 0);
 
-  const Traces traces = traces_of(replay->directory());
+  const Traces traces = traces_of(replay->directory(), {{"other", "m"}, {"pull", "N"}});
+  EXPECT_TRUE(traces.probes[0].empty());
+  EXPECT_EQ(traces.probes[1].at(0.065), 3);
   EXPECT_NEAR(traces.kinetic.latest_time(), 0.12, 1e-12);
   EXPECT_GT(traces.current_elongation.latest(), 0.1) << "[%]";
   EXPECT_EQ(traces.step_ms.latest_time(), 12);

@@ -281,11 +281,23 @@ TEST_F(FigureOfABar, ArrowsAreThoseOfThePictures) {
 
 TEST(Names, SayWhereAHexahedronBelongs) {
   EXPECT_EQ(Names().of(7), "hexahedron 7");
-  const Names names{
-      .bodies = {{"liver", 0}, {"sac", 3}}, .regions = {0, 2, 0, 0, 1}, .region_names = {"wall", "tumour"}};
+  const Names names{.bodies = {{"liver", 0}, {"sac", 3}}, .regions = {{0, 2, 0, 0, 1}, {"wall", "tumour"}}};
   EXPECT_EQ(names.of(1), "liver, tumour, hexahedron 1");
   EXPECT_EQ(names.of(3), "sac, hexahedron 0");
   EXPECT_EQ(names.of(4), "sac, wall, hexahedron 1");
+}
+
+TEST_F(FigureOfABar, ShowsARegionWithinTheBody) {
+  output::Staging staging;
+  staging.regions = {{0, 1, 0}, {"core"}};
+  Figure divided(mesh, staging);
+  snapshot.quantity = Quantity::kRegion;
+  divided.update(snapshot, {.regions = {1}}, {});
+  EXPECT_EQ(drawn(divided).surface.size(), 6u * 4 * 3);
+  EXPECT_EQ(drawn(divided).veil.size(), 14u * 4 * 3);
+  divided.update(snapshot, {}, {});
+  EXPECT_EQ(drawn(divided).surface.size(), (6u + 2 * 6) * 4 * 3) << "each part has its own surface";
+  EXPECT_TRUE(drawn(divided).veil.empty());
 }
 
 TEST(Trace, ForgetsWhatWasUndone) {
@@ -297,6 +309,21 @@ TEST(Trace, ForgetsWhatWasUndone) {
   EXPECT_EQ(trace.latest_time(), 4);
   trace.forget_after(-1);
   EXPECT_TRUE(trace.empty());
+}
+
+TEST(Traces, HaveProbesThatGoBackToo) {
+  Traces traces;
+  Snapshot snapshot;
+  for (const double time : {0.0, 1.0, 2.0, 3.0, 1.0}) {
+    snapshot.sample.time = time;
+    snapshot.sample.probes = {10 * time, -time};
+    if (time == 0) snapshot.sample.probes.clear();  // before the first step
+    traces.add(snapshot);
+  }
+  ASSERT_EQ(traces.probes.size(), 2u);
+  EXPECT_EQ(traces.probes[0].latest(), 10);
+  EXPECT_EQ(traces.probes[1].latest(), -1);
+  EXPECT_EQ(traces.probes[0].latest_time(), 1);
 }
 
 }  // namespace

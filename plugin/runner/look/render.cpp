@@ -33,7 +33,8 @@ struct RenderOptions {
   std::optional<std::filesystem::path> video;  ///< film of all states, instead of one picture
   std::optional<double> time;                  ///< [s] the state nearest to it; otherwise the last one
   std::optional<long> step;
-  std::string field, range, view, up, camera, size, slice, sections;  ///< see add_render; empty: not given
+  PictureOptions pictures;
+  std::string range, view, camera, size, slice, sections;  ///< see add_render; empty: not given
   std::string shape = "current";
   std::string ghost = "initial";
   std::string show;  ///< surfaces, hexahedra or both; empty: as the scene says
@@ -95,12 +96,6 @@ std::pair<int, double> axis_and_number(const char* option, const std::string& te
       text.size() > 2 && text[1] == ':' ? numbers(std::string_view(text).substr(2), ':') : std::vector<double>();
   if (number.size() != 1 || text[0] < 'x' || text[0] > 'z') refuse(option, text, allowed);
   return {text[0] - 'x', number[0]};
-}
-
-std::optional<Vec3> up_of(const std::string& text) {
-  if (text.empty()) return std::nullopt;
-  const int axis = text.back() - 'x';
-  return (text.front() == '-' ? -1 : 1) * Vec3::Unit(axis);
 }
 
 /// To the right, up and to the front.
@@ -194,9 +189,7 @@ const PointArray& shown_positions(const RecordedRun::State& state, const RenderO
 /// What the options say.
 output::Staging staging_of(const RenderOptions& options) {
   output::Staging staging;
-  staging.quantity = quantity_named(options.field);
   staging.range = range_of(options.range);
-  staging.up = up_of(options.up);
   staging.viewpoint = viewpoint_of(options, staging.upright());
   staging.shows_edges = !options.no_edges;
   staging.ghost = ghost_name(options);
@@ -211,10 +204,10 @@ output::Staging staging_of(const RenderOptions& options) {
 /// What the scene said, and then the options.
 output::Staging staging_of(const Subject& subject, const RenderOptions& options) {
   output::Staging staging = staging_of(options);
-  if (subject.manifest && subject.manifest->pictures) {
-    restore(*subject.manifest->pictures, staging);
-    if (const std::optional asked_for = viewpoint_of(options, staging.upright())) staging.viewpoint = asked_for;
-  }
+  if (subject.manifest && subject.manifest->pictures) restore(*subject.manifest->pictures, staging);
+  staging.regions = subject.run.regions();
+  stage(options.pictures, staging);
+  if (const std::optional asked_for = viewpoint_of(options, staging.upright())) staging.viewpoint = asked_for;
   staging.embedded_surfaces = subject.run.embedded_surfaces();
   const std::string& show = options.show;
   if (show == "surfaces" && staging.embedded_surfaces.empty())
@@ -249,9 +242,9 @@ void render_film(const Subject& subject, const RenderOptions& options, output::R
   const std::vector<RecordedRun::Entry>& entries = run.entries();
   const double seconds = entries.back().time - entries.front().time;
   if (!(seconds > 0)) throw UsageError("--video: this run holds one state only, or its times do not ascend");
-  output::Gallery gallery(run.mesh(), subject.title(), subject.time_decimals(), staging_of(subject, options));
-  for (const RecordedRun::Entry& entry : entries)
-    add(entry, run.state(entry, quantity_named(options.field)), options, gallery);
+  const output::Staging staging = staging_of(subject, options);
+  output::Gallery gallery(run.mesh(), subject.title(), subject.time_decimals(), staging);
+  for (const RecordedRun::Entry& entry : entries) add(entry, run.state(entry, staging.quantity), options, gallery);
   const auto film = output::open_film(*options.video, static_cast<double>(entries.size() - 1) / seconds);
   Progress progress(0, static_cast<long>(entries.size()), true);
   long done = 0;
@@ -273,7 +266,8 @@ output::Drawing sections_of(const Subject& subject, const RecordedRun::Entry& en
   page.axis = axis;
   page.count = static_cast<int>(count);
   page.up = staging.upright();
-  page.quantity = quantity_named(options.field);
+  page.quantity = staging.quantity;
+  page.regions = staging.regions;
   page.range = range_of(options.range);
   page.shows_edges = !options.no_edges;
   page.ghost = ghost_name(options);
@@ -330,16 +324,13 @@ void add_render(CLI::App& app, Call& call) {
           ->type_name("T");
   CLI::Option* step =
       command.add_option("--step", options.step, "The state after this step")->type_name("N")->excludes(time);
-  add_field(command, options.field);
+  const std::vector<CLI::Option*> pictures = add_pictures(command, options.pictures);
   command.add_option("--range", options.range, "Values at the ends of the colour bar; otherwise those that are shown")
       ->type_name("LO:HI");
   CLI::Option* view = command
                           .add_option("--view", options.view,
                                       "Where the viewer stands: front, back, left, right, top, bottom, or a direction")
                           ->type_name("SIDE|X,Y,Z");
-  command.add_option("--up", options.up, "What is up. Default: against gravity; without it the patient's head, or y")
-      ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}))
-      ->type_name("AXIS");
   CLI::Option* camera =
       command
           .add_option("--camera", options.camera,
@@ -357,6 +348,7 @@ void add_render(CLI::App& app, Call& call) {
                                           "Instead of the body, so many sections across an axis, side by side")
                               ->type_name("AXIS:N")
                               ->excludes(slice)
+                              ->excludes(pictures[1])
                               ->excludes(view)
                               ->excludes(camera);
   command.add_option("--shape", options.shape, "The current shape of the body, or its rest shape, without loads")

@@ -34,11 +34,12 @@ using std::filesystem::path;
 /// `hexaplast view`, as the command line gives it.
 struct ViewOptions {
   SceneOptions scene;
+  PictureOptions pictures;
   bool is_running = false;                           ///< from the beginning
   bool is_free = false;                              ///< as fast as it goes, instead of real time
   double speed = 1;                                  ///< in real time
   std::optional<long> steps;                         ///< after which the window closes
-  std::filesystem::path pictures = ".";              ///< where those go that are taken by hand
+  std::filesystem::path picture_folder = ".";        ///< where those go that are taken by hand
   std::optional<std::filesystem::path> picture;      ///< of the window's last moment
   std::optional<std::filesystem::path> final_state;  ///< JSON of the last state
   std::optional<std::filesystem::path> record;       ///< scene that repeats what was done
@@ -97,9 +98,8 @@ view::Names names_of(Simulation& simulation) {
   view::Names names;
   for (const output::Bodies::Entry& body : simulation.bodies()->all())
     names.bodies.push_back({body.name, body.first_hexahedron});
-  names.regions = region_numbers(simulation.scene(), *simulation.bodies());
-  for (const RegionFigure& region : regions_of(simulation.scene()))
-    names.region_names.push_back(region.path.substr(region.path.rfind('/') + 1));
+  names.regions = shown_regions(simulation.scene(), *simulation.bodies());
+  for (scene::Probe* probe : simulation.probes()) names.probes.push_back({probe->name(), std::string(probe->unit())});
   return names;
 }
 
@@ -109,7 +109,7 @@ view::WindowOptions window_options(const ViewOptions& options, std::optional<pat
           .is_running = options.is_running,
           .pace = options.is_free ? view::Pace::kFree : view::Pace::kRealTime,
           .speed = options.speed,
-          .picture_folder = options.pictures,
+          .picture_folder = options.picture_folder,
           .steps = options.steps,
           .picture = std::move(picture)};
 }
@@ -131,6 +131,9 @@ int view_run(const ViewOptions& options, view::ShowWindow show) {
   output::Staging staging;
   if (manifest && manifest->pictures) restore(*manifest->pictures, staging);
   staging.embedded_surfaces = run.embedded_surfaces();
+  staging.regions = run.regions();
+  stage(options.pictures, staging);
+  const output::Regions regions = staging.regions;
   if (staging.embedded_surfaces.empty()) staging.shows_hexahedra = true;
   view::Replay replay(std::move(run));
   std::optional<path> picture;
@@ -138,7 +141,9 @@ int view_run(const ViewOptions& options, view::ShowWindow show) {
   view::WindowCall call{.source = replay,
                         .replay = &replay,
                         .staging = std::move(staging),
-                        .names = {},
+                        .names = {.bodies = {},
+                                  .regions = regions,
+                                  .probes = manifest ? manifest->probes : std::vector<output::ProbeRecord>()},
                         .options = window_options(options, std::move(picture)),
                         .is_asked_to_end = [] { return requested_signal() != 0; }};
   show(call);
@@ -172,6 +177,8 @@ int view(const ViewOptions& options) {
     record.emplace(*record_place);
   }
   const std::string title = options.scene.file.stem().string();
+  output::Staging staging = staging_of(simulation);
+  stage(options.pictures, staging);
   view::Session session({.title = title,
                          .scene = simulation.scene(),
                          .step = [&]() -> const output::StepRecord& { return simulation.step(); },
@@ -181,7 +188,7 @@ int view(const ViewOptions& options) {
                         make_component);
   view::WindowCall call{.source = session,
                         .session = &session,
-                        .staging = staging_of(simulation),
+                        .staging = std::move(staging),
                         .names = names_of(simulation),
                         .options = window_options(options, picture),
                         .is_asked_to_end = [] { return requested_signal() != 0; }};
@@ -208,6 +215,7 @@ void add_view(CLI::App& app, Call& call) {
       app, call, "view", "Run a scene in a window, and pull and push at it with the mouse; or look at a finished run",
       view, [](const ViewOptions& given) { return given.scene.file.string(); });
   add_scene(command, options.scene);
+  add_pictures(command, options.pictures);
   command.add_flag("--run", options.is_running, "Run from the beginning; otherwise the scene waits for Space");
   command
       .add_option("--speed", options.speed, "Seconds of the simulation per second of the clock; default 1: real time")
@@ -219,7 +227,7 @@ void add_view(CLI::App& app, Call& call) {
   command.add_option("--picture", options.picture, "Write a picture of the window when --steps are done")
       ->type_name("FILE.png")
       ->needs(steps);
-  command.add_option("--pictures", options.pictures, "Directory for the pictures that are taken by hand")
+  command.add_option("--pictures", options.picture_folder, "Directory for the pictures that are taken by hand")
       ->type_name("DIR")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();

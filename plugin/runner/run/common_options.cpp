@@ -102,16 +102,22 @@ void add_quiet(CLI::App& command, bool& quiet) {
   command.add_flag_callback("--quiet", quieten, "Print nothing but errors");
 }
 
-CLI::Option* add_field(CLI::App& command, std::string& field) {
+std::vector<CLI::Option*> add_pictures(CLI::App& command, PictureOptions& options) {
   std::vector<std::string> words;
   for (const output::QuantityEntry& entry : output::kQuantities) words.emplace_back(entry.word);
-  return command.add_option("--field", field, "What colours show. Default plastic_strain")
-      ->type_name(fmt::format("{}", fmt::join(words, "|")))
-      ->check(CLI::IsMember(words));
-}
-
-output::Quantity quantity_named(const std::string& field) {
-  return output::quantity_of(field).value_or(output::Quantity::kPlasticStrain);
+  return {
+      command.add_option("--field", options.field, "What colours show. Default plastic_strain; of --region: region")
+          ->type_name(fmt::format("{}", fmt::join(words, "|")))
+          ->check(CLI::IsMember(words)),
+      command
+          .add_option("--region", options.regions,
+                      "Show a region of the material within a translucent body; may be repeated")
+          ->type_name("NAME")
+          ->allow_extra_args(false),
+      command
+          .add_option("--up", options.up, "What is up. Default: against gravity; without it the patient's head, or y")
+          ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}))
+          ->type_name("AXIS")};
 }
 
 CLI::Option* add_video(CLI::App& command, std::optional<std::filesystem::path>& video, const char* help) {

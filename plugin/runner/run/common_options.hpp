@@ -40,9 +40,15 @@ void add_strict(CLI::App& command, bool& strict);
 /// --quiet, which quietens the terminal at once; warnings are kept for the manifest of the run.
 void add_quiet(CLI::App& command, bool& quiet);
 
-/// --field: what pictures show; the quantity of it; plastic strain where none is given.
-CLI::Option* add_field(CLI::App& command, std::string& field);
-output::Quantity quantity_named(const std::string& field);
+/// What pictures show, and which way up.
+struct PictureOptions {
+  std::string field;                 ///< word of a quantity; empty: not given
+  std::string up;                    ///< an axis, or one with a minus sign; empty: not given
+  std::vector<std::string> regions;  ///< that are shown in a translucent body
+};
+
+/// --field, --region, --up
+std::vector<CLI::Option*> add_pictures(CLI::App& command, PictureOptions& options);
 
 /// --video: a film.
 CLI::Option* add_video(CLI::App& command, std::optional<std::filesystem::path>& video, const char* help);

@@ -42,19 +42,20 @@ std::vector<RegionFigure> regions_of(scene::Scene& scene) {
   return figures;
 }
 
-std::vector<int> region_numbers(scene::Scene& scene, const output::Bodies& bodies) {
-  std::vector<int> numbers;
-  int number = 0;
+output::Regions shown_regions(scene::Scene& scene, const output::Bodies& bodies) {
+  output::Regions regions;
   for (scene::MaterialRegion* region : scene.root().all<scene::MaterialRegion>()) {
-    ++number;
+    regions.names.push_back(path_of(*region));
     const Body* body = region->field() ? region->field()->body() : nullptr;
     const auto owner = std::ranges::find(bodies.all(), body, &output::Bodies::Entry::body);
     if (owner == bodies.all().end()) continue;
-    numbers.resize(static_cast<std::size_t>(bodies.mesh().num_elements()), 0);
+    regions.of_hexahedra.resize(static_cast<std::size_t>(bodies.mesh().num_elements()), 0);
     for (const int hexahedron : region->hexahedra())
-      numbers[static_cast<std::size_t>(owner->first_hexahedron + hexahedron)] = number;
+      regions.of_hexahedra[static_cast<std::size_t>(owner->first_hexahedron + hexahedron)] =
+          static_cast<int>(regions.names.size());
   }
-  return numbers;
+  if (regions.of_hexahedra.empty()) regions.names.clear();
+  return regions;
 }
 
 std::string describe(const RegionFigure& region) {

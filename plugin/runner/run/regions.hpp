@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "picture/bodies.hpp"
+#include "picture/regions.hpp"
 #include "scene/scene.hpp"
 
 namespace hexaplast::runner {
@@ -27,9 +28,8 @@ struct RegionFigure {
 /// Those of a scene that is ready, in its order.
 std::vector<RegionFigure> regions_of(scene::Scene& scene);
 
-/// Of each hexahedron of a body, the region in that order, from 1, whose values it has; 0: it is in none. Empty: the
-/// body has no region.
-std::vector<int> region_numbers(scene::Scene& scene, const output::Bodies& bodies);
+/// The regions as pictures and files tell of them: a hexahedron is in the last one that gives it values.
+output::Regions shown_regions(scene::Scene& scene, const output::Bodies& bodies);
 
 /// "12 hexahedra, youngModulus 30000 Pa, yieldStress 2000 to 2500 Pa"
 std::string describe(const RegionFigure& region);

@@ -96,11 +96,8 @@ output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions
   plan.has_instruments = !simulation.scene().root().all<scene::Instrument>().empty();
   plan.has_springs = !simulation.scene().root().all<scene::ShowsSprings>().empty();
   for (const scene::Probe* probe : simulation.probes()) plan.probes.push_back(probe->name());
-  if (simulation.bodies()) plan.regions = region_numbers(simulation.scene(), *simulation.bodies());
-  if (!plan.regions.empty())
-    for (const RegionFigure& region : regions_of(simulation.scene())) plan.region_names.push_back(region.path);
   plan.staging = staging_of(simulation);
-  plan.staging.quantity = quantity_named(options.field);
+  stage(options.pictures, plan.staging);
   if (options.video) plan.video = place_of(*options.video, options, plan.inputs);
   return plan;
 }
@@ -460,7 +457,8 @@ void serialize(Archive& archive, RunRecord& record) {
   for (const std::filesystem::path& directory : options.scene.mesh_path) mesh_path.push_back(directory.string());
   archive(mesh_path);
   options.scene.mesh_path.assign(mesh_path.begin(), mesh_path.end());
-  archive(options.scene.overrides, options.scene.plugins, options.field);
+  archive(options.scene.overrides, options.scene.plugins, options.pictures.field, options.pictures.up,
+          options.pictures.regions);
   pass(options.steps);
   pass(options.frames);
   pass(options.checkpoint_every);
@@ -590,7 +588,7 @@ void add_run(CLI::App& app, Call& call) {
           "from it")
       ->type_name("every=N")
       ->needs(out);
-  add_field(command, options.field)->needs(out);
+  for (CLI::Option* option : add_pictures(command, options.pictures)) option->needs(out);
   add_video(command, options.video, "Film of the run in real time: .mp4 by ffmpeg, or .png, animated")->needs(out);
   command.add_flag("--force", options.force, "Replace files of an earlier run");
   add_quiet(command, options.quiet);

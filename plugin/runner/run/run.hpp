@@ -8,6 +8,7 @@
 #include "hexaplast/base/error.hpp"
 #include "record/checkpoint.hpp"
 #include "record/state_stream.hpp"
+#include "runner/run/common_options.hpp"
 #include "runner/run/scene_file.hpp"
 
 namespace hexaplast::runner {
@@ -28,7 +29,7 @@ struct RunOptions {
   std::optional<int> parent;                         ///< process with which the run ends (interrupt.hpp)
   std::optional<int> threads;
   std::optional<int> frames;                   ///< pictures; needs `out`
-  std::string field;                           ///< what pictures show, by the word of a quantity; empty: plastic strain
+  PictureOptions pictures;                     ///< need `out`
   std::optional<std::filesystem::path> video;  ///< film of the run; needs `out`
   std::optional<long> checkpoint_every;        ///< steps; needs `out`
   bool force = false;                          ///< also writes over an earlier run

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "runner/run/staging.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <optional>
 
+#include "runner/exit_code.hpp"
+#include "runner/run/regions.hpp"
 #include "scene/visuals.hpp"
 
 namespace hexaplast::runner {
@@ -62,6 +66,7 @@ output::Staging staging_of(Simulation& simulation) {
     }
   staging.shows_hexahedra = shows_hexahedra.value_or(staging.embedded_surfaces.empty());
 
+  if (simulation.bodies()) staging.regions = shown_regions(scene, *simulation.bodies());
   staging.gravity = root.clock().gravity;
   staging.is_anatomical = std::ranges::any_of(root.all<scene::MayBeOfPatient>(),
                                               [](scene::MayBeOfPatient* mesh) { return mesh->is_of_patient(); });
@@ -70,13 +75,28 @@ output::Staging staging_of(Simulation& simulation) {
   return staging;
 }
 
+void stage(const PictureOptions& options, output::Staging& staging) {
+  if (!options.field.empty() || !options.regions.empty())
+    staging.quantity = output::quantity_of(options.field).value_or(output::Quantity::kRegion);
+  if (!options.up.empty()) staging.up = (options.up.front() == '-' ? -1 : 1) * Vec3::Unit(options.up.back() - 'x');
+  for (const std::string& word : options.regions) {
+    const std::vector<std::string>& names = staging.regions.names;
+    staging.shown_regions.push_back(staging.regions.number_of(word));
+    if (staging.shown_regions.back() == 0)
+      throw UsageError(
+          fmt::format("--region {}: {}", word,
+                      names.empty() ? "there are no regions" : fmt::format("must be {}", fmt::join(names, " or "))));
+  }
+}
+
 output::PictureRecord record_of(const output::Staging& staging) {
   return {.shows_hexahedra = staging.shows_hexahedra,
           .is_wireframe = staging.is_wireframe,
           .shows_loads = staging.shows_loads,
           .viewpoint = staging.viewpoint,
           .gravity = staging.gravity,
-          .is_anatomical = staging.is_anatomical};
+          .is_anatomical = staging.is_anatomical,
+          .up = staging.up};
 }
 
 void restore(const output::PictureRecord& record, output::Staging& staging) {
@@ -86,6 +106,7 @@ void restore(const output::PictureRecord& record, output::Staging& staging) {
   staging.viewpoint = record.viewpoint;
   staging.gravity = record.gravity;
   staging.is_anatomical = record.is_anatomical;
+  staging.up = record.up;
 }
 
 }  // namespace hexaplast::runner

@@ -209,8 +209,16 @@ TEST_F(Render, NeedsFfmpegForItsFilmsAlone) {
   EXPECT_FALSE(is_there("third/history.csv")) << "said before the first step";
 }
 
+TEST_F(Render, UpOfARunIsThatOfItsPictures) {
+  succeeds("run bar.scn --out bar --force --frames 1 --up -x --quiet");
+  const std::string own = read("bar/frames/frame_000010.png");
+  EXPECT_EQ(picture("", "1280x720"), own);
+  EXPECT_EQ(picture("--up -x", "1280x720"), own);
+  EXPECT_NE(picture("--up y", "1280x720"), own);
+}
+
 // RunRecord has the numbers that the files hold.
-TEST_F(Render, ShowsRegionsByTheirNumbers) {
+TEST_F(Render, ShowsRegionsByTheirColours) {
   write("regions.scn", replaced(kBar, "</Node>",
                                 "<MaterialRegion name='ends' indices='0 2' youngModulus='6000'/>"
                                 "<MaterialRegion name='top' indices='2' youngModulus='7000'/></Node>"));
@@ -218,6 +226,15 @@ TEST_F(Render, ShowsRegionsByTheirNumbers) {
   succeeds("render regions -o by_region.png --size 160x90 --field region");
   succeeds("render regions -o by_strain.png --size 160x90");
   EXPECT_NE(read("by_region.png"), read("by_strain.png"));
+  succeeds("render regions -o within.png --size 160x90 --region top");
+  succeeds("render regions -o strain_within.png --size 160x90 --region top --field plastic_strain");
+  EXPECT_NE(read("within.png"), read("by_region.png"));
+  EXPECT_NE(read("within.png"), read("strain_within.png"));
+  succeeds("run regions.scn --out again --frames 1 --region top --quiet");
+  succeeds("render regions -o large.png --region top");
+  EXPECT_EQ(read("again/frames/frame_000010.png"), read("large.png"));
+  expect_refusal("regions --region tumour", 2, "--region tumour: must be ends or top");
+  expect_refusal("bar --region top", 2, "--region top: there are no regions");
 
   // a run without regions has no such array
   expect_refusal("bar --field region", 3, "holds no array 'region' of cells");

@@ -41,6 +41,7 @@ struct ImportedState {
   std::vector<ImportedArray> point_data, cell_data;
   std::vector<int> hexahedron_cells =
       {};  ///< which cell of the file each hexahedron of the mesh is; of copies the first
+  std::vector<std::string> field_names = {};  ///< of the arrays of the grid as a whole
 };
 
 /// What of the file is not in the mesh and why, a sentence each: skipped cells, copies, triangles left out.
