@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <vector>
 
+#include "picture/ink.hpp"
 #include "picture/renderer.hpp"
 
 namespace hexaplast::output {
@@ -37,8 +40,27 @@ class Painter {
     unsigned array = 0, buffer = 0;
   };
 
+  /// How a surface is lit.
+  enum Lit { kUnlit, kTissue, kThing };
+
+  // Triangles step back by this and by what they slope over half a line, so that lines lie in front over their full
+  // width.
+  static constexpr float kPushUnits = 16;
+
   void send_colours(const std::vector<Colour>& palette);
   void draw_shadows(const Geometry& geometry, const Eigen::Matrix4f& seen);
+
+  // layers of a view, in their order
+  void draw_behind(const Geometry& geometry, float density);
+  void draw_body(const View& view, bool has_lines, float density);
+  void draw_tools(const View& view);
+  void draw_marks(const View& view, const std::optional<EdgeInk>& edges, float density);
+  void draw_veil(const Geometry& geometry);
+
+  void draw_lit(const Geometry::Vertices& vertices, Lit how, const Colour* paint, unsigned mode = 4);  // GL_TRIANGLES
+  void draw_arrows(const Geometry::Vertices& arrows, const Colour& colour, float scale);
+  void draw_within(const Geometry& geometry, const Geometry::Vertices& closed, const Eigen::AlignedBox3f& room,
+                   const std::function<void()>& draw_cap);
   int bind(const Geometry::Vertices& vertices);  // and says how many there are
   void draw_lines(const Geometry::Places& ends, const Colour& colour, float opacity, float width);
   void draw_places(const Geometry::Places& places, unsigned mode, const Colour& colour, float opacity = 1);

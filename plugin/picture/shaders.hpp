@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+namespace hexaplast::output {
+
+// Texts of the programs that painters draw with. Their constants stand in painter.cpp, the light in ink.hpp.
+
+inline constexpr const char* kVersion = "#version 330 core\n";
+
+// What lies outside is left out.
+inline constexpr const char* kClip = R"(
+uniform vec4 cut;       // normal, offset: what lies above
+uniform vec3 low, high; // of a box
+out float gl_ClipDistance[7];
+void leave_out(vec3 place) {
+  gl_ClipDistance[0] = cut.w - dot(cut.xyz, place);
+  for (int k = 0; k < 3; ++k) {
+    gl_ClipDistance[1 + k] = place[k] - low[k];
+    gl_ClipDistance[4 + k] = high[k] - place[k];
+  }
+}
+)";
+inline constexpr int kNumClips = 7;
+
+// What a place of the surface receives of the light: found at the vertices where there are many lamps, at every pixel
+// where there is one. Places are seen along right, up and towards the viewer, around the middle of the bodies, which
+// reach to 1.
+inline constexpr const char* kReceived = R"(
+uniform sampler2DArrayShadow shadow;
+uniform mat3 lamps[kNumLamps];
+uniform float strength[kNumLamps];
+uniform vec4 eye;  // homogeneous
+uniform int lighting;
+
+const vec2 kDisc[12] = vec2[](vec2(-0.33, -0.40), vec2(-0.84, -0.07), vec2(-0.70, 0.46), vec2(-0.20, 0.62),
+                              vec2(0.96, -0.19), vec2(0.47, -0.48), vec2(0.52, 0.77), vec2(0.19, -0.89),
+                              vec2(0.51, 0.06), vec2(0.90, 0.41), vec2(-0.32, -0.93), vec2(-0.79, -0.60));
+
+vec3 sight_from(vec3 place) { return normalize(eye.xyz - eye.w * place); }
+vec3 turned(vec3 normal, vec3 sight) { return normalize(dot(normal, sight) < 0 ? -normal : normal); }
+
+float received(vec3 place, vec3 normal) {
+  float sum = kNumLamps == 1 ? sky(normal) : 0.0;
+  vec3 above = place + kLift * normal;
+  for (int k = 0; k < kNumLamps; ++k) {
+    float slant = (lamps[k] * normal).z;
+    if (slant <= 0) continue;
+    vec3 at = 0.5 + 0.5 * (lamps[k] * above);
+    float arriving = 0;
+    for (int tap = 0; tap < kNumTaps; ++tap)
+      arriving += texture(shadow, vec4(at.xy + kSoft * kDisc[tap], k, 1 - at.z - kSlack));
+    sum += strength[k] * slant * arriving / kNumTaps;
+  }
+  return sum;
+}
+)";
+
+inline constexpr const char* kSurfaceVertex = R"(
+layout(location = 0) in vec3 place;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in float value;
+uniform mat4 clip, seen;
+uniform vec2 scale;  // min, 1 / (max - min)
+uniform float grow;  // along the normal
+out vec3 seen_place, seen_normal;
+out float fraction, gap, light;
+void main() {
+  gl_Position = clip * vec4(place + grow * normal, 1);
+  leave_out(place);
+  seen_place = (seen * vec4(place, 1)).xyz;
+  seen_normal = mat3(seen) * normal;
+  gap = abs(value) < 1e38 ? 0.0 : 1.0;
+  fraction = gap > 0 ? 0.0 : (value - scale.x) * scale.y;
+  light = 0;
+  if (kNumLamps > 1 && lighting == 1) light = received(seen_place, turned(seen_normal, sight_from(seen_place)));
+})";
+
+inline constexpr const char* kSurfaceFragment = R"(
+in vec3 seen_place, seen_normal;
+in float fraction, gap, light;
+uniform sampler2D colours;
+uniform vec4 paint;  // in place of the scale, where its alpha is 1
+uniform vec3 no_value;
+uniform float opacity;
+out vec4 colour;
+void main() {
+  vec3 sight = sight_from(seen_place), normal = turned(seen_normal, sight);
+  vec3 base = mix(texture(colours, vec2(clamp(fraction, 0.002, 0.998), 0.5)).rgb, no_value, gap);
+  base = mix(base, paint.rgb, paint.a);
+  if (lighting == 1) base = moist(base, normal, sight, kNumLamps > 1 ? light : received(seen_place, normal));
+  if (lighting == 2) base = lit_thing(base, normal);
+  colour = vec4(base, opacity);
+})";
+
+inline constexpr const char* kFlatVertex = R"(
+layout(location = 0) in vec3 place;
+layout(location = 1) in vec4 ink;
+uniform mat4 clip;
+uniform float nearer;  // pulled towards the viewer by this much of the depth
+uniform float point_size;
+out vec4 paint;
+void main() {
+  gl_Position = clip * vec4(place, 1);
+  leave_out(place);
+  gl_Position.z -= nearer * gl_Position.w;
+  gl_PointSize = point_size;
+  paint = ink;
+})";
+
+inline constexpr const char* kFlatFragment = R"(
+in vec4 paint;
+uniform bool is_round;
+uniform float point_size;
+out vec4 colour;
+void main() {
+  colour = paint;
+  if (is_round) colour.a *= clamp(point_size * (0.5 - length(gl_PointCoord - 0.5)), 0, 1);
+})";
+
+}  // namespace hexaplast::output
