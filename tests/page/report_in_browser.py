@@ -134,6 +134,10 @@ def main():
     frame.write_text(f'<!DOCTYPE html><iframe srcdoc="{html.escape(report.read_text())}" sandbox="allow-scripts" '
                      'style="width: 100%; height: 800px; border: 0"></iframe>')
 
+    regions = directory / "regions" / "report.html"
+    subprocess.run([hexaplast, "run", SOURCE / "scenes/liver_tumour.scn", "--steps", "1", "--frames", "0", "--quiet",
+                    "--field", "region", "--out", regions.parent], check=True)
+
     wrong = []
     # processes of the browser outlive it by a moment, and still write then
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
@@ -157,6 +161,9 @@ def main():
         wrong += [f"{report.name}, moving: {what}" for what in viewer_checks.check_play(browser)]
         browser.open(frame, *VIEWS["desk"])
         wrong += [f"{frame.name}, moving: {what}" for what in viewer_checks.check_frame(browser, True)]
+        browser.open(regions, *VIEWS["desk"])
+        found = list(viewer_checks.check_regions(browser, ["in no region", "tumour", "vessel"]))
+        wrong += [f"{regions.name} with regions: {what}" for what in found + list(complaints_of(browser))]
         browser.open(gallery, *VIEWS["desk"])
         found = list(viewer_checks.check_gallery(browser, 2)) + list(complaints_of(browser))
         wrong += [f"{gallery.name}: {what}" for what in found]

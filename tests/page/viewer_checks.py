@@ -189,6 +189,23 @@ def num_changes(browser, selector, enough, shots):
     return changes
 
 
+LEGEND = """[...document.querySelectorAll('[data-part="label"] b')].map(entry => [
+  entry.textContent.trim(), getComputedStyle(entry.querySelector("i")).backgroundColor.match(/[0-9]+/g).map(Number)])"""
+
+
+def check_regions(browser, names):
+    """The pictures of the run show regions: a cut, which has no light, has their colours and no others between them."""
+    is_ready(browser)
+    legend = browser.ask(LEGEND)
+    if [name for name, _ in legend] != names:
+        yield f"regions {legend}, must be {names}"
+    set_part(browser, "cut", "z", "change")
+    picture = shot(browser)[:-KEY]
+    for name, colour in legend:
+        if (count := (abs(picture - colour) <= 2).all(axis=2).sum()) < 30:
+            yield f"{count} pixels have the colour of {name}"
+
+
 def check_frame(browser, moves):
     """In the frame of a notebook, which the browser keeps apart from its page: it plays as it does elsewhere."""
     changes = num_changes(browser, "iframe", 4, 10 if moves else 6)
