@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -142,6 +143,25 @@ TEST_F(LiveWindow, ShowsAFinishedRun) {
     const Outcome refused = hexaplast(std::string("view run ") + option, "env -u DISPLAY");
     EXPECT_EQ(refused.code, 2) << refused.err;
     EXPECT_NE(refused.err.find("run is a run that is finished, not a scene"), std::string::npos) << refused.err;
+  }
+}
+
+// The bar runs along z.
+TEST_F(LiveWindow, StandsAsItIsAskedTo) {
+  for (const bool is_upright : {false, true}) {
+    const Outcome outcome =
+        shell(kOnScreen + " '" HEXAPLAST_COMMAND "' view bar.scn --steps 1 --picture last.png --up " +
+              (is_upright ? "z" : "y"));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const output::Image window = support::read_png(directory_ / "last.png");
+    Eigen::AlignedBox2i tissue;
+    for (int y = 60; y < 690; ++y)
+      for (int x = 330; x < window.width - 340; ++x) {
+        const std::uint8_t* pixel = &window.pixels[3 * (static_cast<std::size_t>(y) * window.width + x)];
+        if (pixel[0] > pixel[2] + 12) tissue.extend(Eigen::Vector2i(x, y));
+      }
+    ASSERT_FALSE(tissue.isEmpty());
+    EXPECT_EQ(tissue.sizes().y() > tissue.sizes().x(), is_upright) << tissue.sizes();
   }
 }
 
