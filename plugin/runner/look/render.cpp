@@ -207,6 +207,8 @@ output::Staging staging_of(const Subject& subject, const RenderOptions& options)
   if (subject.manifest && subject.manifest->pictures) restore(*subject.manifest->pictures, staging);
   staging.regions = subject.run.regions();
   stage(options.pictures, staging);
+  if (staging.range && staging.shows_numbers())
+    throw UsageError(fmt::format("--range {}: regions have no scale", options.range));
   if (const std::optional asked_for = viewpoint_of(options, staging.upright())) staging.viewpoint = asked_for;
   staging.embedded_surfaces = subject.run.embedded_surfaces();
   const std::string& show = options.show;

@@ -234,6 +234,7 @@ TEST_F(Render, ShowsRegionsByTheirColours) {
   succeeds("render regions -o large.png --region top");
   EXPECT_EQ(read("again/frames/frame_000010.png"), read("large.png"));
   expect_refusal("regions --region tumour", 2, "--region tumour: must be ends or top");
+  expect_refusal("regions --region top --range 0:1", 2, "--range 0:1: regions have no scale");
   expect_refusal("bar --region top", 2, "--region top: there are no regions");
 
   // a run without regions has no such array
