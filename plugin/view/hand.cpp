@@ -176,6 +176,10 @@ void Hand::begin_grab(const Touch& touch, const HandSettings& settings) {
   bring_tool(touch, settings);
 }
 
+bool Hand::is_way_of_tool(const scene::Message& message) {
+  return message.place.file == kWindow.file && message.text.starts_with(fmt::format("{}.positions: ", kToolClass));
+}
+
 void Hand::close_grip(const Vec3& place, const HandSettings& settings) {
   std::size_t nearest = 0;
   double min = std::numeric_limits<double>::infinity();

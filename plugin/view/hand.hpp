@@ -89,6 +89,9 @@ class Hand {
   /// Whether a component is one of the hand's that neither holds nor touches anything now.
   bool is_idle(const scene::Component& component) const;
 
+  /// Whether a warning is about where an instrument of the hand begins: away, from where it comes as the mouse goes.
+  static bool is_way_of_tool(const scene::Message& message);
+
   std::vector<std::string> take_messages() { return std::exchange(messages_, {}); }
 
   // for a state that is saved and restored: the hand is empty in it

@@ -371,7 +371,7 @@ void Session::step() {
     hand_.end_step();
   });
   for (const scene::Message& message : subject_.scene.diagnostics().take_warnings())
-    messages_.push_back(scene::format(message));
+    if (!Hand::is_way_of_tool(message)) messages_.push_back(scene::format(message));
   steps_asked_ = std::max(steps_asked_ - 1, 0L);
   has_changed_ = true;
   pacing_.end_step(Clock::now());

@@ -74,7 +74,9 @@ TEST_F(RecordedScene, RepeatsWhatTouches) {
     const Vec3 side = advance(1).positions.row(50).transpose();  // the middle of the side, below the top
     session.grab({.place = side, .outwards = Vec3::UnitX(), .towards = Vec3(1, 0, 1).normalized()},
                  with(session.suggested_hand(), tool));
-    const Vec3 coming = advance(1).hand_force;
+    const Snapshot first = advance(1);
+    const Vec3 coming = first.hand_force;
+    EXPECT_EQ(first.messages, std::vector<std::string>()) << "it begins away from the body";
     if (side == Vec3(0.1, 0.05, 0.25)) {
       EXPECT_EQ(coming, Vec3(0, 0, 0)) << "it does not touch yet";
     }
