@@ -49,7 +49,7 @@ std::string json_of(const Colour& colour) {
 std::string ink_script() {
   return fmt::format(
       R"(const ink = {{paper: {paper}, ink: {ink}, outline: {outline}, ghost: {ghost}, load: {load}, steel: {steel},
-  metal: {metal}, edge: {edge}, cage: {cage}, spring: {spring}, noValue: {none}, slackOpacity: {slack:.4g}, crease: {crease:.4g},
+  metal: {metal}, edge: {edge}, cage: {cage}, spring: {spring}, noValue: {none}, veil: {veil}, veilOpacity: {veil_opacity:.4g}, slackOpacity: {slack:.4g}, crease: {crease:.4g},
   axes: [{x}, {y}, {z}],
   edges: {{shortest: {shortest:.4g}, longest: {longest:.4g}, widest: {widest:.4g}, strongest: {strongest:.4g},
     cageOpacity: {cage_opacity:.4g}}},
@@ -64,6 +64,7 @@ const lightShader = `{light}`;)",
       fmt::arg("x", json_of(kAxes[0])), fmt::arg("y", json_of(kAxes[1])), fmt::arg("z", json_of(kAxes[2])),
       fmt::arg("crease", kCrease), fmt::arg("shortest", EdgeInk::kShortest), fmt::arg("longest", EdgeInk::kLongest),
       fmt::arg("widest", EdgeInk::kWidest), fmt::arg("strongest", EdgeInk::kStrongest),
+      fmt::arg("veil", json_of(kVeil)), fmt::arg("veil_opacity", kVeilOpacity),
       fmt::arg("cage_opacity", EdgeInk::kCageOpacity), fmt::arg("dot", kDotRadius), fmt::arg("of_edge", kDotOfEdge),
       fmt::arg("ring", kRingRadius), fmt::arg("width", kRingWidth), fmt::arg("rim", kRimWidth),
       fmt::arg("arrow", kLongestArrow), fmt::arg("girth", kArrowGirth), fmt::arg("arrow_rim", kRimOfArrows),

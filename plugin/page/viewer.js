@@ -29,6 +29,7 @@ uniform sampler2D colours;
 uniform bool isColoured;
 uniform int light;  // 0: none, 1: of tissue, 2: of things
 uniform vec3 paint, eye;
+uniform float opacity;
 uniform mat3 view;  // to the right, up and towards the viewer
 uniform vec4 cut;
 out vec4 pixel;
@@ -42,7 +43,7 @@ void main() {
   if (dot(normal, sight) < 0.0) normal = -normal;
   if (light == 1) colour = lit_tissue(colour, normal, sight, 1.0);
   if (light == 2) colour = lit_thing(colour, normal);
-  pixel = vec4(colour, 1);
+  pixel = vec4(colour, opacity);
 }`;
 const lineVertexShader = `#version 300 es
 layout(location = 0) in vec3 place;
@@ -251,9 +252,17 @@ class Painter {
     gl.drawElements(gl[kind], indices.length, gl.UNSIGNED_INT, 0);
   }
 
-  surface(vertices, indices, {paint = null, light = "tissue", cut = [0, 0, 0, 1], grow = 0} = {}) {
+  surface(vertices, indices, {paint = null, light = "tissue", cut = [0, 0, 0, 1], grow = 0, opacity = 1} = {}) {
     this.draw(this.surfaces, [3, 3, 1], "TRIANGLES", vertices, indices,
-              {isColoured: !paint, light: ["none", "tissue", "thing"].indexOf(light), paint: paint ?? ink.ink, cut, grow});
+              {isColoured: !paint, light: ["none", "tissue", "thing"].indexOf(light), paint: paint ?? ink.ink, cut, grow, opacity});
+  }
+
+  // The foremost part of some surfaces, through which what has been drawn is seen.
+  veil(drawSurfaces) {
+    this.gl.colorMask(false, false, false, false);
+    drawSurfaces({paint: ink.veil});
+    this.gl.colorMask(true, true, true, true);
+    drawSurfaces({paint: ink.veil, opacity: ink.veilOpacity});
   }
 
   // Set off by a rim [m] of paper from what is behind them.
@@ -350,6 +359,7 @@ class Viewer {
     const namesOf = run => run.regions.map(region => region.name).join("/");
     const hasRegions = this.runs[0].regions.length > 0 && this.runs.every(run => namesOf(run) === namesOf(this.runs[0]));
     if (hasRegions) select.add(new Option("region", "region"));
+    this.makeWithin(hasRegions);
     // the one of the pictures, unless it has nothing to show
     const hasRange = field => field.shown[1] > field.shown[0];
     const wanted = this.fields.find(field => field.word === this.runs[0].data.field && hasRange(field)) ??
@@ -358,6 +368,20 @@ class Viewer {
     if (hasRegions && this.runs[0].data.field === "region") select.value = "region";
     select.addEventListener("change", () => this.chooseField(select.value));
     this.chooseField(select.value);
+  }
+
+  // Which regions are shown within the body.
+  makeWithin(hasRegions) {
+    const select = this.part("within");
+    this.within = hasRegions ? this.runs[0].data.shownRegions : [];
+    select.parentElement.hidden = !hasRegions;
+    this.runs[0].regions.forEach(({name}, number) => { if (number > 0) select.add(new Option(name, number)); });
+    if (this.within.length > 1) select.add(new Option("some regions", this.within));
+    select.value = this.within;
+    select.addEventListener("change", () => {
+      this.within = select.value.split(",").filter(Boolean).map(Number);
+      this.redraw();
+    });
   }
 
   chooseField(word) {
@@ -683,10 +707,22 @@ class Viewer {
     const positions = run.blendedPositions(moment), topology = run.topology(moment.low);
     const field = run.data.fields.find(other => other.word === this.field);
     const fractions = field ? run.blendedFractions(field, moment, this.range) : new Float32Array(run.numNodes);
-    if (this.shows.ghost) this.drawGhost(run);
+    if (this.shows.ghost && this.within.length === 0) this.drawGhost(run);
     this.drawBodies(run, topology, positions, fractions, moment.low, height);
     if (this.shows.springs) this.drawSprings(run, moment);
     this.drawMarks(run, topology, positions, nearest, height);
+    if (this.within.length > 0) this.drawVeil(run, topology, positions);
+  }
+
+  drawVeil(run, topology, positions) {
+    const isEmbedded = topology.embedded.length > 0 && this.shows.surface;
+    const surfaces = isEmbedded
+      ? topology.embedded.map((surface, number) => [surface, run.embeddedPoints(number, positions)])
+      : [[topology.body, positions]];
+    this.painter.veil(how => {
+      for (const [surface, points] of surfaces)
+        this.painter.surface(surface.vertices(points, () => 0), surface.triangles, {...how, cut: this.cut});
+    });
   }
 
   // A pale shadow behind everything else, however near it is.
@@ -704,7 +740,7 @@ class Viewer {
   }
 
   drawBodies(run, topology, positions, fractions, state, height) {
-    const gl = this.painter.gl, cut = this.cut, isEmbedded = topology.embedded.length > 0;
+    const gl = this.painter.gl, cut = this.cut, isEmbedded = topology.embedded.length > 0 && this.within.length === 0;
     // edges grow fainter with their length on the screen; lines of WebGL are never thinner than a pixel
     const {shortest, longest, widest, strongest, cageOpacity} = ink.edges;
     const length = topology.body.meanEdge * this.camera.pixelsPerMetre(height) / this.pixel;
@@ -712,17 +748,20 @@ class Viewer {
     const edgeOpacity = length < shortest ? 0 : isEmbedded ? cageOpacity : strongest * fraction * thinness;
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(1, 1);
-    const parts = this.field === "region" ? run.parts(state) : [{paint: null, ...topology}];
-    const drawSection = () => parts.flatMap(({paint, alive}) => {
-      const section = run.cut(alive, positions, fractions, this.cutNormal, cut[3]);
-      this.painter.surface(section.vertices, null, {paint, light: "none"});  // who cuts wants to read values there
+    const isWithin = this.within.length > 0, showsRegions = this.field === "region";
+    const parts = isWithin ? run.parts(state).filter((part, number) => this.within.includes(number))
+                : showsRegions ? run.parts(state) : [topology];
+    const paintOf = part => showsRegions ? part.paint : null;
+    const drawSection = () => parts.flatMap(part => {
+      const section = run.cut(part.alive, positions, fractions, this.cutNormal, cut[3]);
+      this.painter.surface(section.vertices, null, {paint: paintOf(part), light: "none"});  // who cuts wants to read values there
       return [...section.lines];
     });
     if (isEmbedded && this.shows.surface) {
-      const surfaces = parts.flatMap(({paint, embedded}) => embedded.map((surface, number) => {
+      const surfaces = parts.flatMap(part => part.embedded.map((surface, number) => {
         const values = run.blend(number, fractions, 1);
         return [surface.vertices(run.embeddedPoints(number, positions), point => values[point]), surface.triangles,
-                {paint, cut}];
+                {paint: paintOf(part), cut}];
       }));
       const drawAll = () => surfaces.forEach(one => this.painter.surface(...one));
       drawAll();
@@ -730,8 +769,9 @@ class Viewer {
         this.painter.within(drawAll, drawSection);
     }
     if (!isEmbedded) {
-      for (const {paint, body} of parts)
-        this.painter.surface(body.vertices(positions, node => fractions[node]), body.triangles, {paint, cut});
+      for (const part of parts)
+        this.painter.surface(part.body.vertices(positions, node => fractions[node]), part.body.triangles,
+                             {paint: paintOf(part), cut});
       if (this.cutNormal) {
         const lines = Float32Array.from(drawSection());
         const nearer = 5e-4 * this.camera.size;
@@ -740,7 +780,8 @@ class Viewer {
     }
     gl.disable(gl.POLYGON_OFFSET_FILL);
     if (!this.shows.edges) return;
-    this.painter.marks("LINES", positions, topology.body.edges, isEmbedded ? ink.cage : ink.edge,
+    const edges = isWithin ? parts.flatMap(part => part.body.edges) : topology.body.edges;
+    this.painter.marks("LINES", positions, edges, isEmbedded ? ink.cage : ink.edge,
                        {opacity: edgeOpacity, cut});
   }
 

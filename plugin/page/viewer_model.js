@@ -238,20 +238,7 @@ class Run {
     const alive = [];
     for (let e = 0; e < hexahedra.length / 8; ++e) if (!gone.has(e)) alive.push(e);
 
-    const inner = new Map();
-    const keyOf = nodes => {
-      const [a, b, c] = [...nodes].sort((p, q) => p - q);
-      return (a * this.numNodes + b) * this.numNodes + c;
-    };
-    for (const e of alive)
-      for (const face of hexFaces) {
-        const nodes = face.map(corner => hexahedra[8 * e + corner]);
-        const key = keyOf(nodes);
-        if (inner.has(key)) inner.delete(key);
-        else inner.set(key, {nodes, e});
-      }
-    const faces = [...inner.values()];
-    const body = new Surface(this.original, Uint32Array.from(faces.flatMap(face => face.nodes)));
+    const body = this.boundary(alive);
     const embedded = this.data.embedded.map((range, number) => {
       const faces = this.arrays[`faces_${number}`], carriers = this.arrays[`carriers_${number}`];
       const left = [];
@@ -261,7 +248,7 @@ class Run {
       }
       return new Surface(this.embeddedPoints(number, this.original), Uint32Array.from(left));
     });
-    const topology = {alive, body, embedded, hexahedronOfFace: faces.map(face => face.e)};
+    const topology = {alive, body, embedded};
     const points = new Set(body.pointOfVertex);
     topology.onSurface = node => points.has(node);
     topology.normals = positions => {  // of the body at its nodes, of any length
@@ -275,23 +262,36 @@ class Run {
     return topology;
   }
 
+  // The surface of some hexahedra.
+  boundary(some) {
+    const hexahedra = this.arrays.hexahedra, inner = new Map();
+    const keyOf = nodes => {
+      const [a, b, c] = [...nodes].sort((p, q) => p - q);
+      return (a * this.numNodes + b) * this.numNodes + c;
+    };
+    for (const e of some)
+      for (const face of hexFaces) {
+        const nodes = face.map(corner => hexahedra[8 * e + corner]);
+        const key = keyOf(nodes);
+        if (inner.has(key)) inner.delete(key);
+        else inner.set(key, nodes);
+      }
+    return new Surface(this.original, Uint32Array.from([...inner.values()].flat()));
+  }
+
   // The same of each region by itself, with its colour.
   parts(state) {
     const topology = this.topology(state), regionOf = this.arrays.regions;
     topology.parts ??= this.regions.map(({colour}, number) => {
-      const own = (points, {faces}, hexahedronOf) => {
-        const kept = [];
-        for (let f = 0; f < faces.length / 4; ++f)
-          if (regionOf[hexahedronOf(f)] === number) kept.push(...faces.subarray(4 * f, 4 * f + 4));
-        return new Surface(points, Uint32Array.from(kept));
-      };
-      return {
-        paint: colour.match(/../g).map(digits => parseInt(digits, 16) / 255),
-        alive: topology.alive.filter(e => regionOf[e] === number),
-        body: own(this.original, topology.body, f => topology.hexahedronOfFace[f]),
-        embedded: topology.embedded.map((surface, k) => own(this.embeddedPoints(k, this.original), surface,
-                                                            f => this.arrays[`carriers_${k}`][surface.faces[4 * f]]))
-      };
+      const alive = topology.alive.filter(e => regionOf[e] === number);
+      const embedded = topology.embedded.map(({faces}, k) => {
+        const carriers = this.arrays[`carriers_${k}`], own = [];
+        for (let f = 0; f < faces.length; f += 4)
+          if (regionOf[carriers[faces[f]]] === number) own.push(...faces.subarray(f, f + 4));
+        return new Surface(this.embeddedPoints(k, this.original), Uint32Array.from(own));
+      });
+      const paint = colour.match(/../g).map(digits => parseInt(digits, 16) / 255);
+      return {paint, alive, body: this.boundary(alive), embedded};
     });
     return topology.parts;
   }

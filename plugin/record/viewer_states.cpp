@@ -257,6 +257,7 @@ std::string ViewerStates::json() const {
     names.push_back(
         {{"name", Regions::name_of(number, regions.names)}, {"colour", hexadecimal(colour_of_region(number))}});
   all["regions"] = names;
+  all["shownRegions"] = staging_.shown_regions;
   if (!names.empty())
     numbers.add("regions", std::vector<std::uint16_t>(regions.of_hexahedra.begin(), regions.of_hexahedra.end()), 1);
 

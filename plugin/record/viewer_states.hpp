@@ -29,7 +29,8 @@ inline constexpr std::string_view kViewerName = "viewer.json";
 ///
 /// `hexahedra` has eight nodes each, `positions` three numbers per node and state, 0 to 65535 from end to end of `box`
 /// [m], and `values_...` one, 0 to 254 from `least` to `most` of the field, 255 for no value. `regions` has the number
-/// of each hexahedron's region, an entry of the list of that name, which has names and colours.
+/// of each hexahedron's region, an entry of the list of that name, which has names and colours; `shownRegions` are
+/// those that are shown within the body.
 class ViewerStates {
  public:
   static constexpr int kMaxStates = 60, kFewestStates = 6;

@@ -200,10 +200,13 @@ def check_regions(browser, names):
     if [name for name, _ in legend] != names:
         yield f"regions {legend}, must be {names}"
     set_part(browser, "cut", "z", "change")
-    picture = shot(browser)[:-KEY]
-    for name, colour in legend:
-        if (count := (abs(picture - colour) <= 2).all(axis=2).sum()) < 30:
-            yield f"{count} pixels have the colour of {name}"
+    for within in ("", "1"):
+        set_part(browser, "within", within, "change")
+        picture = shot(browser)[:-KEY]
+        for number, (name, colour) in enumerate(legend):
+            count = (abs(picture - colour) <= 2).all(axis=2).sum()
+            if (count >= 30) != (number == 1 or not within):
+                yield f"{count} pixels have the colour of {name} where '{within}' is shown"
 
 
 def check_frame(browser, moves):
