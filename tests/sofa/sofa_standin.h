@@ -247,6 +247,10 @@ struct AbstractTypeInfo {
   SReal getScalarValue(const void*, Size) const { sofa_standin::absent(); }
 };
 
+struct Base {
+  using SPtr = Base*;
+};
+
 class BaseData : public DDGNode {
  public:
   struct Init {
@@ -268,9 +272,8 @@ class BaseData : public DDGNode {
   const std::string& getGroup() const { return init_.group; }
   void setGroup(const std::string& group) { init_.group = group; }
   BaseData* getParent() const { return nullptr; }
-  std::string getLinkPath() const { sofa_standin::absent(); }
+  Base* getOwner() const { sofa_standin::absent(); }
   bool setParent(BaseData*) { sofa_standin::absent(); }
-  bool setParent(const std::string&) { sofa_standin::absent(); }
   const AbstractTypeInfo* getValueTypeInfo() const { sofa_standin::absent(); }
   const void* getValueVoidPtr() const { sofa_standin::absent(); }
 
@@ -722,6 +725,11 @@ class BaseMapping : public objectmodel::BaseComponent {
 namespace behavior {
 
 class OdeSolver : public objectmodel::BaseComponent {};
+class BaseConstraintCorrection : public objectmodel::BaseComponent {};
+class ConstraintSolver : public objectmodel::BaseComponent {
+ public:
+  void removeConstraintCorrection(BaseConstraintCorrection*) { sofa_standin::absent(); }
+};
 
 class BaseMechanicalState : public objectmodel::BaseComponent {
  public:
@@ -855,12 +863,12 @@ namespace component::constraint::lagrangian {
 namespace correction {
 
 template <class DataTypes>
-class LinearSolverConstraintCorrection : public core::objectmodel::BaseComponent {};
+class LinearSolverConstraintCorrection : public core::behavior::BaseConstraintCorrection {};
 
 }  // namespace correction
 namespace solver {
 
-class UnbuiltGaussSeidelConstraintSolver : public core::objectmodel::BaseComponent {};
+class UnbuiltGaussSeidelConstraintSolver : public core::behavior::ConstraintSolver {};
 
 }  // namespace solver
 }  // namespace component::constraint::lagrangian

@@ -234,8 +234,8 @@ TEST(ProbeInSofa, ReadsAfterEveryStepAndWritesATable)
     SofaScene scene = SofaScene::from_text(
         block(kPlastic, kGrid,
               "<Probe name='strain' value='@tissue/body.plasticStrain' statistic='max' filename='" + file.string() +
-                  "'/><Probe name='way' value='@tissue/nodes.position' indices='27 35' component='z' change='true'/>"
-                  "<Probe name='inside' value='@tissue/nodes.position' points='0.05 0.1 0.15' component='y'/>"));
+                  "'/><Probe name='way' value='@tissue/nodes.position' indices='27 35' component='z' change='true'/>",
+              "<Probe name='inside' value='@nodes.position' points='0.05 0.1 0.15' component='y'/>"));
     EXPECT_EQ(value_of<SReal>(scene.named("strain"), "reading"), 0);
     scene.move_to(scene.positions() * Eigen::Vector3d(0.9, 0.8, 1.4).asDiagonal());
     std::vector<double> strains;

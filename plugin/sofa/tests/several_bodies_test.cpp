@@ -278,9 +278,12 @@ TEST(TissuesInSofa, AreInvalidWhereABodyIsRemoved)
     SofaScene scene = SofaScene::from_text(two_blocks(kOurs, kContact));
     for (int step = 0; step < 5; ++step) scene.step();
     EXPECT_GT(value_of<int>(scene.only<Contact>(), "touching"), 0);
-    auto* upper = dynamic_cast<sofa::simulation::Node&>(scene.root()).getChild("upper");
+    auto* both = dynamic_cast<sofa::simulation::Node&>(scene.root()).getChild("both");
+    ASSERT_TRUE(both);
+    sofa::simulation::Node::SPtr upper = both->getChild("upper");
     ASSERT_TRUE(upper);
     upper->detachFromGraph();
+    upper.reset();
     Messages messages;
     for (int step = 0; step < 2; ++step) scene.step();
     EXPECT_TRUE(isInvalid(scene.named("contact")));

@@ -57,7 +57,8 @@ void AttributeChange::bwdInit()
                 m_times.assign(times.begin(), times.end());
                 parts::check_key_times("key_times", m_times, "values", m_values.size());
                 using sofa::type::Vec3, sofa::type::vector;
-                m_parent = m_data->getParent() ? m_data->getLinkPath() : "";
+                m_parent = m_data->getParent();
+                m_parentOwner = m_parent ? m_parent->getOwner() : nullptr;
                 m_putBack = keep<SReal, vector<SReal>, Vec3, vector<Vec3>>(*m_data);
                 m_wasSet = m_data->isSet();
             });
@@ -68,7 +69,7 @@ void AttributeChange::reset()
     if (m_numDone == 0) return;
     m_numDone = 0;
     m_putBack();
-    if (!m_parent.empty()) m_data->setParent(m_parent);
+    if (m_parent) m_data->setParent(m_parent);
     if (!m_wasSet) m_data->unset();
 }
 

@@ -231,15 +231,17 @@ private:
     }
 
     /// Solvers of constraints that ask for one constraint after the other need the entries of a factorised matrix. SOFA
-    /// would go on without, and crash.
+    /// would go on without, and crash: they are left without the correction.
     void refuseUnbuiltConstraints()
     {
         using sofa::component::constraint::lagrangian::correction::LinearSolverConstraintCorrection;
-        if (getContext()->get<LinearSolverConstraintCorrection<Vec3Types>>(BaseContext::Local) &&
-            hasUnbuiltConstraints(*getContext()->getRootContext()))
-            throw InputError(
-                "UnbuiltGaussSeidelConstraintSolver asks for single constraints, for which a matrix must be there: "
-                "use BlockGaussSeidelConstraintSolver");
+        auto* correction = getContext()->get<LinearSolverConstraintCorrection<Vec3Types>>(BaseContext::Local);
+        const auto unbuilt = unbuiltConstraintSolvers(*getContext()->getRootContext());
+        if (!correction || unbuilt.empty()) return;
+        for (auto* solver : unbuilt) solver->removeConstraintCorrection(correction);
+        throw InputError(
+            "UnbuiltGaussSeidelConstraintSolver asks for single constraints, for which a matrix must be there: use "
+            "BlockGaussSeidelConstraintSolver. Constraints do not act on its bodies");
     }
 
     /// Once, since a scene keeps its constraints.

@@ -42,7 +42,7 @@ public:
     void reinit() override { bwdInit(); }
     void reset() override
     {
-        if (m_probe) attempt(*this, [&] { begin(); });
+        if (m_probe && !isInvalid(*this)) attempt(*this, [&] { begin(); });
     }
 
     void handleEvent(sofa::core::objectmodel::Event* event) override
@@ -73,6 +73,7 @@ private:
     {
         m_file.close();
         m_points.reset();
+        d_value.update();  // finds a Data of a component that stands behind this one
         const int width = static_cast<int>(source().getValueTypeInfo()->size());
         if (width != 1 && width != 3)
             throw parts::OptionError("value", "holds entries of " + std::to_string(width) + " numbers, must be 1 or 3");

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <sofa/core/behavior/ConstraintSolver.h>
 #include <sofa/core/behavior/ForceField.h>
 #include <sofa/version.h>
 
 #if SOFA_VERSION >= 251200
 #include <sofa/component/constraint/lagrangian/solver/UnbuiltGaussSeidelConstraintSolver.h>
 #endif
+
+#include <vector>
 
 /// What differs between the releases of SOFA that the plugin is compiled against, v24.12 to v26.06. No other file asks
 /// for the version.
@@ -21,16 +24,19 @@ using SofaComponent = sofa::core::objectmodel::BaseComponent;
 using SofaComponent = sofa::core::objectmodel::BaseObject;
 #endif
 
-/// Whether a solver of constraints in the scene asks for one constraint after the other. Before v25.12 that was a word
-/// of GenericConstraintSolver, which is not looked for.
-inline bool hasUnbuiltConstraints([[maybe_unused]] const sofa::core::objectmodel::BaseContext& root)
+/// The solvers of constraints in a scene that ask for one constraint after the other. Before v25.12 that was a word of
+/// GenericConstraintSolver, which is not looked for.
+inline std::vector<sofa::core::behavior::ConstraintSolver*> unbuiltConstraintSolvers(
+    [[maybe_unused]] const sofa::core::objectmodel::BaseContext& root)
 {
+    std::vector<sofa::core::behavior::ConstraintSolver*> found;
 #if SOFA_VERSION >= 251200
     using sofa::component::constraint::lagrangian::solver::UnbuiltGaussSeidelConstraintSolver;
-    return root.get<UnbuiltGaussSeidelConstraintSolver>(sofa::core::objectmodel::BaseContext::SearchDown) != nullptr;
-#else
-    return false;
+    std::vector<UnbuiltGaussSeidelConstraintSolver*> all;
+    root.get<UnbuiltGaussSeidelConstraintSolver>(&all, sofa::core::objectmodel::BaseContext::SearchDown);
+    found.assign(all.begin(), all.end());
 #endif
+    return found;
 }
 
 /// Whether a component has been found not to work (v24.12 has no question of its own for that).
