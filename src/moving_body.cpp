@@ -12,6 +12,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/saved_stream.hpp"
 #include "hexaplast/solve/cholesky.hpp"
+#include "loaded_body.hpp"
 #include "mesh/lumped_mass.hpp"
 
 namespace hexaplast {
@@ -23,108 +24,9 @@ std::vector<double> lumped_masses(const Body& body, double density) {
   return {nodal.begin(), nodal.end()};
 }
 
-LoadedBody::LoadedBody(Body& body, std::vector<double> mass, std::vector<int> fixed, NodalLoad load)
-    : body_(&body), mass_(std::move(mass)), load_(std::move(load)) {
-  require_count("LoadedBody", "mass", std::ssize(mass_), num_nodes());
-  fix(std::move(fixed));
-}
-
-void LoadedBody::fix(std::vector<int> nodes) {
-  require_nodes("LoadedBody::fix", nodes, num_nodes());
-  fixed_ = std::move(nodes);
-}
-
-void LoadedBody::compute_force(double time, ConstPoints x, ConstPoints v, Points f) {
-  body_->linearize(x);
-  f.setZero();
-  body_->add_force(f);
-  add_load(time, x, v, f);
-}
-
-void LoadedBody::add_load(double time, ConstPoints x, ConstPoints v, Points f) {
-  if (load_) load_(time, x, f);
-  for (StepForces* forces : forces_) forces->add_force(time, x, v, f);
-}
-
 namespace {
 
-/// Each damps by its own Rayleigh factor.
-double stiffness_factor(const OperatorFactors& factors, const StepForces& forces) {
-  return factors.stiffness + factors.damping * forces.rayleigh_stiffness();
-}
-
-template <class All>
-void add_products(const All& all, const OperatorFactors& factors, ConstPoints dx, Points df) {
-  for (const StepForces* forces : all) {
-    if (!forces->is_in_matrix()) continue;
-    if (const double k = stiffness_factor(factors, *forces); k != 0) forces->add_stiffness_product(k, dx, df);
-    if (factors.damping != 0) forces->add_damping_product(factors.damping, dx, df);
-  }
-}
-
-}  // namespace
-
-void LoadedBody::add_load_product(const OperatorFactors& factors, ConstPoints dx, Points df) const {
-  add_products(forces_, factors, dx, df);
-}
-
-void LoadedBody::add_product(ConstPoints p, Points Fp) const { add_products(others_, factors_of_others_, p, Fp); }
-
-bool LoadedBody::release(double time, ConstPoints x, ConstPoints v, ConstPoints x_end, ConstPoints v_end, Points force,
-                         Points product) {
-  bool has_released = false;
-  for (StepForces* forces : forces_) {
-    if (!forces->is_one_sided()) continue;
-    const bool pulled = ImplicitEuler::release_from(
-        force, scratch_, [&](Points f) { forces->add_force(time, x, v, f); },
-        [&](double sign) { forces->add_stiffness_product(sign, v, product); },
-        [&] { return forces->release(x_end, v_end); });
-    has_released = has_released || pulled;
-  }
-  return has_released;
-}
-
-void LoadedBody::add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const {
-  require_rows("LoadedBody::add_product", "dx", dx, num_nodes());
-  require_rows("LoadedBody::add_product", "df", df, num_nodes());
-  for (int n = 0; n < num_nodes(); ++n) df.row(n) += factors.mass * mass_[n] * dx.row(n);
-  if (factors.stiffness != 0) body_->add_stiffness_product(factors.stiffness, dx, df);
-  add_products(forces_, factors, dx, df);
-}
-
-void LoadedBody::add_blocks(const OperatorFactors& factors, BlockMatrix& A) const {
-  require_count("LoadedBody::add_blocks", "A", A.num_nodes(), num_nodes());
-  for (int n = 0; n < num_nodes(); ++n) A.add(n, n, factors.mass * mass_[n] * Mat3::Identity());
-  body_->add_stiffness_blocks(factors.stiffness, A);
-  for (const StepForces* forces : forces_) {
-    forces->add_stiffness_blocks(stiffness_factor(factors, *forces), A, {});
-    forces->add_damping_blocks(factors.damping, A, {});
-  }
-}
-
-bool LoadedBody::add_operator(const OperatorFactors& factors, MatrixFreeSystem& system) const {
-  require_rows("LoadedBody::add_operator", "diagonal", system.diagonal, num_nodes());
-  for (int n = 0; n < num_nodes(); ++n) system.diagonal.row(n).array() += factors.mass * mass_[n];
-  body_->add_operator(factors.stiffness, system);
-  others_.clear();
-  factors_of_others_ = factors;
-  for (const StepForces* forces : forces_) {
-    if (!forces->is_in_matrix()) continue;
-    if (forces->add_stiffness_diagonal(stiffness_factor(factors, *forces), system.diagonal))
-      forces->add_damping_diagonal(factors.damping, system.diagonal);
-    else
-      others_.push_back(forces);
-  }
-  if (!others_.empty()) system.others.emplace_back(static_cast<const NodalOperator*>(this));
-  return true;
-}
-
-void LoadedBody::constrain(Constraints& constraints) const {
-  require_count("LoadedBody::constrain", "constraints", constraints.free.rows(), num_nodes());
-  for (const int n : fixed_) constraints.free.row(n).setZero();
-}
-
-namespace {
+const Vec3 kNoGravity = Vec3::Zero();  // LoadedBody's load has it
 
 void check(const Motion& motion, const Body& body) {
   for (const auto& [name, value] : {std::pair{"density", motion.density}, std::pair{"dt", motion.dt}})
@@ -146,12 +48,6 @@ NodalLoad with_gravity(const Motion& motion, const std::vector<double>& mass) {
     if (load) load(time, x, f);
     for (std::size_t n = 0; n < mass.size(); ++n) f.row(static_cast<Eigen::Index>(n)) += mass[n] * gravity.transpose();
   };
-}
-
-LoadedBody loaded(Body& body, const Motion& motion) {
-  std::vector<double> mass = lumped_masses(body, motion.density);
-  NodalLoad load = with_gravity(motion, mass);
-  return {body, std::move(mass), {}, std::move(load)};
 }
 
 constexpr SavedKind kSavedForces{{'H', 'X', 'P', 'F', 'O', 'R', 'C', '\0'}, 1, "set of forces"};
@@ -180,11 +76,36 @@ enum Held : unsigned char {
 
 }  // namespace
 
+LoadedBody::LoadedBody(Body& body, const std::vector<double>& mass, std::vector<int> fixed, NodalLoad load)
+    : LayeredSystem(kNoGravity) {
+  const int num_nodes = body.mesh().num_nodes();
+  require_count("LoadedBody", "mass", std::ssize(mass), num_nodes);
+  state_.sized.resize(num_nodes, 3);
+  masses_.masses = Eigen::Map<const Eigen::VectorXd>(mass.data(), num_nodes);
+  set_body(body);
+  load_.act = std::move(load);
+  Layer& layer = layers_[add_state(state_)];
+  layer.masses = {&masses_};
+  layer.forces = {&elasticity_, &load_};
+  fix(std::move(fixed));
+}
+
+void LoadedBody::fix(std::vector<int> nodes) {
+  require_nodes("LoadedBody::fix", nodes, num_nodes());
+  fixed_ = std::move(nodes);
+}
+
+void LoadedBody::constrain(Constraints& constraints) const {
+  require_count("LoadedBody::constrain", "constraints", constraints.free.rows(), num_nodes());
+  for (const int n : fixed_) constraints.free.row(n).setZero();
+}
+
 MovingBody::MovingBody(Body made, Motion motion, std::unique_ptr<LinearSolver> solver)
     : body(std::move(made)),
       x(body.mesh().positions()),
       v(PointArray::Zero(x.rows(), 3)),
-      system_(loaded(body, motion)),
+      mass_(lumped_masses(body, motion.density)),
+      system_(std::make_unique<LoadedBody>(body, mass_, std::vector<int>{}, with_gravity(motion, mass_))),
       euler_(motion.euler),
       solver_(solver ? std::move(solver) : std::make_unique<CholeskySolver>()),
       dt_(motion.dt),
@@ -194,6 +115,10 @@ MovingBody::MovingBody(Body made, Motion motion, std::unique_ptr<LinearSolver> s
   check(motion, body);
   fix(motion.fixed);
 }
+
+MovingBody::MovingBody(MovingBody&&) noexcept = default;
+MovingBody& MovingBody::operator=(MovingBody&&) noexcept = default;
+MovingBody::~MovingBody() = default;
 
 FlowReport MovingBody::step() {
   require_rows("MovingBody", "x", x, body.mesh().num_nodes());
@@ -206,8 +131,8 @@ FlowReport MovingBody::step() {
     const auto* bytes = static_cast<const std::byte*>(data);
     forces_before_.insert(forces_before_.end(), bytes, bytes + size);
   });
-  for (StepForces* forces : system_.forces()) forces->serialize(remembered);
-  system_.set_body(body);  // which may have moved together with this
+  for (StepForces* forces : forces_) forces->serialize(remembered);
+  system_->set_body(body);  // which may have moved together with this
   for (std::size_t n = 0; n < held_.size(); ++n)
     if (held_[n] == kFixed) v.row(static_cast<Eigen::Index>(n)).setZero();
   // a step of first order does not begin from velocities: the nodes are there when its forces are computed
@@ -215,10 +140,10 @@ FlowReport MovingBody::step() {
     if (const auto row = static_cast<Eigen::Index>(n); held_[n] == kPrescribed) x.row(row) += dt_ * v.row(row);
   try {
     const Step beginning{.time = time(), .dt = dt_, .rayleigh_stiffness = settings_.rayleigh_stiffness};
-    for (StepForces* forces : system_.forces()) forces->begin_step(beginning, x, v);
-    const SolveReport solved = euler_.step(system_, *solver_, time(), dt_, x, v);
+    for (StepForces* forces : forces_) forces->begin_step(beginning, x, v);
+    const SolveReport solved = euler_.step(*system_, *solver_, time(), dt_, x, v);
     const FlowReport flowed = body.flow(x, dt_);
-    for (StepForces* forces : system_.forces()) forces->end_step(x);
+    for (StepForces* forces : forces_) forces->end_step(x);
     latest = solved;
     ++steps_;
     arrive();
@@ -228,7 +153,7 @@ FlowReport MovingBody::step() {
     v = v_before_;
     euler_.memory() = memory_before_;
     Archive archive{std::span<const std::byte>(forces_before_)};
-    for (StepForces* forces : system_.forces()) forces->serialize(archive);
+    for (StepForces* forces : forces_) forces->serialize(archive);
     throw;
   }
 }
@@ -308,12 +233,13 @@ std::vector<unsigned char> MovingBody::fixed() const {
 void MovingBody::add(StepForces& forces) {
   if (settings_.first_order || settings_.trapezoidal)
     throw InputError("MovingBody: other forces need implicit Euler, neither of first order nor trapezoidal");
-  system_.add(forces);
+  forces_.push_back(&forces);
+  system_->add(forces);
 }
 
 void MovingBody::reset() {
   body.reset();
-  for (StepForces* forces : system_.forces()) forces->reset();
+  for (StepForces* forces : forces_) forces->reset();
   euler_.memory().reset();
   x = body.mesh().positions();
   v.setZero();
@@ -344,17 +270,17 @@ void MovingBody::save(std::ostream& out) const {
 }
 
 void MovingBody::save_forces(std::ostream& out) const {
-  if (system_.forces().empty()) return;
-  write_saved(out, kSavedForces, system_.forces().size(), [&](Archive& archive) {
-    for (StepForces* forces : system_.forces()) forces->serialize(archive);
+  if (forces_.empty()) return;
+  write_saved(out, kSavedForces, forces_.size(), [&](Archive& archive) {
+    for (StepForces* forces : forces_) forces->serialize(archive);
   });
 }
 
 void MovingBody::load_forces(std::istream& in) {
-  if (system_.forces().empty()) return;
-  const std::vector<std::byte> bytes = read_saved(in, kSavedForces, system_.forces().size(), kMaxSavedForces);
+  if (forces_.empty()) return;
+  const std::vector<std::byte> bytes = read_saved(in, kSavedForces, forces_.size(), kMaxSavedForces);
   Archive archive{std::span<const std::byte>(bytes)};
-  for (StepForces* forces : system_.forces()) forces->serialize(archive);
+  for (StepForces* forces : forces_) forces->serialize(archive);
   if (archive.rest() != 0) throw InputError("the saved forces are others");
 }
 
@@ -398,11 +324,11 @@ void MovingBody::load(std::istream& in) {
 }
 
 void MovingBody::tell_fixed() {
-  system_.set_body(body);  // which may have moved together with this
+  system_->set_body(body);  // which may have moved together with this
   std::vector<int> fixed;
   for (int n = 0; n < body.mesh().num_nodes(); ++n)
     if (held_[n] != kFree || mass()[n] == 0) fixed.push_back(n);
-  system_.fix(std::move(fixed));
+  system_->fix(std::move(fixed));
 }
 
 std::string MovingBody::state_hash() const {

@@ -64,6 +64,7 @@ std::optional<std::string> module_of(const fs::path& path) {
   if (path.empty()) return std::nullopt;
   const std::string first = path.begin()->stem().string();
   if (first == "body_state" || first == "released_shape") return "body";
+  if (first == "loaded_body") return "moving_body";
   if (kHeight.count(first)) return first;
   return std::nullopt;
 }

@@ -17,6 +17,8 @@
 
 namespace hexaplast {
 
+class LoadedBody;
+
 /// External nodal forces: adds to f [N], num_nodes x 3, given the time [s] and the positions [m] at the beginning of a
 /// step. Taken as constant over the step.
 using NodalLoad = std::function<void(double time, ConstPoints x, Points f)>;
@@ -25,52 +27,6 @@ using NodalLoad = std::function<void(double time, ConstPoints x, Points f)>;
 /// trilinear volume, that of the elasticity; masses of scenes have SOFA's, which is another where faces
 /// are not plane.
 std::vector<double> lumped_masses(const Body& body, double density);
-
-/// A body with nodal masses, fixed nodes, a load and other forces, as a time integrator sees it.
-class LoadedBody : public MechanicalSystem, private NodalOperator {
- public:
-  /// The body must outlive this. mass: one per node [kg]. fixed: nodes that do not move. load: may be empty. Throws
-  /// InputError for another number of masses, and for nodes that do not exist.
-  LoadedBody(Body& body, std::vector<double> mass, std::vector<int> fixed, NodalLoad load);
-
-  /// Fixes other nodes from now on. Throws InputError for nodes that do not exist.
-  void fix(std::vector<int> nodes);
-
-  /// Forces act on the body from now on; they must outlive this.
-  void add(StepForces& forces) { forces_.push_back(&forces); }
-  const std::vector<StepForces*>& forces() const { return forces_; }
-
-  /// The same body in another place.
-  void set_body(Body& body) { body_ = &body; }
-
-  const std::vector<double>& mass() const { return mass_; }  ///< [kg] per node
-
-  int num_nodes() const override { return body_->mesh().num_nodes(); }
-  void set_time_step(double dt) override { body_->set_time_step(dt); }
-  void compute_force(double time, ConstPoints x, ConstPoints v, Points f) override;
-  void add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
-  void add_blocks(const OperatorFactors& factors, BlockMatrix& A) const override;
-  bool add_operator(const OperatorFactors& factors, MatrixFreeSystem& system) const override;
-  void add_load(double time, ConstPoints x, ConstPoints v, Points f) override;
-  void add_load_product(const OperatorFactors& factors, ConstPoints dx, Points df) const override;
-  bool release(double time, ConstPoints x, ConstPoints v, ConstPoints x_end, ConstPoints v_end, Points force,
-               Points product) override;
-  void constrain(Constraints& constraints) const override;
-
- private:
-  void add_product(ConstPoints p, Points Fp) const override;  // of those that the kernels do not know
-
-  Body* body_;
-  std::vector<double> mass_;
-  std::vector<int> fixed_;
-  NodalLoad load_;
-  std::vector<StepForces*> forces_;
-
-  // of the matrix of add_operator: forces that its kernels do not know, and their factors
-  mutable std::vector<const StepForces*> others_;
-  mutable OperatorFactors factors_of_others_;
-  PointArray scratch_;  // of release
-};
 
 /// What moves a body, besides itself.
 struct Motion {
@@ -100,6 +56,9 @@ class MovingBody {
   /// suits up to about a thousand hexahedra; PreconditionedConjugateGradients beyond. Throws InputError where a fixed
   /// node does not exist, or a number of `motion` is not positive, or a rate of the material too great for dt.
   MovingBody(Body body, Motion motion, std::unique_ptr<LinearSolver> solver = nullptr);
+  MovingBody(MovingBody&&) noexcept;
+  MovingBody& operator=(MovingBody&&) noexcept;
+  ~MovingBody();
 
   /// One time step. Throws NumericalError naming the first node or element that left the finite numbers, and what the
   /// load throws; everything is then as before the step, time, prescribed displacements and solver_memory() included,
@@ -160,7 +119,7 @@ class MovingBody {
   /// XXH64, as 16 hexadecimal digits, over positions, velocities and everything plastic.
   std::string state_hash() const;
 
-  const std::vector<double>& mass() const { return system_.mass(); }  ///< [kg] per node
+  const std::vector<double>& mass() const { return mass_; }  ///< [kg] per node
 
   Body body;
   PointArray x;  ///< [m] num_nodes x 3
@@ -172,7 +131,9 @@ class MovingBody {
   void save_forces(std::ostream& out) const;
   void load_forces(std::istream& in);
 
-  LoadedBody system_;
+  std::vector<double> mass_;
+  std::vector<StepForces*> forces_;
+  std::unique_ptr<LoadedBody> system_;
   ImplicitEuler euler_;
   std::unique_ptr<LinearSolver> solver_;
   double dt_;

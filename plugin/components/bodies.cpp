@@ -8,7 +8,7 @@
 #include "components/material_region.hpp"
 #include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/body.hpp"
+#include "loaded_body.hpp"
 #include "parts/hexahedral_body.hpp"
 #include "scene/potential.hpp"
 #include "scene/scene.hpp"
@@ -17,9 +17,11 @@ namespace hexaplast::components {
 namespace {
 
 /// A body as a force field.
-class HexahedronElastoplasticFEMForceField final : public BodyField, public scene::Stateful, public scene::Potential {
+class HexahedronElastoplasticFEMForceField final : public ElasticForces<BodyField>,
+                                                   public scene::Stateful,
+                                                   public scene::Potential {
  public:
-  HexahedronElastoplasticFEMForceField() : BodyField(attributes::kHexahedronElastoplasticFEMForceField) {}
+  HexahedronElastoplasticFEMForceField() : ElasticForces(attributes::kHexahedronElastoplasticFEMForceField) {}
 
   void init() override {
     state_ = &needed_ready<scene::MechanicalState>();
@@ -28,6 +30,7 @@ class HexahedronElastoplasticFEMForceField final : public BodyField, public scen
     part_.emplace(accepted(*this, [&] {
       return parts::HexahedralBody(state_->rest_positions(), *hexahedra_, options(), node().clock().dt);
     }));
+    elastic = &part_->body();
     pass_on(*this, part_->take_warnings());
     rayleigh_stiffness_ = real("rayleighStiffness");
   }
@@ -57,7 +60,7 @@ class HexahedronElastoplasticFEMForceField final : public BodyField, public scen
 
   double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
   const std::vector<Hexahedron>* hexahedra() const override { return hexahedra_; }
-  const Body* body() const override { return part_ ? &part().body() : nullptr; }
+  const Body* body() const override { return elastic; }
   const FlowReport* flow_report() const override { return part_ ? &part_->report() : nullptr; }
   void remove_elements(std::span<const int> elements) override {
     announce_change();
@@ -65,22 +68,7 @@ class HexahedronElastoplasticFEMForceField final : public BodyField, public scen
     announce();
   }
 
-  void set_time_step(double dt) override { part().body().set_time_step(dt); }
-  void add_force(double, ConstPoints x, ConstPoints, Points f) override {
-    part().body().linearize(x);
-    part().body().add_force(f);
-  }
-  void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
-    part().body().add_stiffness_product(factor, dx, df);
-  }
-  void add_stiffness_blocks(double factor, BlockMatrix& A) const override {
-    part().body().add_stiffness_blocks(factor, A);
-  }
-  bool add_operator(double factor, MatrixFreeSystem& system) const override {
-    part().body().add_operator(factor, system);
-    return true;
-  }
-  double potential_energy(double, ConstPoints x) const override { return part().body().energy(x); }
+  double potential_energy(double, ConstPoints x) const override { return elastic->energy(x); }
 
   void provide(scene::Data& output) override {
     if (!body()) return;
@@ -105,9 +93,6 @@ class HexahedronElastoplasticFEMForceField final : public BodyField, public scen
   }
 
  private:
-  parts::HexahedralBody& part() { return *part_; }
-  const parts::HexahedralBody& part() const { return *part_; }
-
   void announce_change() {
     if (auto* integrator = node().nearest<scene::OdeSolver>()) integrator->body_changes();
   }

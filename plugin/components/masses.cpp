@@ -4,29 +4,22 @@
 #include "attributes/stock.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
-#include "mesh/lumped_mass.hpp"
+#include "loaded_body.hpp"
 
 namespace hexaplast::components {
 namespace {
 
 /// A mass at every node.
-class LumpedMass : public scene::Mass {
+class LumpedMass : public LumpedMasses<scene::Mass> {
  public:
-  using Mass::Mass;
+  using LumpedMasses::LumpedMasses;
 
   void init() override {
     const auto num_nodes = static_cast<Eigen::Index>(needed_ready<scene::MechanicalState>().num_nodes());
-    mass_ = nodal_masses(num_nodes);
+    masses = nodal_masses(num_nodes);
     rayleigh_mass_ = real("rayleighMass");
   }
 
-  void add_gravity(const Vec3& gravity, Points f) const override { hexaplast::add_gravity(mass_, gravity, f); }
-  void add_product(double factor, ConstPoints dx, Points df) const override { df += factor * mass_.asDiagonal() * dx; }
-  void add_blocks(double factor, BlockMatrix& A) const override {
-    for (int n = 0; n < static_cast<int>(mass_.size()); ++n) A.add(n, n, factor * mass_[n] * Mat3::Identity());
-  }
-  double kinetic_energy(ConstPoints v) const override { return hexaplast::kinetic_energy(mass_, v); }
-  void add_diagonal(double factor, Points diagonal) const override { diagonal.colwise() += factor * mass_; }
   double rayleigh_mass() const override { return rayleigh_mass_; }
 
  protected:
@@ -38,7 +31,6 @@ class LumpedMass : public scene::Mass {
   }
 
  private:
-  Eigen::VectorXd mass_;  // [kg] per node
   double rayleigh_mass_ = 0;
 };
 
@@ -73,10 +65,10 @@ class DiagonalMass final : public LumpedMass {
       remark_unused("massDensity", "vertexMass");
       return real("massDensity") * rest_volumes(num_nodes);
     }
-    const std::vector<double>& masses = reals("vertexMass");
-    const auto num_given = static_cast<Eigen::Index>(masses.size());
-    if (num_given == 1) return Eigen::VectorXd::Constant(num_nodes, masses[0]);
-    if (num_given == num_nodes) return Eigen::Map<const Eigen::VectorXd>(masses.data(), num_nodes);
+    const std::vector<double>& each = reals("vertexMass");
+    const auto num_given = static_cast<Eigen::Index>(each.size());
+    if (num_given == 1) return Eigen::VectorXd::Constant(num_nodes, each[0]);
+    if (num_given == num_nodes) return Eigen::Map<const Eigen::VectorXd>(each.data(), num_nodes);
     reject("vertexMass",
            fmt::format("{} values given for {} nodes, must be one or one per node", num_given, num_nodes));
   }

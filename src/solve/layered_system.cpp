@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/require.hpp"
+
 namespace hexaplast {
 namespace {
 
@@ -167,6 +169,8 @@ void LayeredSystem::set_time_step(double dt) {
 }
 
 void LayeredSystem::compute_force(double time, ConstPoints x, ConstPoints v, Points f) {
+  require_rows("LayeredSystem::compute_force", "x", x, num_nodes_);
+  require_rows("LayeredSystem::compute_force", "f", f, num_nodes_);
   f.setZero();
   add_force(Over::kAll, time, x, v, f);
 }
@@ -242,6 +246,8 @@ bool LayeredSystem::release(double time, ConstPoints x, ConstPoints v, ConstPoin
 // ----------------------------------------------------------------------------------------------------------- products
 
 void LayeredSystem::add_product(const OperatorFactors& factors, ConstPoints dx, Points df) const {
+  require_rows("LayeredSystem::add_product", "dx", dx, num_nodes_);
+  require_rows("LayeredSystem::add_product", "df", df, num_nodes_);
   add_product(Over::kAll, factors, dx, df);
 }
 
@@ -275,7 +281,7 @@ void LayeredSystem::add_product(Over over, const OperatorFactors& factors, Const
       },
       [&](Interaction& interaction) {
         const PairForces& forces = *interaction.forces;
-        if (!forces.is_in_matrix()) return;
+        if (!forces.is_in_matrix() || (over == Over::kOthers && interaction.is_in_diagonal)) return;
         const double stiffness = stiffness_factor(factors, forces);
         if (stiffness != 0)
           forces.add_stiffness_product(stiffness, increments_of(interaction, dx), forces_of(interaction, df));
@@ -336,7 +342,19 @@ bool LayeredSystem::add_operator(const OperatorFactors& factors, MatrixFreeSyste
   }
   find_others();
   others_.factors = factors;
-  const bool interact = std::ranges::any_of(interactions_, [](const auto& one) { return one.forces->is_in_matrix(); });
+  bool interact = false;
+  for (Interaction& interaction : interactions_) {
+    const PairForces& forces = *interaction.forces;
+    if (!forces.is_in_matrix()) continue;
+    const auto [first, second] = interaction.layers;
+    interaction.is_in_diagonal = first == second && interaction.is_of_roots;
+    if (interaction.is_in_diagonal) {
+      const Points diagonal = rows_of<Points>(layers_[first], system.diagonal);
+      interaction.is_in_diagonal = forces.add_stiffness_diagonal(stiffness_factor(factors, forces), diagonal);
+      if (interaction.is_in_diagonal) forces.add_damping_diagonal(factors.damping, diagonal);
+    }
+    interact = interact || !interaction.is_in_diagonal;
+  }
   if (interact || std::ranges::any_of(roots(), &Layer::has_others)) system.others.emplace_back(&others_);
   return true;
 }

@@ -86,7 +86,8 @@ class LayeredSystem : public MechanicalSystem, private Projector {
     PairForces* forces = nullptr;
     std::array<NodalState*, 2> states = {};
     std::array<std::size_t, 2> layers = {};
-    bool is_of_roots = true;  // both layers are independent states
+    bool is_of_roots = true;      // both layers are independent states
+    bool is_in_diagonal = false;  // of the matrix of add_operator, which then knows all of it
 
     // of the state at rest
     PointArray zero = {}, scratch = {};

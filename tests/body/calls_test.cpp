@@ -12,11 +12,11 @@
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/embed.hpp"
 #include "hexaplast/geometry/plane_cut.hpp"
-#include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "hexaplast/solve/grip.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
+#include "loaded_body.hpp"
 #include "mesh/lumped_mass.hpp"
 #include "mesh/selection.hpp"
 #include "solve/contact_loads.hpp"
@@ -213,11 +213,13 @@ TEST_F(SizesOfCalls, OfSystemsAndIntegrators) {
   expect_refusals({
       {"LoadedBody", "mass", kRows,
        [&](PointArray& wrong) { LoadedBody(body, std::vector<double>(wrong.rows(), 1), {}, {}); }},
-      {"LoadedBody::add_product", "dx", kRows, [&](PointArray& wrong) { system.add_product({.mass = 1}, wrong, f); }},
-      {"LoadedBody::add_product", "df", kRows, [&](PointArray& wrong) { system.add_product({.mass = 1}, x, wrong); }},
+      {"LayeredSystem::add_product", "dx", kRows,
+       [&](PointArray& wrong) { system.add_product({.mass = 1}, wrong, f); }},
+      {"LayeredSystem::add_product", "df", kRows,
+       [&](PointArray& wrong) { system.add_product({.mass = 1}, x, wrong); }},
       {"Constraints::project", "field", kRows, [&](PointArray& wrong) { constraints_of(system).project(wrong); }},
-      {"linearize", "x", kRows, [&](PointArray& wrong) { system.compute_force(0, wrong, v, f); }},
-      {"add_force", "f", kRows, [&](PointArray& wrong) { system.compute_force(0, x, v, wrong); }},
+      {"LayeredSystem::compute_force", "x", kRows, [&](PointArray& wrong) { system.compute_force(0, wrong, v, f); }},
+      {"LayeredSystem::compute_force", "f", kRows, [&](PointArray& wrong) { system.compute_force(0, x, v, wrong); }},
       {"ImplicitEuler::step", "x", kRows, [&](PointArray& wrong) { euler.step(system, solver, 0, kStep, wrong, v); }},
       {"ImplicitEuler::step", "v", kRows, [&](PointArray& wrong) { euler.step(system, solver, 0, kStep, x, wrong); }},
       {"NewtonRaphson::solve", "x", kRows,

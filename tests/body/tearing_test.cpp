@@ -13,6 +13,7 @@
 #include "hexaplast/body.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
+#include "loaded_body.hpp"
 #include "mesh/trilinear.hpp"
 #include "support/compare.hpp"
 #include "support/materials.hpp"

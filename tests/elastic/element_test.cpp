@@ -15,6 +15,7 @@
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
 #include "kinematics/polar.hpp"
+#include "loaded_body.hpp"
 #include "mesh/trilinear.hpp"
 #include "plain/plain.hpp"
 #include "support/compare.hpp"

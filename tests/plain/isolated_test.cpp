@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "body_state.hpp"
-#include "hexaplast/moving_body.hpp"
+#include "loaded_body.hpp"
 #include "mesh/trilinear.hpp"
 #include "plain/plain.hpp"
 #include "plastic/isolated_flow.hpp"

@@ -12,10 +12,10 @@
 #include <numbers>
 
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
+#include "loaded_body.hpp"
 #include "support/compare.hpp"
 #include "support/dense.hpp"
 #include "support/elastic_laws.hpp"

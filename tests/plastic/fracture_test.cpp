@@ -8,6 +8,7 @@
 #include "hexaplast/body.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
+#include "loaded_body.hpp"
 #include "support/bar.hpp"
 #include "support/compare.hpp"
 #include "support/materials.hpp"

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "body_state.hpp"
-#include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/cholesky.hpp"
+#include "loaded_body.hpp"
 #include "support/compare.hpp"
 #include "support/materials.hpp"
 #include "support/shapes.hpp"

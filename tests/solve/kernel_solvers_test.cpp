@@ -6,11 +6,11 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/geometry/grid.hpp"
-#include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
 #include "layout/chunked_operator.hpp"
+#include "loaded_body.hpp"
 #include "mesh/lumped_mass.hpp"
 #include "solve/constrained_operator.hpp"
 #include "support/compare.hpp"
@@ -245,30 +245,33 @@ TEST_P(KernelSolvers, RefuseNegativeCurvature) {
 }
 
 /// Nodes that keep to planes, which are those of no axis.
-class OnObliquePlane final : public LoadedBody, private Projector {
+class OnObliquePlane final : public LoadedBody {
+  struct Planes final : hexaplast::Projector {
+    Planes(const Vec3& along, std::vector<int> of) : normal(along.normalized().transpose()), nodes(std::move(of)) {}
+    void project(Points field) const override {
+      for (const int n : nodes) field.row(n) -= field.row(n).dot(normal) * normal;
+    }
+    Eigen::RowVector3d normal;
+    std::vector<int> nodes;
+  };
+
  public:
   OnObliquePlane(Body& body, const std::vector<double>& mass, const Vec3& normal, std::vector<int> nodes)
       : LoadedBody(body, mass, {},
                    [mass](double, ConstPoints, Points f) {
                      for (Eigen::Index n = 0; n < f.rows(); ++n) f.row(n) += mass[n] * Eigen::RowVector3d(9.81, 3, -5);
                    }),
-        normal_(normal.normalized().transpose()),
-        nodes_(std::move(nodes)) {}
-  void constrain(Constraints& constraints) const override { constraints.projector = this; }
+        planes_(normal, std::move(nodes)) {}
+  void constrain(Constraints& constraints) const override { constraints.projector = &planes_; }
   /// How far they are from where their planes began.
   double distance(const PointArray& moved) const {
     double max = 0;
-    for (const int n : nodes_) max = std::max(max, std::abs(moved.row(n).dot(normal_)));
+    for (const int n : planes_.nodes) max = std::max(max, std::abs(moved.row(n).dot(planes_.normal)));
     return max;
   }
 
  private:
-  void project(Points field) const override {
-    for (const int n : nodes_) field.row(n) -= field.row(n).dot(normal_) * normal_;
-  }
-
-  Eigen::RowVector3d normal_;
-  std::vector<int> nodes_;
+  Planes planes_;
 };
 
 // A vector of ones does not see a plane of which it is a direction.

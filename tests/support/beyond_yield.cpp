@@ -9,6 +9,7 @@
 #include "body_state.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
+#include "loaded_body.hpp"
 #include "support/dense.hpp"
 #include "support/shapes.hpp"
 #include "support/simulation.hpp"

@@ -3,9 +3,9 @@
 
 #include <stdexcept>
 
-#include "hexaplast/moving_body.hpp"
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
+#include "loaded_body.hpp"
 #include "support/calculix_bar.hpp"
 #include "support/dense.hpp"
 #include "support/shapes.hpp"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hexaplast/base/hash.hpp"
-#include "hexaplast/moving_body.hpp"
+#include "loaded_body.hpp"
 
 namespace hexaplast::support {
 
@@ -20,7 +20,7 @@ class GuidedBody final : public LoadedBody {
   struct Held {
     int node, axis;
   };
-  GuidedBody(Body& body, std::vector<Held> held, Load load)
+  GuidedBody(Body& body, std::vector<Held> held, NodalLoad load)
       : LoadedBody(body, std::vector<double>(body.mesh().num_nodes(), 0.0), {}, std::move(load)),
         held_(std::move(held)) {}
 

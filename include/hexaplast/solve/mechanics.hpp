@@ -95,7 +95,13 @@ class NodalForces : public Forces<ConstPoints, Points> {
 };
 
 /// Forces between two states, or within one.
-class PairForces : public Forces<const OfTwo<ConstPoints>&, OfTwo<Points>, std::array<int, 2>> {};
+class PairForces : public Forces<const OfTwo<ConstPoints>&, OfTwo<Points>, std::array<int, 2>> {
+ public:
+  /// Within one state: diagonal += that of factor K, where K has no other entries; false, and nothing added, where it
+  /// has. The same of B then, which has no others either.
+  virtual bool add_stiffness_diagonal(double /*factor*/, Points /*diagonal*/) const { return false; }
+  virtual void add_damping_diagonal(double /*factor*/, Points /*diagonal*/) const {}
+};
 
 /// The beginning of a step.
 struct Step {
@@ -118,11 +124,6 @@ class StepForces : public PairForces {
 
   /// What the next step depends on besides what they were made from. Throws InputError for values that cannot be.
   virtual void serialize(Archive& /*archive*/) {}
-
-  /// diagonal += that of factor K, where K has no other entries; false, and nothing added, where it has. The same of B
-  /// then, which has no others either.
-  virtual bool add_stiffness_diagonal(double /*factor*/, Points /*diagonal*/) const { return false; }
-  virtual void add_damping_diagonal(double /*factor*/, Points /*diagonal*/) const {}
 };
 
 /// Makes a state follow another one: positions, velocities and displacements go down, forces and stiffness come up.
