@@ -53,7 +53,9 @@ class Batch {
       });
     }
     throw_first(errors);
-    for (const Simulation* one : all_) one->warn();
+    std::vector<std::string> warnings;
+    for (const Simulation* one : all_) std::ranges::move(one->take_warnings(), std::back_inserter(warnings));
+    warn(warnings);
     py::list of_each;
     for (const RunReport& report : reports) of_each.append(report);
     return of_each;

@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <map>
 #include <sstream>
 
 #include "hexaplast/base/error.hpp"
@@ -17,8 +18,24 @@ namespace hexaplast::python {
 namespace {
 
 constexpr std::array<std::string_view, 3> kPreconditioners{"auto", "multigrid", "diagonal"};  // as Preconditioner
-constexpr SavedKind kSavedTools{{'H', 'X', 'P', 'T', 'O', 'O', 'L', '\0'}, 1, "set of instruments"};
+constexpr SavedKind kSavedSimulation{{'H', 'X', 'P', 'T', 'O', 'O', 'L', '\0'}, 2, "simulation"};
 constexpr int kSmallestPicture = 64, kLargestPicture = 4096;  // [pixels]
+
+/// Of a saved state, and of the simulation that loads it.
+void require_same_tools(const std::vector<std::vector<std::string>>& saved,
+                        const std::vector<std::vector<std::string>>& here) {
+  if (saved.size() != here.size())
+    throw InputError(
+        fmt::format("the state has {} instruments and grips, the simulation {}", saved.size(), here.size()));
+  for (std::size_t k = 0; k < here.size(); ++k) {
+    const auto [of_state, own] = std::ranges::mismatch(saved[k], here[k]);
+    if (own == here[k].begin())
+      throw InputError(fmt::format("the state has {} where the simulation has {}", saved[k].front(), *own));
+    if (own != here[k].end())
+      throw InputError(
+          fmt::format("{}: the state is of one with {}, this one has {}", here[k].front(), *of_state, *own));
+  }
+}
 
 }  // namespace
 
@@ -80,18 +97,29 @@ const PointArray& Simulation::reactions() const {
   return reactions_;
 }
 
-template <class Kind>
-std::shared_ptr<Kind> Simulation::add(std::shared_ptr<Kind> tool) {
+template <class Make>
+auto Simulation::add(const Make& make, const py::dict& arguments) {
   const Turn turn(taken());
+  auto tool = make(body_, arguments);
   tools_.push_back(tool);
   moving_->add(tool->acting());
   return tool;
 }
 
 std::shared_ptr<SolidTool> Simulation::add_instrument(const py::dict& arguments) {
-  return add(make_solid_tool(body_, arguments));
+  return add(make_solid_tool, arguments);
 }
-std::shared_ptr<Grip> Simulation::add_grip(const py::dict& arguments) { return add(make_grip(body_, arguments)); }
+std::shared_ptr<Grip> Simulation::add_grip(const py::dict& arguments) { return add(make_grip, arguments); }
+
+std::vector<std::vector<std::string>> Simulation::names_of_tools() const {
+  std::vector<std::vector<std::string>> all;
+  std::map<std::string, int> counts;
+  for (const std::shared_ptr<Tool>& tool : tools_) {
+    std::string& name = all.emplace_back(tool->made_with()).front();
+    name += fmt::format("[{}]", counts[name]++);
+  }
+  return all;
+}
 
 PointArray Simulation::forces_from(const char* name, const py::object& given) const {
   if (given.is_none()) return PointArray::Zero(num_nodes(), 3);
@@ -118,7 +146,7 @@ RunReport Simulation::run(long steps, const py::object& forces) {
       const py::gil_scoped_release others_may_run;
       advance(external, report);
     }
-    warn();
+    warn(take_warnings());
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
   }
   return report;
@@ -173,10 +201,13 @@ py::array Simulation::picture(int width, int height) {
 
 py::bytes Simulation::save() const {
   std::ostringstream out(std::ios::binary);
-  moving_->save(out);
-  write_saved(out, kSavedTools, tools_.size(), [this](Archive& archive) {
+  write_saved(out, kSavedSimulation, 0, [this](Archive& archive) {
+    std::vector<std::vector<std::string>> names = names_of_tools();
+    PointArray reactions = reactions_;
+    archive(names, reactions);
     for (const std::shared_ptr<Tool>& tool : tools_) tool->serialize(archive);
   });
+  moving_->save(out);
   return out.str();
 }
 
@@ -184,12 +215,18 @@ void Simulation::load(const py::bytes& data) {
   const std::string bytes = data, before = save();
   const auto read = [this](const std::string& from) {
     std::istringstream in(from, std::ios::binary);
-    moving_->load(in);
-    constexpr std::size_t kMaxOfTool = 1024;
-    const std::vector<std::byte> of_tools = read_saved(in, kSavedTools, tools_.size(), kMaxOfTool * tools_.size());
+    const std::vector<std::byte> of_tools = read_saved(in, kSavedSimulation, 0, from.size());
     Archive archive{std::span<const std::byte>(of_tools)};
+    std::vector<std::vector<std::string>> names;
+    PointArray reactions;
+    archive(names, reactions);
+    require_same_tools(names, names_of_tools());
+    moving_->load(in);
     for (const std::shared_ptr<Tool>& tool : tools_) tool->serialize(archive);
-    if (archive.rest() != 0) throw InputError("the saved instruments are others");
+    if (reactions.rows() == reactions_.rows())
+      reactions_ = std::move(reactions);
+    else
+      reactions_.setZero();  // not measured there
   };
   try {
     read(bytes);
@@ -197,7 +234,6 @@ void Simulation::load(const py::bytes& data) {
     read(before);
     throw;
   }
-  reactions_.setZero();
   body_->refresh();
   forces_->setZero();
   if (record_) begin_record();
@@ -362,14 +398,15 @@ void add_simulation(py::module_& module) {
           "picture", &Simulation::picture, py::arg("width") = 640, py::arg("height") = 360,
           "(height, width, 3) uint8: the body as `hexaplast render` draws it. RuntimeError where nothing can draw here")
       .def("reset", &Simulation::reset, "Back to the beginning, instruments and grips too; fixed nodes stay fixed")
-      .def("save", in_turn([](Simulation& s) { return s.save(); }),
-           "Positions, velocities, number of steps, fixed nodes, solver memory, body, instruments and grips, with "
-           "checksums:\n"
-           "what comes after load() has the same bits")
+      .def(
+          "save", in_turn([](Simulation& s) { return s.save(); }),
+          "Positions, velocities, number of steps, fixed nodes, reactions, solver memory, body, instruments and grips, "
+          "with\n"
+          "checksums: what comes after load() has the same bits")
       .def("load", in_turn([](Simulation& s, const py::bytes& data) { s.load(data); }), py::arg("data"),
            "Takes over what save() of a simulation with the same mesh, settings, arguments, instruments and grips "
            "returned.\n"
-           "What is damaged or another one's is a ValueError, and changes nothing")
+           "What is damaged or another one's is a ValueError that names what differs, and changes nothing")
       .def("copy", &copy_of, "Another simulation with a body of its own in the same state; it records nothing")
       .def("__copy__", &copy_of)
       .def(py::pickle(in_turn([](Simulation& s) {

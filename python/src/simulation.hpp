@@ -58,8 +58,8 @@ class Simulation {
     return found;
   }
 
-  /// Of tools, since the last call, as Python's warnings.
-  void warn() const { python::warn(tools_); }
+  /// Of tools, since the last call.
+  std::vector<std::string> take_warnings() const { return python::take_warnings(tools_); }
 
   /// Nodal forces [N] from Python, none where they are not given; `name` is that of the argument.
   PointArray forces_from(const char* name, const py::object& given) const;
@@ -82,8 +82,11 @@ class Simulation {
   output::BoundaryConditions conditions() const;
   std::shared_ptr<MotionRecord> new_record() const;
   void begin_record();
-  template <class Kind>
-  std::shared_ptr<Kind> add(std::shared_ptr<Kind> tool);
+  template <class Make>
+  auto add(const Make& make, const py::dict& arguments);
+
+  /// Of each tool: where it is listed, and what it was made with.
+  std::vector<std::vector<std::string>> names_of_tools() const;
 
   Arguments arguments_;
   std::shared_ptr<Body> body_;

@@ -2,12 +2,17 @@
 #include "tools.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <pybind11/stl.h>
 
 #include <cctype>
+#include <optional>
+#include <span>
+#include <type_traits>
 
 #include "attributes/contact.hpp"
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/base/hash.hpp"
 #include "parts/instrument_shape.hpp"
 
 namespace hexaplast::python {
@@ -42,6 +47,36 @@ std::optional<T> given(const py::dict& arguments, const char* name) {
 parts::InstrumentOptions::Shape shape_named(const std::string& word) {
   const attributes::Attribute& shape = attributes::kInstrumentContactAttributes[0];
   return static_cast<parts::InstrumentOptions::Shape>(parts::place_of_word(shape, word));
+}
+
+/// Of an option; long lists by their hash.
+template <class T>
+std::string text_of(const T& value) {
+  constexpr std::ptrdiff_t kMostNumbers = 8;
+  if constexpr (std::is_arithmetic_v<T>) {
+    return fmt::format("{}", value);
+  } else if constexpr (std::is_enum_v<T>) {
+    return text_of(static_cast<int>(value));
+  } else if constexpr (requires { value.has_value(); }) {
+    return value ? text_of(*value) : "none";
+  } else {
+    const std::span all(value.data(), static_cast<std::size_t>(value.size()));
+    if (std::ssize(all) <= kMostNumbers) return fmt::format("{}", all);
+    StateHash hash;
+    hash.add(all.data(), all.size_bytes());
+    return fmt::format("a list of {} with the hash {}", all.size(), hash.text());
+  }
+}
+
+/// As Tool::made_with.
+template <class Options>
+std::vector<std::string> texts_of(const char* list, const Pose& start, const Options& options) {
+  std::vector<std::string> texts = {list, "position = " + text_of(start.position),
+                                    "orientation = " + text_of(start.orientation.coeffs())};
+  Options::each(options, [&](const char* name, const auto& value) {
+    texts.push_back(fmt::format("{} = {}", name, text_of(value)));
+  });
+  return texts;
 }
 
 /// (positions, triangles)
@@ -87,9 +122,15 @@ void Tool::serialize(Archive& archive) {
 
 SolidTool::SolidTool(std::shared_ptr<Body> body, const Pose& start, parts::InstrumentOptions options,
                      const py::dict& arguments)
-    : Tool(body, start, arguments), part_(std::move(options), around(*body)) {}
+    : Tool(body, start, arguments, texts_of("instruments", start, options)), part_(std::move(options), around(*body)) {}
+
+void SolidTool::reset() {
+  Tool::reset();
+  set_active(true);
+}
 
 void SolidTool::set_active(bool is_active) {
+  if (is_active == part_.is_active()) return;
   parts::InstrumentOptions options = part_.options();
   options.contact.active = is_active;
   part_.set_options(std::move(options));
@@ -112,7 +153,8 @@ output::Instrument SolidTool::shown() const {
 }
 
 Grip::Grip(std::shared_ptr<Body> body, const Vec3& position, parts::GraspOptions options, const py::dict& arguments)
-    : Tool(body, {.position = position}, arguments), part_(std::move(options), around(*body)) {}
+    : Tool(body, {.position = position}, arguments, texts_of("grips", {.position = position}, options)),
+      part_(std::move(options), around(*body)) {}
 
 void Grip::reset() {
   Tool::reset();
@@ -155,12 +197,22 @@ std::shared_ptr<Grip> make_grip(std::shared_ptr<Body> body, const py::dict& argu
   return std::make_shared<Grip>(std::move(body), position, std::move(options), arguments);
 }
 
-void warn(const std::vector<std::shared_ptr<Tool>>& tools) {
+std::vector<std::string> take_warnings(const std::vector<std::shared_ptr<Tool>>& tools) {
+  std::vector<std::string> all;
   for (const std::shared_ptr<Tool>& tool : tools)
-    for (const parts::Remark& remark : tool->acting().take_warnings()) {
-      const std::string text = fmt::format("{}: {}", snake_case(remark.attribute), remark.text);
-      if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+    for (const parts::Remark& remark : tool->acting().take_warnings())
+      all.push_back(fmt::format("{}: {}", snake_case(remark.attribute), remark.text));
+  return all;
+}
+
+void warn(const std::vector<std::string>& warnings) {
+  std::optional<py::error_already_set> first;
+  for (const std::string& text : warnings)
+    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) {
+      const py::error_already_set error;  // takes it from Python, so that the next one can be said
+      if (!first) first.emplace(error);
     }
+  if (first) throw py::error_already_set(*first);
 }
 
 void add_tools(py::module_& module) {

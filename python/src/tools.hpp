@@ -19,8 +19,9 @@ namespace hexaplast::python {
 class Tool {
  public:
   /// arguments: whose arrays may change afterwards, which does not concern copies of this.
-  Tool(std::shared_ptr<Body> body, const Pose& start, const py::dict& arguments)
-      : body_(std::move(body)),
+  Tool(std::shared_ptr<Body> body, const Pose& start, const py::dict& arguments, std::vector<std::string> made_with)
+      : made_with_(std::move(made_with)),
+        body_(std::move(body)),
         arguments_(py::module_::import("copy").attr("deepcopy")(arguments)),
         start_(start),
         now_(start),
@@ -37,6 +38,9 @@ class Tool {
 
   virtual parts::Force& acting() = 0;
 
+  /// Where simulations list it, then "radius = 0.05" and the like: all that it was made with.
+  const std::vector<std::string>& made_with() const { return made_with_; }
+
   void begin_step(double dt);
   void end_step();
   virtual void reset();
@@ -49,6 +53,7 @@ class Tool {
   virtual void prescribe(const Pose& from, const Pose& to) = 0;
 
  private:
+  std::vector<std::string> made_with_;
   std::shared_ptr<Body> body_;
   py::dict arguments_;
   Pose start_, now_, target_, next_;
@@ -70,6 +75,7 @@ class SolidTool final : public Instrument, public Tool {  // pybind11 wants the 
   void set_active(bool is_active);
 
   parts::Force& acting() override { return part_; }
+  void reset() override;
   void serialize(Archive& archive) override;
   output::Instrument shown() const override;
 
@@ -105,8 +111,11 @@ class Grip final : public Tool {
 std::shared_ptr<SolidTool> make_solid_tool(std::shared_ptr<Body> body, const py::dict& arguments);
 std::shared_ptr<Grip> make_grip(std::shared_ptr<Body> body, const py::dict& arguments);
 
-/// What tools have to say, as Python's warnings.
-void warn(const std::vector<std::shared_ptr<Tool>>& tools);
+/// What tools have to say since the last call.
+std::vector<std::string> take_warnings(const std::vector<std::shared_ptr<Tool>>& tools);
+
+/// All of them as Python's warnings; then throws the first one that Python makes an exception of.
+void warn(const std::vector<std::string>& warnings);
 
 void add_tools(py::module_& module);  // SolidTool, Grip
 

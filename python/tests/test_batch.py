@@ -5,6 +5,7 @@ import multiprocessing
 import pickle
 import signal
 import threading
+import warnings
 
 import numpy as np
 import pytest
@@ -118,6 +119,19 @@ def test_what_fails_is_named_and_as_before_while_the_others_make_their_step(thre
     batch.simulations[2].reset()
     assert np.isfinite(batch.positions).all()
     batch.step()
+
+
+def test_a_warning_that_is_an_exception_does_not_hide_the_others():
+    batch = hexaplast.Batch(bars(3))
+    for k, simulation in enumerate(batch.simulations):
+        simulation.add_grip((5 + k, 0, 0), radius=0.1).close()
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        warnings.filterwarnings("error", message=r".*\(5, 0, 0\)")
+        with pytest.raises(UserWarning, match="closes on nothing"):
+            batch.step()
+    assert ["(6, 0, 0)" in str(said[0].message), "(7, 0, 0)" in str(said[1].message), len(said)] == [True, True, 2]
+    assert [s.num_steps for s in batch.simulations] == [1, 1, 1]
 
 
 def test_actions_that_cannot_be_carried_out_step_nothing():

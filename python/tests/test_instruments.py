@@ -198,6 +198,64 @@ def test_a_simulation_with_instruments_is_saved_copied_and_reset_with_the_same_b
     assert (simulation.grips[0].force == 0).all()
 
 
+@pytest.mark.parametrize("add, message", [
+    (lambda s: None, "the state has 1 instruments and grips, the simulation 0"),
+    (lambda s: s.add_grip((0.1, 0.1, 0.16), radius=0.04), r"the state has instruments\[0\] where the simulation has grips\[0\]"),
+    (lambda s: s.add_instrument("sphere", radius=0.05, pose=(0.1, 0.1, 0.16)),
+     r"instruments\[0\]: the state is of one with radius = 0.04, this one has radius = 0.05"),
+    (lambda s: s.add_instrument("sphere", radius=0.04, pose=(0.1, 0, 0.16)),
+     r"with position = \[0.1, 0.1, 0.16\], this one has position = \[0.1, 0, 0.16\]"),
+    (lambda s: s.add_instrument("sphere", radius=0.04, pose=(0.1, 0.1, 0.16), friction=0.1), "friction = 0, .* friction = 0.1"),
+])
+def test_a_state_of_other_instruments_is_refused_and_changes_nothing(add, message):
+    simulation, other = block(), block()
+    simulation.add_instrument("sphere", radius=0.04, pose=(0.1, 0.1, 0.16))
+    add(other)
+    other.run(3)
+    before = other.save()
+    with pytest.raises(ValueError, match=message):
+        other.load(simulation.save())
+    assert other.save() == before and other.num_steps == 3
+
+
+def test_reset_lets_an_instrument_touch_again():
+    simulation = gripped()
+    simulation.run(5)
+    once = simulation.state_hash()
+    simulation.instruments[0].active = False
+    simulation.reset()
+    assert simulation.instruments[0].active
+    simulation.instruments[0].velocity, simulation.grips[0].velocity = (0.05, 0, -0.1), (0, 0.02, 0.1)
+    simulation.grips[0].close()
+    simulation.run(5)
+    assert simulation.state_hash() == once
+
+
+def test_reactions_of_the_latest_step_go_with_the_state():
+    simulation = block(reactions=True, gravity=(0, 0, -9.81))
+    simulation.run(3)
+    reactions = simulation.reactions.copy()
+    copies, _ = copies_before_running_on(simulation)
+    assert np.abs(reactions).max() > 1
+    for made in copies:
+        assert (made.reactions == reactions).all()
+
+
+def test_what_is_in_use_is_not_looked_at_to_add_something():
+    simulation, refused = block(), []
+
+    class Adding:
+        def __array__(self, *_, **__):  # asked for while the simulation is in use
+            for add in (lambda: simulation.add_grip((0, 0, 0)), lambda: simulation.add_instrument("sphere")):
+                with pytest.raises(RuntimeError, match="in use"):
+                    add()
+                refused.append(add)
+            return np.zeros((1, 3))
+
+    simulation.prescribe([0], Adding())
+    assert len(refused) == 2
+
+
 def test_a_step_that_fails_leaves_instruments_as_they_were():
     simulation, other = gripped(), gripped()
     for one in (simulation, other):
