@@ -102,8 +102,8 @@ void LoadedBody::constrain(Constraints& constraints) const {
 
 MovingBody::MovingBody(Body made, Motion motion, std::unique_ptr<LinearSolver> solver)
     : body(std::move(made)),
-      x(body.mesh().positions()),
-      v(PointArray::Zero(x.rows(), 3)),
+      positions(body.mesh().positions()),
+      velocities(PointArray::Zero(positions.rows(), 3)),
       mass_(lumped_masses(body, motion.density)),
       system_(std::make_unique<LoadedBody>(body, mass_, std::vector<int>{}, with_gravity(motion, mass_))),
       euler_(motion.euler),
@@ -111,7 +111,7 @@ MovingBody::MovingBody(Body made, Motion motion, std::unique_ptr<LinearSolver> s
       dt_(motion.dt),
       settings_(motion.euler),
       identity_(identity_of(motion, mass())),
-      held_(static_cast<std::size_t>(x.rows()), kFree) {
+      held_(static_cast<std::size_t>(positions.rows()), kFree) {
   check(motion, body);
   fix(motion.fixed);
 }
@@ -121,10 +121,10 @@ MovingBody& MovingBody::operator=(MovingBody&&) noexcept = default;
 MovingBody::~MovingBody() = default;
 
 FlowReport MovingBody::step() {
-  require_rows("MovingBody", "x", x, body.mesh().num_nodes());
-  require_rows("MovingBody", "v", v, body.mesh().num_nodes());
-  x_before_ = x;
-  v_before_ = v;
+  require_rows("MovingBody", "positions", positions, body.mesh().num_nodes());
+  require_rows("MovingBody", "velocities", velocities, body.mesh().num_nodes());
+  positions_before_ = positions;
+  velocities_before_ = velocities;
   memory_before_ = euler_.memory();
   forces_before_.clear();
   Archive remembered([this](const void* data, std::size_t size) {
@@ -134,23 +134,24 @@ FlowReport MovingBody::step() {
   for (StepForces* forces : forces_) forces->serialize(remembered);
   system_->set_body(body);  // which may have moved together with this
   for (std::size_t n = 0; n < held_.size(); ++n)
-    if (held_[n] == kFixed) v.row(static_cast<Eigen::Index>(n)).setZero();
+    if (held_[n] == kFixed) velocities.row(static_cast<Eigen::Index>(n)).setZero();
   // a step of first order does not begin from velocities: the nodes are there when its forces are computed
   for (std::size_t n = 0; n < held_.size() && settings_.first_order; ++n)
-    if (const auto row = static_cast<Eigen::Index>(n); held_[n] == kPrescribed) x.row(row) += dt_ * v.row(row);
+    if (const auto row = static_cast<Eigen::Index>(n); held_[n] == kPrescribed)
+      positions.row(row) += dt_ * velocities.row(row);
   try {
     const Step beginning{.time = time(), .dt = dt_, .rayleigh_stiffness = settings_.rayleigh_stiffness};
-    for (StepForces* forces : forces_) forces->begin_step(beginning, x, v);
-    const SolveReport solved = euler_.step(*system_, *solver_, time(), dt_, x, v);
-    const FlowReport flowed = body.flow(x, dt_);
-    for (StepForces* forces : forces_) forces->end_step(x);
+    for (StepForces* forces : forces_) forces->begin_step(beginning, positions, velocities);
+    const SolveReport solved = euler_.step(*system_, *solver_, time(), dt_, positions, velocities);
+    const FlowReport flowed = body.flow(positions, dt_);
+    for (StepForces* forces : forces_) forces->end_step(positions);
     latest = solved;
     ++steps_;
     arrive();
     return flowed;
   } catch (...) {
-    x = x_before_;
-    v = v_before_;
+    positions = positions_before_;
+    velocities = velocities_before_;
     euler_.memory() = memory_before_;
     Archive archive{std::span<const std::byte>(forces_before_)};
     for (StepForces* forces : forces_) forces->serialize(archive);
@@ -192,33 +193,33 @@ RunReport MovingBody::run(int steps) {
 
 void MovingBody::fix(std::span<const int> nodes) {
   require_nodes("MovingBody", nodes, body.mesh().num_nodes());
-  require_rows("MovingBody", "v", v, body.mesh().num_nodes());
+  require_rows("MovingBody", "velocities", velocities, body.mesh().num_nodes());
   for (const int n : nodes) {
     held_[n] = kFixed;
-    v.row(n).setZero();
+    velocities.row(n).setZero();
   }
   tell_fixed();
 }
 
 // Constraints zero the change of a velocity, so that a fixed node moves by the one it has; in first order, `step` moves
 // it.
-void MovingBody::prescribe(std::span<const int> nodes, ConstPoints positions) {
-  if (positions.rows() != static_cast<Eigen::Index>(nodes.size()))
-    throw InputError(fmt::format("{} positions are given for {} nodes", positions.rows(), nodes.size()));
-  if (!positions.allFinite()) throw InputError("a position is not finite");
-  require_rows("MovingBody", "x", x, body.mesh().num_nodes());
+void MovingBody::prescribe(std::span<const int> nodes, ConstPoints target) {
+  if (target.rows() != static_cast<Eigen::Index>(nodes.size()))
+    throw InputError(fmt::format("{} positions are given for {} nodes", target.rows(), nodes.size()));
+  if (!target.allFinite()) throw InputError("a position is not finite");
+  require_rows("MovingBody", "positions", positions, body.mesh().num_nodes());
   fix(nodes);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     held_[nodes[i]] = kPrescribed;
-    v.row(nodes[i]) = (positions.row(static_cast<Eigen::Index>(i)) - x.row(nodes[i])) / dt_;
+    velocities.row(nodes[i]) = (target.row(static_cast<Eigen::Index>(i)) - positions.row(nodes[i])) / dt_;
   }
 }
 
 void MovingBody::release(std::span<const int> nodes) {
   require_nodes("MovingBody", nodes, body.mesh().num_nodes());
-  require_rows("MovingBody", "v", v, body.mesh().num_nodes());
+  require_rows("MovingBody", "velocities", velocities, body.mesh().num_nodes());
   for (const int n : nodes) {
-    if (held_[n] == kPrescribed) v.row(n).setZero();  // which was to bring it to its position
+    if (held_[n] == kPrescribed) velocities.row(n).setZero();  // which was to bring it to its position
     held_[n] = kFree;
   }
   tell_fixed();
@@ -241,8 +242,8 @@ void MovingBody::reset() {
   body.reset();
   for (StepForces* forces : forces_) forces->reset();
   euler_.memory().reset();
-  x = body.mesh().positions();
-  v.setZero();
+  positions = body.mesh().positions();
+  velocities.setZero();
   arrive();
   latest = {};
   steps_ = 0;
@@ -251,18 +252,18 @@ void MovingBody::reset() {
 void MovingBody::arrive() {
   for (std::size_t n = 0; n < held_.size(); ++n) {
     if (held_[n] != kPrescribed) continue;
-    v.row(static_cast<Eigen::Index>(n)).setZero();
+    velocities.row(static_cast<Eigen::Index>(n)).setZero();
     held_[n] = kFixed;
   }
 }
 
 void MovingBody::save(std::ostream& out) const {
   write_saved(out, kSavedMotion, identity_, [&](Archive& archive) {
-    PointArray positions = x, velocities = v;
+    PointArray x = positions, v = velocities;
     long steps = steps_;
     std::vector<unsigned char> held = held_;
     SolverMemory memory = euler_.memory();
-    archive(positions, velocities, steps, held);
+    archive(x, v, steps, held);
     memory.serialize(archive);
   });
   body.save(out);
@@ -289,17 +290,17 @@ void MovingBody::load(std::istream& in) {
   const std::size_t max = 64 + sizeof(SpectralRadii) + num_nodes * (9 * sizeof(double) + 1);
   const std::vector<std::byte> bytes = read_saved(in, kSavedMotion, identity_, max);
   Archive archive{std::span<const std::byte>(bytes)};
-  PointArray positions, velocities;
+  PointArray x, v;
   long steps = 0;
   std::vector<unsigned char> held;
   SolverMemory memory;
-  archive(positions, velocities, steps, held);
+  archive(x, v, steps, held);
   memory.serialize(archive);
   const auto has_all = [&](const PointArray& field) {
     return field.rows() == body.mesh().num_nodes() && field.allFinite();
   };
-  if (!has_all(positions) || !has_all(velocities) || !(memory.start.rows() == 0 || has_all(memory.start)) ||
-      !memory.is_valid() || steps < 0 || held.size() != num_nodes || archive.rest() != 0 ||
+  if (!has_all(x) || !has_all(v) || !(memory.start.rows() == 0 || has_all(memory.start)) || !memory.is_valid() ||
+      steps < 0 || held.size() != num_nodes || archive.rest() != 0 ||
       std::ranges::any_of(held, [](unsigned char how) { return how > kPrescribed; }))
     throw InputError("the saved motion is of another body");
   std::stringstream before;
@@ -314,8 +315,8 @@ void MovingBody::load(std::istream& in) {
     throw;
   }
 
-  x = positions;
-  v = velocities;
+  positions = x;
+  velocities = v;
   euler_.memory() = std::move(memory);
   steps_ = steps;
   latest = {};
@@ -333,8 +334,8 @@ void MovingBody::tell_fixed() {
 
 std::string MovingBody::state_hash() const {
   StateHash hash;
-  hash.add(x.data(), x.size() * sizeof(double));
-  hash.add(v.data(), v.size() * sizeof(double));
+  hash.add(positions.data(), positions.size() * sizeof(double));
+  hash.add(velocities.data(), velocities.size() * sizeof(double));
   body.add_to(hash);
   return hash.text();
 }

@@ -34,6 +34,6 @@ int main() {
   for (const double until : {.5, 1., 2.}) {
     while (moving.time() < until) moving.step();
     std::printf("t = %.1f s: force on a jaw %.2f N, height of the strip %.1f mm\n", moving.time(),
-                jaws[0].contact().force().norm(), 1e3 * moving.x.col(2).maxCoeff());
+                jaws[0].contact().force().norm(), 1e3 * moving.positions.col(2).maxCoeff());
   }
 }

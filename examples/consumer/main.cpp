@@ -17,7 +17,7 @@ int main() {
   };
   MovingBody moving(std::move(bar), motion);
   moving.run(500);  // steps of 10 ms
-  const ElementFields fields = moving.body.fields(moving.x);
-  std::printf("longer by %.1f mm\n", 1e3 * (moving.x(80, 2) - .4));
+  const ElementFields fields = moving.body.fields(moving.positions);
+  std::printf("longer by %.1f mm\n", 1e3 * (moving.positions(80, 2) - .4));
   std::printf("plastic strain up to %.3f\n", std::ranges::max(fields.plastic_strain));
 }

@@ -72,9 +72,9 @@ class MovingBody {
   /// Nodes stay where they are from now on. Throws InputError where a node does not exist, as do the two below.
   void fix(std::span<const int> nodes);
 
-  /// The same, but in the next step they move to `positions` [m] (one row per node), at the velocity that this takes:
+  /// The same, but in the next step they move to `target` [m] (one row per node), at the velocity that this takes:
   /// the other nodes feel it within the step. After it they stand still.
-  void prescribe(std::span<const int> nodes, ConstPoints positions);
+  void prescribe(std::span<const int> nodes, ConstPoints target);
 
   /// Nodes move freely from now on.
   void release(std::span<const int> nodes);
@@ -97,10 +97,10 @@ class MovingBody {
   /// Back to the beginning: the initial body at rest, at time 0, without solver memory. Nodes that are fixed stay so.
   void reset();
 
-  /// Writes all that the next step depends on besides what the constructor was given: x, v, the number of steps, fixed
-  /// nodes, prescribed displacements, solver_memory(), the body (Body::save) and what forces remember. A motion that
-  /// loads it goes on as this one does, bit for bit, whatever it and its solver have done before. Throws InputError
-  /// when the stream does not take it all.
+  /// Writes all that the next step depends on besides what the constructor was given: positions, velocities, the number
+  /// of steps, fixed nodes, prescribed displacements, solver_memory(), the body (Body::save) and what forces remember.
+  /// A motion that loads it goes on as this one does, bit for bit, whatever it and its solver have done before. Throws
+  /// InputError when the stream does not take it all.
   void save(std::ostream& out) const;
 
   /// Takes over what `save` wrote for a body of the same mesh and settings, with the same masses, dt, gravity, damping
@@ -108,8 +108,8 @@ class MovingBody {
   /// InputError for what is damaged, of another format version or of another motion; this is then as before.
   void load(std::istream& in);
 
-  /// What the steps so far have left for the linear solver of the next one: the third part of the motion, besides x and
-  /// v. Whoever puts others in their place resets it, or what comes depends on what was solved before.
+  /// What the steps so far have left for the linear solver of the next one: the third part of the motion, besides
+  /// positions and velocities. A caller that replaces these resets it, or what comes depends on what was solved before.
   SolverMemory& solver_memory() { return euler_.memory(); }
 
   long steps() const { return steps_; }                              ///< so far
@@ -122,8 +122,8 @@ class MovingBody {
   const std::vector<double>& mass() const { return mass_; }  ///< [kg] per node
 
   Body body;
-  PointArray x;  ///< [m] num_nodes x 3
-  PointArray v;  ///< [m/s] num_nodes x 3
+  PointArray positions;   ///< [m] num_nodes x 3
+  PointArray velocities;  ///< [m/s] num_nodes x 3
 
  private:
   void tell_fixed();  // the system, what held_ says
@@ -141,7 +141,7 @@ class MovingBody {
   std::uint64_t identity_;
   std::vector<unsigned char> held_;  // per node: free, fixed, or prescribed for the next step
   long steps_ = 0;
-  PointArray x_before_, v_before_;  // of the step under way
+  PointArray positions_before_, velocities_before_;  // of the step under way
   SolverMemory memory_before_;
   std::vector<std::byte> forces_before_;
 };

@@ -134,7 +134,8 @@ void Simulation::advance(const PointArray& forces, RunReport& report) {
   if (arguments_.reactions) reactions_ = moving_->support_forces();
   report.add(moving_->latest, flowed);
   body_->refresh();
-  if (record_ && record_->wants(moving_->steps())) record_->add(moving_->steps(), moving_->x, moving_->v, conditions());
+  if (record_ && record_->wants(moving_->steps()))
+    record_->add(moving_->steps(), moving_->positions, moving_->velocities, conditions());
 }
 
 RunReport Simulation::run(long steps, const py::object& forces) {
@@ -170,7 +171,7 @@ void Simulation::record() {
 std::string Simulation::page() {
   const Turn turn(taken());
   const std::shared_ptr<const MotionRecord> shown = record_ ? record_ : new_record();
-  return shown->page(moving_->steps(), moving_->x, moving_->v, conditions());
+  return shown->page(moving_->steps(), moving_->positions, moving_->velocities, conditions());
 }
 
 py::array Simulation::picture(int width, int height) {
@@ -190,8 +191,9 @@ py::array Simulation::picture(int width, int height) {
     shown.instruments.back().id = static_cast<int>(shown.instruments.size());
   }
   output::Gallery gallery(body.mesh(), "Simulation", output::time_decimals(moving_->dt()), staging);
-  gallery.add(moving_->steps(), moving_->time(), moving_->x,
-              output::values_of(staging.quantity, body, moving_->x, moving_->v, staging.regions), body.alive(), shown);
+  gallery.add(moving_->steps(), moving_->time(), moving_->positions,
+              output::values_of(staging.quantity, body, moving_->positions, moving_->velocities, staging.regions),
+              body.alive(), shown);
   output::Image image;
   gallery.for_each_drawing([&](int, const output::Drawing& drawing) { image = renderer->render(drawing); });
   py::array_t<std::uint8_t> pixels({height, width, 3});
@@ -244,8 +246,8 @@ void Simulation::set_state(py::handle positions, py::handle velocities) {
   if (!as_points(x).allFinite() || !as_points(v).allFinite())
     throw InputError("positions and velocities must be finite");
   const Turn turn(taken());
-  moving_->x = as_points(x);
-  moving_->v = as_points(v);
+  moving_->positions = as_points(x);
+  moving_->velocities = as_points(v);
   moving_->solver_memory().reset();
   if (record_) begin_record();
 }
@@ -261,7 +263,7 @@ std::shared_ptr<MotionRecord> Simulation::new_record() const {
 
 void Simulation::begin_record() {
   record_ = new_record();
-  record_->add(moving_->steps(), moving_->x, moving_->v, conditions());
+  record_->add(moving_->steps(), moving_->positions, moving_->velocities, conditions());
 }
 
 void add_simulation(py::module_& module) {
@@ -318,11 +320,12 @@ void add_simulation(py::module_& module) {
       .def_property_readonly("kinetic_energy", in_turn([](Simulation& s) {
                                const std::vector<double>& mass = s.get().mass();
                                const auto size = static_cast<Eigen::Index>(mass.size());
-                               return kinetic_energy(Eigen::Map<const Eigen::VectorXd>(mass.data(), size), s.get().v);
+                               return kinetic_energy(Eigen::Map<const Eigen::VectorXd>(mass.data(), size),
+                                                     s.get().velocities);
                              }),
                              "[J]")
-      .def_property_readonly("elastic_energy", in_turn([](Simulation& s) { return s.get().body.energy(s.get().x); }),
-                             "[J]")
+      .def_property_readonly("elastic_energy",
+                             in_turn([](Simulation& s) { return s.get().body.energy(s.get().positions); }), "[J]")
       .def(
           "step", [](Simulation& s, const py::object& forces) { return s.run(1, forces); },
           py::arg("forces") = py::none(), "One time step under nodal forces (n, 3) [N]; without, under none")
@@ -425,7 +428,7 @@ void add_simulation(py::module_& module) {
                         made->load(state[3].cast<py::bytes>());
                         return made;
                       }))
-      .def("fields", in_turn([](Simulation& s) { return s.get().body.fields(s.get().x); }),
+      .def("fields", in_turn([](Simulation& s) { return s.get().body.fields(s.get().positions); }),
            "Fields at the present positions")
       .def("state_hash", in_turn([](Simulation& s) { return s.get().state_hash(); }),
            "16 hexadecimal digits over positions, velocities and everything plastic");

@@ -36,8 +36,8 @@ class Simulation {
   Simulation(std::shared_ptr<Body> body, Arguments arguments);
 
   MovingBody& get() { return *moving_; }
-  const PointArray& positions() const { return moving_->x; }
-  const PointArray& velocities() const { return moving_->v; }
+  const PointArray& positions() const { return moving_->positions; }
+  const PointArray& velocities() const { return moving_->velocities; }
   const std::vector<double>& masses() const { return moving_->mass(); }
   const std::shared_ptr<Body>& body() const { return body_; }
   std::atomic_flag& taken() { return body_->taken(); }

@@ -73,11 +73,11 @@ TEST_P(Bar, FollowsTheReferenceAndKeepsItsShapeAfterwards) {
       EXPECT_NEAR(actual, row[key].get<double>(), tolerance * peak(key)) << key << " at " << simulation.time() << " s";
     };
     expect("elong_mat", elongation(ends, plastic_rest()), 0.01);
-    expect("elong_world", elongation(ends, simulation.x), 0.02);
-    expect("elong_face", face_elongation(simulation.x), 0.02);
+    expect("elong_world", elongation(ends, simulation.positions), 0.02);
+    expect("elong_face", face_elongation(simulation.positions), 0.02);
     if (is_stretched()) continue;
     expect("twist_mat", twist(mesh, ends, plastic_rest()) * kDegrees, 0.01);
-    expect("twist_world", twist(mesh, ends, simulation.x) * kDegrees, 0.02);
+    expect("twist_world", twist(mesh, ends, simulation.positions) * kDegrees, 0.02);
   }
 
   EXPECT_NEAR(permanent(), GetParam().expected, 0.02 * GetParam().expected);

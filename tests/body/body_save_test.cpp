@@ -238,7 +238,7 @@ TEST_P(SavedMotion, GoesOnWithTheSameBitsWhateverWasSolvedBefore) {
   straight->run(3);
   const std::vector<int> prescribed{140, 141};
   straight->fix(std::vector{142});
-  straight->prescribe(prescribed, straight->x.middleRows(140, 2) * 1.001);
+  straight->prescribe(prescribed, straight->positions.middleRows(140, 2) * 1.001);
   const std::string bytes = saved(*straight);
   straight->run(9);
   EXPECT_EQ(straight->body.removed().size() > 3, tears()) << straight->body.removed().size();
@@ -302,12 +302,12 @@ TEST(MovingBody, GoesOnFromGivenPositionsWhateverWasSolvedBefore) {
   worked.run(12);
   EXPECT_GT(worked.solver_memory().start.rows(), 0);
   const std::string history = saved(worked.body);
-  const PointArray x = worked.x, v = worked.v;
+  const PointArray x = worked.positions, v = worked.velocities;
   worked.run(3);
   for (MovingBody* moving : {&worked, &fresh}) {
     load(moving->body, history);
-    moving->x = x;
-    moving->v = v;
+    moving->positions = x;
+    moving->velocities = v;
     moving->solver_memory().reset();
     moving->run(5);
   }

@@ -227,14 +227,14 @@ TEST_F(SizesOfCalls, OfSystemsAndIntegrators) {
          if (wrong.rows() == kRows) wrong = kCalled.positions();
          newton.solve(system, solver, 0, wrong);
        }},
-      {"MovingBody", "v", kRows,
+      {"MovingBody", "velocities", kRows,
        [&](PointArray& wrong) {
-         moving.v = wrong;
+         moving.velocities = wrong;
          moving.step();
        }},
-      {"MovingBody", "v", kRows,
+      {"MovingBody", "velocities", kRows,
        [&](PointArray& wrong) {
-         moving.v = wrong;
+         moving.velocities = wrong;
          moving.fix(std::vector{0});
        }},
   });

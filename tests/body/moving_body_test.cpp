@@ -33,12 +33,12 @@ TEST(MovingBody, FallsFreelyWhileItUnfolds) {
   for (const int cells : {2, 6}) {
     const HexMesh mesh = support::distorted_block({cells, cells, 4}, 0.1, 0.1, 201);
     MovingBody falling(Body(mesh, {Material{}}), {.density = 500, .dt = 0.02, .gravity = {0, 0, -9.81}});
-    falling.x += support::Random(202).field(mesh.num_nodes(), 0.08);
-    falling.body.linearize(falling.x);
+    falling.positions += support::Random(202).field(mesh.num_nodes(), 0.08);
+    falling.body.linearize(falling.positions);
     ASSERT_TRUE(falling.body.state().recovery().acts());
     falling.run(5);
     const Eigen::Map<const Eigen::VectorXd> mass(falling.mass().data(), mesh.num_nodes());
-    const Vec3 momentum = falling.v.transpose() * mass;
+    const Vec3 momentum = falling.velocities.transpose() * mass;
     EXPECT_LE((momentum - Vec3(0, 0, -9.81 * 0.1 * mass.sum())).norm(), 1e-9 * mass.sum());
   }
 }
@@ -47,10 +47,10 @@ TEST(MovingBody, StaysStretchedWhateverSolvesIt) {
   MovingBody direct(yielding_bar(), pulling());
   MovingBody iterative(yielding_bar(), pulling(), std::make_unique<PreconditionedConjugateGradients>(1e-10, 1000));
   for (MovingBody* moving : {&direct, &iterative}) moving->run(300);
-  EXPECT_GT(direct.x(80, 2), 0.41);
-  EXPECT_GT(direct.body.fields(direct.x).plastic_strain[0], 0.01);
-  EXPECT_LE(support::max_abs(direct.x - iterative.x), 1e-6);
-  EXPECT_EQ(direct.x.topRows(9), direct.body.mesh().positions().topRows(9));
+  EXPECT_GT(direct.positions(80, 2), 0.41);
+  EXPECT_GT(direct.body.fields(direct.positions).plastic_strain[0], 0.01);
+  EXPECT_LE(support::max_abs(direct.positions - iterative.positions), 1e-6);
+  EXPECT_EQ(direct.positions.topRows(9), direct.body.mesh().positions().topRows(9));
   EXPECT_NE(direct.state_hash(), iterative.state_hash());
 }
 
@@ -108,20 +108,20 @@ TEST(MovingBody, TakesOtherForcesIntoItsSteps) {
     };
     moving.run(20);
     fall(20);
-    EXPECT_LE((moving.x.col(2) - mesh.positions().col(2)).array().abs().maxCoeff() - std::abs(z), 1e-12);
-    EXPECT_NEAR(moving.x(0, 2), z, 1e-12);
+    EXPECT_LE((moving.positions.col(2) - mesh.positions().col(2)).array().abs().maxCoeff() - std::abs(z), 1e-12);
+    EXPECT_NEAR(moving.positions(0, 2), z, 1e-12);
     EXPECT_EQ(tethers.num_begun, 20);
-    EXPECT_EQ(tethers.end, moving.x);
+    EXPECT_EQ(tethers.end, moving.positions);
 
     std::stringstream saved;
     moving.save(saved);
-    moving.x(0, 0) = std::numeric_limits<double>::quiet_NaN();
+    moving.positions(0, 0) = std::numeric_limits<double>::quiet_NaN();
     EXPECT_THROW(moving.step(), NumericalError);
     EXPECT_EQ(tethers.num_begun, 20) << "as before the step";
     moving.load(saved);
     moving.step();
     fall(1);
-    EXPECT_NEAR(moving.x(0, 2), z, 1e-12);
+    EXPECT_NEAR(moving.positions(0, 2), z, 1e-12);
     moving.reset();
     EXPECT_EQ(tethers.num_begun, 0);
   }
@@ -136,18 +136,18 @@ TEST(MovingBody, MeasuresTheForcesOfItsSupports) {
   MovingBody hanging(yielding_bar(), motion), other(yielding_bar(), motion);
   EXPECT_EQ(hanging.support_forces().rows(), 0);
   hanging.measure_supports();
-  const Eigen::Map<const Eigen::VectorXd> mass(hanging.mass().data(), hanging.x.rows());
+  const Eigen::Map<const Eigen::VectorXd> mass(hanging.mass().data(), hanging.positions.rows());
   for (int step = 0; step < 30; ++step) {
     if (step == 10) {
-      const PointArray to = hanging.x.bottomRows(9).rowwise() + Eigen::RowVector3d(0.01, 0, 0.02);
+      const PointArray to = hanging.positions.bottomRows(9).rowwise() + Eigen::RowVector3d(0.01, 0, 0.02);
       hanging.prescribe(kEnd, to);
       other.prescribe(kEnd, to);
     }
-    const Vec3 before = hanging.v.transpose() * mass;
+    const Vec3 before = hanging.velocities.transpose() * mass;
     hanging.step();
     other.step();
     if (step == 10) continue;  // its nodes have a velocity before it, and none behind it
-    const Vec3 gained = (hanging.v.transpose() * mass - before) / hanging.dt();
+    const Vec3 gained = (hanging.velocities.transpose() * mass - before) / hanging.dt();
     const Vec3 supports = hanging.support_forces().colwise().sum();
     EXPECT_LE((gained - mass.sum() * motion.gravity - supports).norm(), 1e-8 * supports.norm());
   }
@@ -165,10 +165,11 @@ TEST(MovingBody, FallsUnderItsGravity) {
   EXPECT_NEAR(falling.time(), 0.2, 1e-15);
   EXPECT_NEAR(std::accumulate(falling.mass().begin(), falling.mass().end(), 0.0), 500 * falling.body.initial_volume(),
               1e-9);
-  for (int n = 0; n < falling.x.rows(); ++n) {
-    EXPECT_LE((falling.v.row(n).transpose() - 0.2 * gravity).norm(), 1e-9);
+  for (int n = 0; n < falling.positions.rows(); ++n) {
+    EXPECT_LE((falling.velocities.row(n).transpose() - 0.2 * gravity).norm(), 1e-9);
     EXPECT_LE(
-        (falling.x.row(n) - falling.body.mesh().positions().row(n) - 0.02 * 0.02 * 55 * gravity.transpose()).norm(),
+        (falling.positions.row(n) - falling.body.mesh().positions().row(n) - 0.02 * 0.02 * 55 * gravity.transpose())
+            .norm(),
         1e-9);
   }
 }
@@ -178,21 +179,21 @@ TEST(MovingBody, FallsUnderItsGravity) {
 TEST(MovingBody, LeadsNodesAndTheOthersAlongWithThem) {
   MovingBody moving(yielding_bar(), {.euler = {.rayleigh_stiffness = 0.05}});
   const Vec3 velocity(0.3, -0.2, 0.5);
-  const PointArray start = moving.x;
+  const PointArray start = moving.positions;
   const auto moved = [&](int steps) -> PointArray { return start.rowwise() + 0.01 * steps * velocity.transpose(); };
-  moving.v.rowwise() = velocity.transpose();
+  moving.velocities.rowwise() = velocity.transpose();
   for (int k = 1; k <= 5; ++k) {
     moving.prescribe(kEnd, moved(k).bottomRows(9));
     moving.step();
-    EXPECT_LE(support::max_abs(moving.x - moved(k)), 1e-12) << "step " << k;
+    EXPECT_LE(support::max_abs(moving.positions - moved(k)), 1e-12) << "step " << k;
   }
 
   moving.step();  // no longer prescribed, they stand
-  EXPECT_LE(support::max_abs(moving.x.bottomRows(9) - moved(5).bottomRows(9)), 1e-12);
-  EXPECT_GE(support::max_abs(moving.x.topRows(9) - moved(5).topRows(9)), 1e-3);
+  EXPECT_LE(support::max_abs(moving.positions.bottomRows(9) - moved(5).bottomRows(9)), 1e-12);
+  EXPECT_GE(support::max_abs(moving.positions.topRows(9) - moved(5).topRows(9)), 1e-3);
   moving.release(kEnd);
   moving.run(3);
-  EXPECT_GE(support::max_abs(moving.x.bottomRows(9) - moved(5).bottomRows(9)), 1e-3);
+  EXPECT_GE(support::max_abs(moving.positions.bottomRows(9) - moved(5).bottomRows(9)), 1e-3);
 }
 
 // Without lateral contraction the bar is in the end stretched as its end is; on the way there it lags behind.
@@ -203,20 +204,20 @@ TEST(MovingBody, LeadsNodesInFirstOrderToo) {
   const PointArray goal = support::mapped(mesh.positions(), Vec3(1, 1, 1.01).asDiagonal());
   moving.prescribe(kEnd, goal.bottomRows(9));
   moving.step();
-  EXPECT_LE(support::max_abs(moving.x.bottomRows(9) - goal.bottomRows(9)), 1e-15);
-  EXPECT_GT(moving.x(63, 2), mesh.positions()(63, 2) + 1e-5) << "the others feel it within the step";
+  EXPECT_LE(support::max_abs(moving.positions.bottomRows(9) - goal.bottomRows(9)), 1e-15);
+  EXPECT_GT(moving.positions(63, 2), mesh.positions()(63, 2) + 1e-5) << "the others feel it within the step";
   moving.run(500);
-  EXPECT_LE(support::max_abs(moving.x - goal), 1e-9);
+  EXPECT_LE(support::max_abs(moving.positions - goal), 1e-9);
 }
 
 TEST(MovingBody, FixesNodesOnTheWay) {
   MovingBody moving(yielding_bar(), {.gravity = {0, 0, -1}});
   moving.run(3);
-  const PointArray x = moving.x;
+  const PointArray x = moving.positions;
   moving.fix(kEnd);
   moving.run(3);
-  EXPECT_EQ(moving.x.bottomRows(9), x.bottomRows(9));
-  EXPECT_LT(moving.x(0, 2), x(0, 2));
+  EXPECT_EQ(moving.positions.bottomRows(9), x.bottomRows(9));
+  EXPECT_LT(moving.positions(0, 2), x(0, 2));
 }
 
 TEST(MovingBody, LeavesNodesWithoutHexahedronWhereTheyAre) {
@@ -230,41 +231,41 @@ TEST(MovingBody, LeavesNodesWithoutHexahedronWhereTheyAre) {
   MovingBody iterative(body, {.gravity = {0, 0, -10}}, std::make_unique<PreconditionedConjugateGradients>(1e-10, 100));
   for (MovingBody* moving : {&direct, &iterative}) {
     moving->step();
-    EXPECT_EQ(moving->x.row(0), positions.row(0));
-    EXPECT_NEAR(moving->x(1, 2), -10 * 0.01 * 0.01, 1e-12);
+    EXPECT_EQ(moving->positions.row(0), positions.row(0));
+    EXPECT_NEAR(moving->positions(1, 2), -10 * 0.01 * 0.01, 1e-12);
   }
 }
 
 TEST(MovingBody, FixedNodesStayWhateverTheirVelocitiesSay) {
   MovingBody moving(yielding_bar(), {.fixed = {0, 1, 2}});
-  const PointArray before = moving.x.topRows(3);
-  moving.v.row(1) << 1, 2, 3;
+  const PointArray before = moving.positions.topRows(3);
+  moving.velocities.row(1) << 1, 2, 3;
   moving.run(3);
-  EXPECT_EQ(moving.x.topRows(3), before);
-  EXPECT_TRUE(moving.v.topRows(3).isZero(0));
+  EXPECT_EQ(moving.positions.topRows(3), before);
+  EXPECT_TRUE(moving.velocities.topRows(3).isZero(0));
 }
 
 TEST(MovingBody, NodesThatAreReleasedBeforeTheStepDoNotKeepTheVelocityToTheirPlace) {
   MovingBody moving(yielding_bar(), {.fixed = {0, 1, 2}});
   const std::vector<int> nodes{40, 41};
-  moving.prescribe(nodes, moving.x.middleRows(40, 2) * 1.5);
+  moving.prescribe(nodes, moving.positions.middleRows(40, 2) * 1.5);
   moving.release(nodes);
-  EXPECT_TRUE(moving.v.isZero(0));
+  EXPECT_TRUE(moving.velocities.isZero(0));
 }
 
 TEST(MovingBody, RepeatsItsBitsAfterReset) {
   MovingBody moving(yielding_bar(), pulling());
-  const double* memory = moving.x.data();
+  const double* memory = moving.positions.data();
   moving.run(40);
   const std::string once = moving.state_hash();
   EXPECT_GT(moving.body.state().history.dissipated_energy, 0);
   moving.reset();
   EXPECT_EQ(moving.steps(), 0);
-  EXPECT_EQ(moving.x, moving.body.mesh().positions());
+  EXPECT_EQ(moving.positions, moving.body.mesh().positions());
   EXPECT_EQ(moving.state_hash(), MovingBody(yielding_bar(), pulling()).state_hash());
   moving.run(40);
   EXPECT_EQ(moving.state_hash(), once);
-  EXPECT_EQ(moving.x.data(), memory) << "a view of the positions would dangle";
+  EXPECT_EQ(moving.positions.data(), memory) << "a view of the positions would dangle";
 }
 
 /// Every number that a step changes.
@@ -300,16 +301,16 @@ TEST(MovingBody, IsAsBeforeWhereAStepThrows) {
       MovingBody moving(yielding_bar(), motion, make_solver()), untroubled(yielding_bar(), motion, make_solver());
       const std::vector<int> prescribed{72, 73};
       const auto go_on = [&](MovingBody& of, int steps) {
-        of.prescribe(prescribed, of.x.middleRows(72, 2) * 1.001);
+        of.prescribe(prescribed, of.positions.middleRows(72, 2) * 1.001);
         for (int k = 0; k < steps; ++k) of.step();
       };
       for (MovingBody* of : {&moving, &untroubled}) {
         if (first_steps % 2 == 1) of->run(20);  // else it fails in the very first step
-        of->prescribe(prescribed, of->x.middleRows(72, 2) * 1.002);
+        of->prescribe(prescribed, of->positions.middleRows(72, 2) * 1.002);
       }
       ++first_steps;
       const auto before = state_of(moving);
-      const double* memory = moving.x.data();
+      const double* memory = moving.positions.data();
       force = trouble.force;
       throws = trouble.force == 0;
       for (int k = 0; k < 2; ++k) {
@@ -321,7 +322,7 @@ TEST(MovingBody, IsAsBeforeWhereAStepThrows) {
         }
         EXPECT_TRUE(state_of(moving) == before) << trouble.what;
       }
-      EXPECT_EQ(moving.x.data(), memory) << "a view of the positions would dangle";
+      EXPECT_EQ(moving.positions.data(), memory) << "a view of the positions would dangle";
 
       force = 0;
       throws = false;
@@ -398,10 +399,10 @@ TEST(MovingBody, RefusesWhatCannotMove) {
   EXPECT_TRUE(refuses<InputError>([&] { moving.release(std::vector{81}); }, {"81"}));
   EXPECT_TRUE(refuses<InputError>([&] { moving.prescribe(kEnd, PointArray::Zero(8, 3)); }, {"8 positions", "9 nodes"}));
   EXPECT_TRUE(refuses<InputError>([&] { moving.prescribe(kEnd, PointArray::Constant(9, 3, infinite)); }, {"finite"}));
-  moving.prescribe(kEnd, moving.x.bottomRows(9));
-  moving.v = PointArray::Zero(3, 3);
-  EXPECT_TRUE(refuses<InputError>([&] { moving.step(); }, {"v has 3 rows, must have 81"}));
-  EXPECT_TRUE(refuses<InputError>([&] { moving.release(kEnd); }, {"v has 3 rows, must have 81"}));
+  moving.prescribe(kEnd, moving.positions.bottomRows(9));
+  moving.velocities = PointArray::Zero(3, 3);
+  EXPECT_TRUE(refuses<InputError>([&] { moving.step(); }, {"velocities has 3 rows, must have 81"}));
+  EXPECT_TRUE(refuses<InputError>([&] { moving.release(kEnd); }, {"velocities has 3 rows, must have 81"}));
 }
 
 // The first call after a move must not look where the body has been.
@@ -460,7 +461,7 @@ TEST(MovingBody, ManyInOneParallelLoopHaveTheBitsThatTheyHaveAlone) {
         f.bottomRows(9).col(2).array() += time < (kLast - .5) * .01 ? .4 : NAN;
       };
     MovingBody body(yielding_bar(), motion);
-    body.x.bottomRows(9).col(2).array() += 1e-4 * k;  // no two are the same
+    body.positions.bottomRows(9).col(2).array() += 1e-4 * k;  // no two are the same
     return body;
   };
   std::vector<std::string> alone;

@@ -110,7 +110,7 @@ PointArray loaded_bar(RestShape rest_shape, const Mat3& R, const Vec3& shift) {
       std::move(setup));
   bar.run(100);
   EXPECT_GT(bar.body.state().history.dissipated_energy, 0);
-  return mapped(mapped(bar.x, Mat3::Identity(), -shift), R.transpose());
+  return mapped(mapped(bar.positions, Mat3::Identity(), -shift), R.transpose());
 }
 
 TEST(Trajectory, TurnsAndMovesWithTheScene) {

@@ -46,7 +46,7 @@ support::Simulation free_bar(const Material& m, const Settings& settings = {}, s
 
 /// Over Young's modulus and the volume of the whole bar. It knows the shape and forgets where it lies.
 double relative_energy(const support::Simulation& bar) {
-  return bar.body.energy(bar.x) / (5000 * 16 * kEdge * kEdge * kEdge);
+  return bar.body.energy(bar.positions) / (5000 * 16 * kEdge * kEdge * kEdge);
 }
 
 /// How the nodes of a bar are moved at random before the bar is released.
@@ -104,11 +104,11 @@ int num_that_recover(const Deformation& deformation, const Settings& settings) {
   int num_recovered = 0;
   for (int seed = 0; seed < num_seeds(); ++seed) {
     support::Simulation bar = free_bar(Material{}, settings);
-    bar.x = deformation.positions(bar.body.mesh().positions(), 1000 + seed);
+    bar.positions = deformation.positions(bar.body.mesh().positions(), 1000 + seed);
     const double at_first = relative_energy(bar);
     for (int k = 0; k < 400 && relative_energy(bar) > 1e-12; k += 20) {
       bar.run(20);
-      EXPECT_TRUE(bar.x.allFinite() && bar.v.allFinite()) << "seed " << seed;
+      EXPECT_TRUE(bar.positions.allFinite() && bar.velocities.allFinite()) << "seed " << seed;
     }
     EXPECT_LT(relative_energy(bar), at_first) << "seed " << seed;
     num_recovered += relative_energy(bar) < 1e-9;
@@ -154,12 +154,12 @@ TEST(Scrambled, PlasticBodyStaysFiniteAndNeverTurnsMaterialInsideOut) {
   for (int seed = 0; seed < num_seeds(); ++seed) {
     support::Simulation bar = free_bar(kSoft, kJoined);
     Random random(1000 + seed);
-    bar.x = random.field(bar.x.rows(), 0.3);
+    bar.positions = random.field(bar.positions.rows(), 0.3);
     for (int k = 0; k < 200; ++k) {
       bar.step();
       ASSERT_TRUE(is_material_sound(bar.body)) << "step " << k;
     }
-    EXPECT_TRUE(bar.x.allFinite());
+    EXPECT_TRUE(bar.positions.allFinite());
     // of a hundred deformations 7.5 % at most, by all but three of them less than 5 %
     EXPECT_NEAR(bar.body.volume(bar.body.state().history.plastic_rest_positions) / bar.body.initial_volume(), 1, 0.1);
   }
@@ -242,18 +242,18 @@ TEST_P(Recovers, FromAThrow) {
       bar.body.remove(ordeal.removed);
       const PointArray& X = bar.body.mesh().positions();
       const std::vector<int> held = ordeal.held(bar.body.mesh());
-      bar.x = kDeformations[seed % std::size(kDeformations)].positions(X, 1000 + seed);
+      bar.positions = kDeformations[seed % std::size(kDeformations)].positions(X, 1000 + seed);
       for (const int n : held)
-        if (!ordeal.held_as_deformed) bar.x.row(n) = X.row(n);
+        if (!ordeal.held_as_deformed) bar.positions.row(n) = X.row(n);
       bar.fix(held);
       const auto springs_act = [&] {
-        bar.body.linearize(bar.x);
+        bar.body.linearize(bar.positions);
         return bar.body.state().recovery().acts();
       };
       EXPECT_TRUE(springs_act()) << name << ", seed " << seed;
 
       bar.run(settings.law == ElasticLaw::kCorotated ? 400 : 800);
-      EXPECT_TRUE(bar.x.allFinite() && bar.v.allFinite()) << name << ", seed " << seed;
+      EXPECT_TRUE(bar.positions.allFinite() && bar.velocities.allFinite()) << name << ", seed " << seed;
       num_unfolded += !springs_act();
       in_the_way = false;
       if (ordeal.is_released) bar.release(held);
@@ -303,12 +303,12 @@ TEST(Simulation, StaysFiniteForEveryTimeStepAndStiffness) {
           support::Simulation bar = bent_bar(E, dt, yield_fraction, rest_shape);
           for (int k = 0; k < 50; ++k) {
             bar.step();
-            ASSERT_TRUE(bar.x.allFinite() && bar.v.allFinite() &&
+            ASSERT_TRUE(bar.positions.allFinite() && bar.velocities.allFinite() &&
                         bar.body.state().history.plastic_rest_positions.allFinite() &&
                         std::isfinite(bar.body.dissipated_energy()))
                 << "E " << E << " dt " << dt << " step " << k;
           }
-          ASSERT_LE(support::max_abs(bar.x), 10) << "E " << E << " dt " << dt;
+          ASSERT_LE(support::max_abs(bar.positions), 10) << "E " << E << " dt " << dt;
         }
     }
   }
@@ -319,11 +319,11 @@ TEST(Simulation, ComesToRestWhereTheTimeStepDoesNotMatter) {
   for (const double E : {1e2, 1e5, 1e9}) {
     support::Simulation reference = bent_bar(E, 0.1, 1e3);
     reference.run(static_cast<int>(kDuration / 0.1));
-    EXPECT_GT(support::max_abs(reference.x - reference.body.mesh().positions()), 0.01 * kEdge);
+    EXPECT_GT(support::max_abs(reference.positions - reference.body.mesh().positions()), 0.01 * kEdge);
     for (const double dt : {0.4, 1.0}) {
       support::Simulation bar = bent_bar(E, dt, 1e3);
       bar.run(static_cast<int>(kDuration / dt));
-      EXPECT_LE(support::max_abs(bar.x - reference.x), 1e-8 * 0.4) << "E " << E << " dt " << dt;
+      EXPECT_LE(support::max_abs(bar.positions - reference.positions), 1e-8 * 0.4) << "E " << E << " dt " << dt;
     }
   }
 }

@@ -200,7 +200,7 @@ TEST(Tearing, LeavesEachPieceItsMomentum) {
     std::vector<Vec3> of_part(parts.count + 1, Vec3::Zero());  // the last one: nodes without hexahedron
     for (int n = 0; n < mesh.num_nodes(); ++n)
       of_part[parts.part_of_node[n] < 0 ? parts.count : parts.part_of_node[n]] +=
-          sheet.mass()[n] * sheet.v.row(n).transpose();
+          sheet.mass()[n] * sheet.velocities.row(n).transpose();
     return of_part;
   };
   for (int k = 0; k < 200 && parts.count == 1; ++k) {

@@ -176,15 +176,17 @@ TEST_P(EveryForm, ConvergesWithMultigridInEachPrecision) {
 
 TEST_P(EveryForm, KeepsItsMomentumWhileSpinning) {
   support::Simulation bar(body_of(support::block({2, 2, 4}, kEdge)), {});
-  const Vec3 omega(4, 0, 0), drift(0.3, -0.2, 0.1), centre = bar.x.colwise().mean().transpose();
-  for (int n = 0; n < bar.x.rows(); ++n) bar.v.row(n) = (drift + omega.cross(Vec3(bar.x.row(n)) - centre)).transpose();
+  const Vec3 omega(4, 0, 0), drift(0.3, -0.2, 0.1), centre = bar.positions.colwise().mean().transpose();
+  for (int n = 0; n < bar.positions.rows(); ++n)
+    bar.velocities.row(n) = (drift + omega.cross(Vec3(bar.positions.row(n)) - centre)).transpose();
   const auto momentum = [&] {
-    return Vec3(bar.v.transpose() * Eigen::Map<const Eigen::VectorXd>(bar.mass().data(), bar.x.rows()));
+    return Vec3(bar.velocities.transpose() *
+                Eigen::Map<const Eigen::VectorXd>(bar.mass().data(), bar.positions.rows()));
   };
   const auto angular_momentum = [&] {
     Vec3 sum = Vec3::Zero();
-    for (int n = 0; n < bar.x.rows(); ++n)
-      sum += bar.mass()[n] * (Vec3(bar.x.row(n)) - centre).cross(Vec3(bar.v.row(n)));
+    for (int n = 0; n < bar.positions.rows(); ++n)
+      sum += bar.mass()[n] * (Vec3(bar.positions.row(n)) - centre).cross(Vec3(bar.velocities.row(n)));
     return sum;
   };
   const Vec3 before = angular_momentum(), momentum_before = momentum();

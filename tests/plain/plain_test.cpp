@@ -370,7 +370,7 @@ TEST(Plain, ABodyMovesAsAFastOne) {
     const RunReport report = moving.run(10);
     EXPECT_GT(report.flow.yielded, 0);
     EXPECT_EQ(report.stalled, 0);
-    return moving.x;
+    return moving.positions;
   };
   const auto direct = [] { return std::unique_ptr<LinearSolver>(); };
   const auto preconditioned = [](Preconditioner by) {

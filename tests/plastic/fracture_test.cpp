@@ -119,7 +119,7 @@ TEST(Fracture, OfABarUnderASymmetricLoadIsSymmetric) {
     }
     EXPECT_NEAR(first, expected_time, 0.02);
     EXPECT_EQ(bar.mass(), mass);
-    EXPECT_TRUE(bar.x.allFinite());
+    EXPECT_TRUE(bar.positions.allFinite());
   }
 }
 

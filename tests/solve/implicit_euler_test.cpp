@@ -94,11 +94,11 @@ TEST(ImplicitEuler, NamesTheNodeThatLeavesTheFiniteNumbersAndKeepsTheState) {
   support::Simulation body(Body(support::block({1, 1, 1}, 0.1), {Material{}}), std::move(setup),
                            exact_conjugate_gradients());
   body.run(2);
-  const PointArray x = body.x, v = body.v;
+  const PointArray x = body.positions, v = body.velocities;
   spoiled = true;
   EXPECT_TRUE(support::refuses<NumericalError>([&] { body.step(); }, {"node 5"}));
-  EXPECT_EQ(body.x, x);
-  EXPECT_EQ(body.v, v);
+  EXPECT_EQ(body.positions, x);
+  EXPECT_EQ(body.velocities, v);
 }
 
 }  // namespace

@@ -87,7 +87,7 @@ TEST(MixedPrecision, LetsStiffBodiesFallAsTheyMust) {
       MovingBody falling(std::move(bar), {.density = density, .dt = 0.01, .gravity = {0, 0, -9.81}},
                          std::make_unique<PreconditionedConjugateGradients>(1e-3, 500, preconditioner));
       const RunReport report = falling.run(20);
-      EXPECT_NEAR(falling.v.col(2).mean(), -9.81 * 0.2, 0.02 * 9.81 * 0.2) << young_modulus;
+      EXPECT_NEAR(falling.velocities.col(2).mean(), -9.81 * 0.2, 0.02 * 9.81 * 0.2) << young_modulus;
       EXPECT_TRUE(report.solve.converged);
     }
 }

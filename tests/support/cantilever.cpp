@@ -31,7 +31,7 @@ double relative_deflection(const HexMesh& mesh, std::span<const double> weights,
 
   double deflection = 0;
   for (std::size_t k = 0; k < tip.size(); ++k)
-    deflection += weights[k] * (beam.x(tip[k], 2) - mesh.positions()(tip[k], 2));
+    deflection += weights[k] * (beam.positions(tip[k], 2) - mesh.positions()(tip[k], 2));
   const double area = kWidth * kWidth, inertia = area * area / 12;
   return deflection /
          (kForce * kLength * kLength * kLength / (3 * E * inertia) + kForce * kLength / (5.0 / 6 * G * area));
