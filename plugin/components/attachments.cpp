@@ -55,16 +55,16 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
 
   bool may_change(std::string_view attribute) const override { return attribute != "twoWay"; }
 
-  void project(OfTwo<Points> field) const override {
+  void project(Pair<Points> field) const override {
     for (const auto& [first, second] : pairs()) draw_together(field.first.row(first), field.second.row(second));
   }
 
   void fix(NodeMaskRows second) const override {
-    for (const Pair& pair : pairs()) second.row(pair.second).setZero();
+    for (const Tie& pair : pairs()) second.row(pair.second).setZero();
   }
 
   // The first node keeps its position, but not its velocity, in both ways.
-  void project_motion(double, OfTwo<Points> x, OfTwo<Points> v) const override {
+  void project_motion(double, Pair<Points> x, Pair<Points> v) const override {
     for (const auto& [first, second] : pairs())
       x.second.row(second) -= .5 * (x.second.row(second) - x.first.row(first));
     for (const auto& [first, second] : pairs()) draw_together(v.first.row(first), v.second.row(second));
@@ -73,7 +73,7 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
   std::vector<scene::SpringLine> spring_lines() const override {
     std::vector<scene::SpringLine> lines;
     const SpringEnds first(*states_[0]), second(*states_[1]);
-    for (const Pair& pair : pairs_) {
+    for (const Tie& pair : pairs_) {
       const std::optional from = first.at(pair.first), to = second.at(pair.second);
       if (from && to) lines.push_back({*from, *to});
     }
@@ -81,7 +81,7 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
   }
 
  private:
-  struct Pair {
+  struct Tie {
     int first = 0, second = 0;
   };
 
@@ -93,7 +93,7 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
   }
 
   /// Made when they are first asked for: both states have their nodes by then.
-  const std::vector<Pair>& pairs() const {
+  const std::vector<Tie>& pairs() const {
     if (!has_pairs_) const_cast<AttachProjectiveConstraint*>(this)->make_pairs();
     return pairs_;
   }
@@ -124,7 +124,7 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
   SystemSolver* integrator_ = nullptr;
   bool is_two_way_ = false;
   bool has_pairs_ = false, has_failed_ = false;
-  std::vector<Pair> pairs_;
+  std::vector<Tie> pairs_;
 };
 
 }  // namespace

@@ -138,10 +138,10 @@ class PartField<Part, Forces<In, Out, FirstNodes...>>
     }
   }
 
-  OfTwo<ConstPoints> of_both(PointArray& (scene::MechanicalState::*field)()) const {
+  Pair<ConstPoints> of_both(PointArray& (scene::MechanicalState::*field)()) const {
     return {ConstPoints((states_[0]->*field)()), ConstPoints((states_[1]->*field)())};
   }
-  OfTwo<ConstPoints> positions() const { return of_both(&scene::MechanicalState::positions); }
+  Pair<ConstPoints> positions() const { return of_both(&scene::MechanicalState::positions); }
 
   std::optional<Part> part_;
   scene::OdeSolver* integrator_ = nullptr;  // of contact

@@ -56,10 +56,10 @@ class SpringForceField final : public scene::ForceField,
     springs_.add_stiffness_product(factor, dx, df);
   }
   void add_stiffness_blocks(double factor, BlockMatrix& A) const override { springs_.add_stiffness_blocks(factor, A); }
-  void add_force(double, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) override {
+  void add_force(double, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, Pair<Points> f) override {
     springs_.add_force(x, v, f);
   }
-  void add_stiffness_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const override {
+  void add_stiffness_product(double factor, const Pair<ConstPoints>& dx, Pair<Points> df) const override {
     springs_.add_stiffness_product(factor, dx, df);
   }
   void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes) const override {

@@ -28,21 +28,21 @@ class ContactForce : public Force {
   virtual bool is_of_present_bodies() const = 0;
 
   /// Without what the integrator adds by its Rayleigh stiffness.
-  void add_force(double /*time*/, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) override {
+  void add_force(double /*time*/, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, Pair<Points> f) override {
     terms().add_force(x, v, f);
     if (rayleigh_stiffness_ != 0) terms().add_stiffness_product(-rayleigh_stiffness_, v, f);
   }
-  void add_load(double /*time*/, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v,
-                OfTwo<Points> f) const override {
+  void add_load(double /*time*/, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v,
+                Pair<Points> f) const override {
     terms().add_force(x, v, f);
   }
-  void add_stiffness_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const override {
+  void add_stiffness_product(double factor, const Pair<ConstPoints>& dx, Pair<Points> df) const override {
     terms().add_stiffness_product(factor, dx, df);
   }
   void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes) const override {
     terms().add_stiffness_blocks(factor, A, first_nodes);
   }
-  void add_damping_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const override {
+  void add_damping_product(double factor, const Pair<ConstPoints>& dx, Pair<Points> df) const override {
     terms().add_damping_product(factor, dx, df);
   }
   void add_damping_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes) const override {

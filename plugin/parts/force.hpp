@@ -25,7 +25,7 @@ struct Surroundings {
 };
 
 /// Forces on a state or between two: what every host drives by one template. Fields have one row per node of each
-/// state; those of a single state are given as `first` (a field converts to OfTwo), and forces are added there.
+/// state; those of a single state are given as `first` (a field converts to a Pair), and forces are added there.
 ///
 /// Of a part, hosts know besides:
 ///
@@ -44,15 +44,14 @@ class Force : public StepForces {
   static void outputs(const auto& /*visit*/) {}
 
   /// Once, before all steps of a scene: warns of what is wrong there.
-  virtual void look_at_start(double /*time*/, const OfTwo<ConstPoints>& /*x*/) {}
+  virtual void look_at_start(double /*time*/, const Pair<ConstPoints>& /*x*/) {}
 
-  void add_force(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) override {
+  void add_force(double time, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, Pair<Points> f) override {
     add_load(time, x, v, f);
   }
 
   /// f += what of it loads the body from outside [N], for files and pictures; changes nothing but f.
-  virtual void add_load(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v,
-                        OfTwo<Points> f) const = 0;
+  virtual void add_load(double time, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, Pair<Points> f) const = 0;
 
   /// [J] where forces are minus a gradient.
   virtual std::optional<double> potential_energy(double /*time*/, ConstPoints /*x*/) const { return std::nullopt; }

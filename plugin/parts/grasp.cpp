@@ -55,7 +55,7 @@ void Grasp::set_options(GraspOptions options) {
   grip_.damping = options_.damping;
 }
 
-void Grasp::begin_step(const Step& step, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& /*v*/) {
+void Grasp::begin_step(const Step& step, const Pair<ConstPoints>& x, const Pair<ConstPoints>& /*v*/) {
   dt_ = step.dt;
   if (options_.is_prescribed) {
     rayleigh_stiffness_ = step.rayleigh_stiffness;
@@ -70,7 +70,7 @@ void Grasp::begin_step(const Step& step, const OfTwo<ConstPoints>& x, const OfTw
 }
 
 // In the step the nodes have moved by what their springs have become shorter, and dashpots act by that velocity.
-void Grasp::end_step(const OfTwo<ConstPoints>& x) {
+void Grasp::end_step(const Pair<ConstPoints>& x) {
   if (!options_.is_prescribed) return;
   const PointArray begin = elongations_;
   grip_.elongations_at(prescribed_[1], x.first, elongations_);
@@ -112,7 +112,7 @@ void Grasp::serialize(Archive& archive) {
   has_closed_ = has_closed;
 }
 
-void Grasp::add_force(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) {
+void Grasp::add_force(double time, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, Pair<Points> f) {
   const Vec3 tool = tool_at(time);
   grip_.elongations_at(tool, x.first, elongations_);
   grip_.add_force(tool, x.first, f.first);

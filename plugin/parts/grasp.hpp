@@ -62,10 +62,10 @@ class Grasp final : public Force {
   }
 
   /// Closes or opens the grip. Warns where it closes on nothing.
-  void begin_step(const Step& step, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) override;
+  void begin_step(const Step& step, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v) override;
 
   /// Where it is prescribed, forces become those by which the step was solved: at its end.
-  void end_step(const OfTwo<ConstPoints>& x) override;
+  void end_step(const Pair<ConstPoints>& x) override;
 
   /// Open, as it was made.
   void reset() override;
@@ -74,9 +74,9 @@ class Grasp final : public Force {
   void serialize(Archive& archive) override;
 
   /// Forces of springs and dashpots; those of the springs alone are a load.
-  void add_force(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) override;
-  void add_load(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& /*v*/,
-                OfTwo<Points> f) const override {
+  void add_force(double time, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, Pair<Points> f) override;
+  void add_load(double time, const Pair<ConstPoints>& x, const Pair<ConstPoints>& /*v*/,
+                Pair<Points> f) const override {
     grip_.add_force(tool_at(time), x.first, f.first);
   }
 
@@ -85,7 +85,7 @@ class Grasp final : public Force {
     return grip_.energy(tool_at(time), x);
   }
 
-  void add_stiffness_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const override {
+  void add_stiffness_product(double factor, const Pair<ConstPoints>& dx, Pair<Points> df) const override {
     grip_.add_stiffness_product(elongations_, factor, dx.first, df.first);
   }
   void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2> /*first_nodes*/) const override {
@@ -94,7 +94,7 @@ class Grasp final : public Force {
   bool add_stiffness_diagonal(double factor, Points diagonal) const override {
     return grip_.add_stiffness_diagonal(elongations_, factor, diagonal);
   }
-  void add_damping_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const override {
+  void add_damping_product(double factor, const Pair<ConstPoints>& dx, Pair<Points> df) const override {
     grip_.add_damping_product(factor, dx.first, df.first);
   }
   void add_damping_blocks(double factor, BlockMatrix& A, std::array<int, 2> /*first_nodes*/) const override {

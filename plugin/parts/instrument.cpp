@@ -183,7 +183,7 @@ bool Instrument::comes_near(ConstPoints x, ConstPoints v, double dt, const Pose&
   return options_.contact.active && (!options_.embedded_triangles.empty() || contact_->can_touch(x, v, dt, from, to));
 }
 
-void Instrument::look_at_start(double time, const OfTwo<ConstPoints>& x) {
+void Instrument::look_at_start(double time, const Pair<ConstPoints>& x) {
   if (!options_.contact.active) return;
   if (options_.is_prescribed) {
     look("rigid", "begins", prescribed_[0], x.first);
@@ -254,7 +254,7 @@ Pose Instrument::pose_at(double time) const {
   return pose;
 }
 
-void Instrument::begin_step(const Step& step, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) {
+void Instrument::begin_step(const Step& step, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v) {
   const bool follows_path = !options_.is_prescribed;
   const Pose from = follows_path ? pose_at(step.time) : prescribed_[0],
              to = follows_path ? pose_at(step.time + step.dt) : prescribed_[1];
@@ -269,7 +269,7 @@ void Instrument::begin_step(const Step& step, const OfTwo<ConstPoints>& x, const
   contact_->begin_step(x.first, v.first, step.dt, from, to);
 }
 
-void Instrument::end_step(const OfTwo<ConstPoints>& x) {
+void Instrument::end_step(const Pair<ConstPoints>& x) {
   contact_->end_step(x.first);
   const double radius = contact_->solid().smallest_radius();
   if (is_too_deep_ || !(contact_->depth() > radius)) return;

@@ -66,7 +66,7 @@ class Instrument final : public ContactForce {
   void set_options(InstrumentOptions options);
 
   /// Warns where it is within the body, if it is active.
-  void look_at_start(double time, const OfTwo<ConstPoints>& x) override;
+  void look_at_start(double time, const Pair<ConstPoints>& x) override;
 
   /// It goes on in the place of another one: where it is when it is first active is nothing to warn of.
   void go_on() { has_looked_ = has_looked_at_start_ = true; }
@@ -76,10 +76,10 @@ class Instrument final : public ContactForce {
 
   /// Finds the contacts, by what the body is at present. Warns where it is within the body, in the first step in which
   /// it is active. Throws OptionError for a stiffness far beyond that of the body, or a damping.
-  void begin_step(const Step& step, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) override;
+  void begin_step(const Step& step, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v) override;
 
   /// Warns, once, that it is deeper than contact can hold it.
-  void end_step(const OfTwo<ConstPoints>& x) override;
+  void end_step(const Pair<ConstPoints>& x) override;
 
   void reset() override;
   void serialize(Archive& archive) override;
@@ -87,7 +87,7 @@ class Instrument final : public ContactForce {
   const ContactTerms& terms() const override { return contact_->terms(); }
   bool is_active() const override { return options_.contact.active; }
   bool is_of_present_bodies() const override { return default_contact_stiffness(body_, edge_) == default_stiffness_; }
-  bool release(const OfTwo<ConstPoints>& x_end, const OfTwo<ConstPoints>& v_end) override {
+  bool release(const Pair<ConstPoints>& x_end, const Pair<ConstPoints>& v_end) override {
     return contact_->release(x_end.first, v_end.first);
   }
 

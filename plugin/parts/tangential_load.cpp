@@ -35,8 +35,8 @@ void TangentialLoad::set_options(TangentialLoadOptions options) {
   loaded_.erase(std::unique(loaded_.begin(), loaded_.end()), loaded_.end());
 }
 
-void TangentialLoad::add_load(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& /*v*/,
-                              OfTwo<Points> f) const {
+void TangentialLoad::add_load(double time, const Pair<ConstPoints>& x, const Pair<ConstPoints>& /*v*/,
+                              Pair<Points> f) const {
   const double first = options_.times.front();
   if (!has_come(first, time)) return;
   const KeyPhase phase = phase_at(options_.times, std::max(time, first));

@@ -38,7 +38,7 @@ class TangentialLoad final : public Force {
   TangentialLoad(TangentialLoadOptions options, const Surroundings& around);
   void set_options(TangentialLoadOptions options);
 
-  void add_load(double time, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) const override;
+  void add_load(double time, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, Pair<Points> f) const override;
   bool is_in_matrix() const override { return false; }
   std::span<const int> loaded_nodes() const override { return loaded_; }
 

@@ -75,13 +75,13 @@ std::array<double, 2> Tissues::young_moduli() const {
   return {greatest_young_modulus(*bodies_[0]), greatest_young_modulus(*bodies_[1])};
 }
 
-void Tissues::look_at_start(double /*time*/, const OfTwo<ConstPoints>& x) {
+void Tissues::look_at_start(double /*time*/, const Pair<ConstPoints>& x) {
   if (!options_.active) return;
   look("", x);
   has_looked_at_start_ = true;
 }
 
-void Tissues::look(const char* to_touch, const OfTwo<ConstPoints>& x) {
+void Tissues::look(const char* to_touch, const Pair<ConstPoints>& x) {
   has_looked_ = true;
   const double depth = contact_->depth_at(x);
   if (!(depth > kOverlap * contact_->edge())) return;
@@ -95,7 +95,7 @@ void Tissues::warn_of_same_pair(std::string_view other) {
   warn("object2", fmt::format("'{}' is between the same bodies: both act, and their stiffnesses add up", other));
 }
 
-void Tissues::begin_step(const Step& step, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) {
+void Tissues::begin_step(const Step& step, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v) {
   follow_surface();
   default_stiffness_ = default_stiffness();
   contact_->set_settings(accepted_settings(options_, default_stiffness_));

@@ -26,15 +26,15 @@ class Tissues final : public ContactForce {
   void set_options(const ContactOptions& options);
 
   /// Warns of bodies that overlap, if it is active.
-  void look_at_start(double time, const OfTwo<ConstPoints>& x) override;
+  void look_at_start(double time, const Pair<ConstPoints>& x) override;
 
   /// Warns, once, that another one is active between the same bodies.
   void warn_of_same_pair(std::string_view other);
 
   /// Finds the contacts, by what the bodies are at present. Warns of bodies that overlap in the first step in which it
   /// is active. Throws OptionError for a stiffness far beyond that of the bodies, or a damping.
-  void begin_step(const Step& step, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) override;
-  void end_step(const OfTwo<ConstPoints>& x) override { contact_->end_step(x); }
+  void begin_step(const Step& step, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v) override;
+  void end_step(const Pair<ConstPoints>& x) override { contact_->end_step(x); }
 
   void reset() override;
   void serialize(Archive& archive) override;
@@ -42,7 +42,7 @@ class Tissues final : public ContactForce {
   const ContactTerms& terms() const override { return contact_->terms(); }
   bool is_active() const override { return options_.active; }
   bool is_of_present_bodies() const override { return default_stiffness() == default_stiffness_; }
-  bool release(const OfTwo<ConstPoints>& x_end, const OfTwo<ConstPoints>& v_end) override {
+  bool release(const Pair<ConstPoints>& x_end, const Pair<ConstPoints>& v_end) override {
     return contact_->release(x_end, v_end);
   }
 
@@ -54,7 +54,7 @@ class Tissues final : public ContactForce {
     return {bodies_[0]->removed().size(), bodies_[1]->removed().size()};
   }
   void follow_surface();  // where hexahedra have gone since the last call
-  void look(const char* to_touch, const OfTwo<ConstPoints>& x);
+  void look(const char* to_touch, const Pair<ConstPoints>& x);
   ContactSettings accepted_settings(const ContactOptions& options, double stiffness) const;
   double default_stiffness() const;
   std::array<double, 2> young_moduli() const;  // [Pa] the greatest of each body

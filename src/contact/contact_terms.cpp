@@ -17,7 +17,7 @@ constexpr double kSteady = 0.05;            // growth that is none: what is expe
 constexpr double kAllWrongFriction = 0.1;   // of all mu N, from which the step is solved again for it
 constexpr int kMaxFrictionCorrections = 4;  // of friction in a step: it may turn to and fro, what pulls goes once
 
-void add(const ContactTerm& term, const Vec3& force, OfTwo<Points>& f) {
+void add(const ContactTerm& term, const Vec3& force, Pair<Points>& f) {
   for (int a = 0; a < term.num_first; ++a) f.first.row(term.nodes[a]) += term.weights[a] * force.transpose();
   for (int a = term.num_first; a < term.num_nodes; ++a)
     f.second.row(term.nodes[a]) += term.weights[a] * force.transpose();
@@ -69,15 +69,15 @@ double ContactTerm::correct_friction(const Vec3& r, const Vec3& change) {
 
 int ContactTerms::num_slipping() const { return static_cast<int>(std::ranges::count_if(terms, &ContactTerm::slips)); }
 
-void ContactTerms::add_force(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) const {
+void ContactTerms::add_force(const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, Pair<Points> f) const {
   for (const ContactTerm& term : terms) add(term, term.force(term.at(x), term.at(v)), f);
 }
 
-void ContactTerms::add_stiffness_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const {
+void ContactTerms::add_stiffness_product(double factor, const Pair<ConstPoints>& dx, Pair<Points> df) const {
   for (const ContactTerm& term : terms) add(term, -factor * term.stiffness_times(term.at(dx)), df);
 }
 
-void ContactTerms::add_damping_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const {
+void ContactTerms::add_damping_product(double factor, const Pair<ConstPoints>& dx, Pair<Points> df) const {
   for (const ContactTerm& term : terms)
     if (term.damping != 0) add(term, -factor * term.damping * term.normal.dot(term.at(dx)) * term.normal, df);
 }
@@ -103,7 +103,7 @@ void ContactTerms::add_damping_blocks(double factor, BlockMatrix& A, std::array<
   });
 }
 
-void ContactTerms::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& expected, double h) {
+void ContactTerms::begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoints>& expected, double h) {
   h_ = h;
   is_solved_ = false;
   num_corrections_ = 0;
@@ -111,14 +111,14 @@ void ContactTerms::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoin
   set_friction(expected);
 }
 
-ContactTerms::End ContactTerms::end_of(const ContactTerm& term, const OfTwo<ConstPoints>& x) const {
+ContactTerms::End ContactTerms::end_of(const ContactTerm& term, const Pair<ConstPoints>& x) const {
   const Vec3 r = is_solved_ ? term.end : term.at(x);
   return {r, (r - term.begin) / h_};
 }
 
 // Each contact has about its part of the normal force that it had, and all together about the one that is expected:
 // bodies that land press more from step to step.
-void ContactTerms::set_friction(const OfTwo<ConstPoints>& expected) {
+void ContactTerms::set_friction(const Pair<ConstPoints>& expected) {
   const auto pressing = [&](const ContactTerm& term) {
     return std::max(-term.stiffness * term.gap(term.at(expected)), 0.0);
   };
@@ -135,7 +135,7 @@ void ContactTerms::set_friction(const OfTwo<ConstPoints>& expected) {
       term.set_friction(term.normal_before > 0 ? growth * term.normal_before : pressing(term), term.at(expected));
 }
 
-bool ContactTerms::release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) {
+bool ContactTerms::release(const Pair<ConstPoints>& x, const Pair<ConstPoints>& v) {
   const std::size_t before = terms.size();
   is_solved_ = true;
   for (ContactTerm& term : terms) term.end = term.at(x);

@@ -147,7 +147,7 @@ void TissueContact::set_alive(std::span<const unsigned char> first, std::span<co
 }
 
 /// As many that bodies move by half of their thickness against each other from one to the next.
-double TissueContact::num_checks(const OfTwo<ConstPoints>& v, double h) const {
+double TissueContact::num_checks(const Pair<ConstPoints>& v, double h) const {
   Vec3 mean = Vec3::Zero();
   for (const int n : nodes_[0]) mean += v.first.row(n).transpose();
   for (const int n : nodes_[1]) mean += v.second.row(n).transpose();
@@ -165,7 +165,7 @@ double TissueContact::num_checks(const OfTwo<ConstPoints>& v, double h) const {
   return std::max(std::ceil(way / (kPerCheck * thickness)), 1.0);
 }
 
-double TissueContact::depth_at(const OfTwo<ConstPoints>& x) {
+double TissueContact::depth_at(const Pair<ConstPoints>& x) {
   const bool with_itself = meshes_[0] == meshes_[1];
   double depth = 0;
   for (const auto& side : sides_) {
@@ -178,7 +178,7 @@ double TissueContact::depth_at(const OfTwo<ConstPoints>& x) {
   return depth;
 }
 
-void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, double h) {
+void TissueContact::begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, double h) {
   terms_.terms.clear();
   loaded_ = {};
   first_sample_.clear();
@@ -303,7 +303,7 @@ void TissueContact::begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoi
   terms_.begin_step(x, {expected_[0], expected_[with_itself ? 0 : 1]}, h);
 }
 
-void TissueContact::end_step(const OfTwo<ConstPoints>& x) {
+void TissueContact::end_step(const Pair<ConstPoints>& x) {
   force_.setZero();
   depth_ = energy_ = 0;
   if (has_touching_)

@@ -116,26 +116,26 @@ void LayeredSystem::divide_by_mass(Points field) const {
 
 // ------------------------------------------------------------------------------------------------------------- forces
 
-OfTwo<ConstPoints> LayeredSystem::positions_of(const Interaction& interaction, ConstPoints x) const {
+Pair<ConstPoints> LayeredSystem::positions_of(const Interaction& interaction, ConstPoints x) const {
   const auto of = [&](int end) {
     return part_of<ConstPoints>(interaction, end, x, &Layer::x, interaction.states[end]->positions());
   };
   return {of(0), of(1)};
 }
 
-OfTwo<ConstPoints> LayeredSystem::velocities_of(const Interaction& interaction, ConstPoints v) const {
+Pair<ConstPoints> LayeredSystem::velocities_of(const Interaction& interaction, ConstPoints v) const {
   const auto of = [&](int end) {
     return part_of<ConstPoints>(interaction, end, v, &Layer::v, interaction.states[end]->velocities());
   };
   return {of(0), of(1)};
 }
 
-OfTwo<ConstPoints> LayeredSystem::increments_of(const Interaction& interaction, ConstPoints dx) const {
+Pair<ConstPoints> LayeredSystem::increments_of(const Interaction& interaction, ConstPoints dx) const {
   const auto of = [&](int end) { return part_of<ConstPoints>(interaction, end, dx, &Layer::x, interaction.zero); };
   return {of(0), of(1)};
 }
 
-OfTwo<Points> LayeredSystem::forces_of(Interaction& interaction, Points f) const {
+Pair<Points> LayeredSystem::forces_of(Interaction& interaction, Points f) const {
   interaction.scratch.setZero();
   const auto of = [&](int end) { return part_of<Points>(interaction, end, f, &Layer::f, interaction.scratch); };
   return {of(0), of(1)};

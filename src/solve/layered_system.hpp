@@ -162,10 +162,10 @@ class LayeredSystem : public MechanicalSystem, private Projector {
     const std::size_t layer = interaction.layers[end];
     return layer == kAtRest ? at_rest : part_of(layers_[layer], of_all, scratch);
   }
-  OfTwo<ConstPoints> positions_of(const Interaction& interaction, ConstPoints x) const;
-  OfTwo<ConstPoints> velocities_of(const Interaction& interaction, ConstPoints v) const;
-  OfTwo<ConstPoints> increments_of(const Interaction& interaction, ConstPoints dx) const;
-  OfTwo<Points> forces_of(Interaction& interaction, Points f) const;
+  Pair<ConstPoints> positions_of(const Interaction& interaction, ConstPoints x) const;
+  Pair<ConstPoints> velocities_of(const Interaction& interaction, ConstPoints v) const;
+  Pair<ConstPoints> increments_of(const Interaction& interaction, ConstPoints dx) const;
+  Pair<Points> forces_of(Interaction& interaction, Points f) const;
 
   /// Down the mappings with the fields `down` and up with what add(layer) and add_between(interaction) have added.
   template <class TakesPart, class Add, class AddBetween>

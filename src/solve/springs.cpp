@@ -25,7 +25,7 @@ Springs::Springs(std::vector<Spring> springs, std::array<int, 2> num_nodes) : sp
   stiffness_.assign(springs_.size(), Mat3::Zero());
 }
 
-double Springs::energy(const OfTwo<ConstPoints>& x) const {
+double Springs::energy(const Pair<ConstPoints>& x) const {
   double sum = 0;
   for (const Spring& spring : springs_) {
     const double length = (x.second.row(spring.b) - x.first.row(spring.a)).norm(),
@@ -35,7 +35,7 @@ double Springs::energy(const OfTwo<ConstPoints>& x) const {
   return sum;
 }
 
-void Springs::add_force(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) {
+void Springs::add_force(const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, Pair<Points> f) {
   require_rows("Springs::add_force", "v", v.first, x.first.rows());
   require_rows("Springs::add_force", "f", f.first, x.first.rows());
   require_rows("Springs::add_force", "v", v.second, x.second.rows());
@@ -56,7 +56,7 @@ void Springs::add_force(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v
   }
 }
 
-void Springs::add_stiffness_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const {
+void Springs::add_stiffness_product(double factor, const Pair<ConstPoints>& dx, Pair<Points> df) const {
   require_rows("Springs::add_stiffness_product", "df", df.first, dx.first.rows());
   require_rows("Springs::add_stiffness_product", "df", df.second, dx.second.rows());
   for (std::size_t i = 0; i < springs_.size(); ++i) {

@@ -33,14 +33,14 @@ class Springs {
   Springs(std::vector<Spring> springs, std::array<int, 2> num_nodes);
 
   const std::vector<Spring>& springs() const { return springs_; }
-  double energy(const OfTwo<ConstPoints>& x) const;  ///< [J] without damping
+  double energy(const Pair<ConstPoints>& x) const;  ///< [J] without damping
 
   /// f += their forces. Fixes the positions and velocities to which the stiffness below refers.
-  void add_force(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f);
+  void add_force(const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, Pair<Points> f);
 
   /// The stiffness of a spring between its two nodes, (stiffness - t / l) u u^T + t / l I: exact for a spring without
   /// damping. That of damping itself, df/dv, and the change of its direction are left out, as SOFA does.
-  void add_stiffness_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const;
+  void add_stiffness_product(double factor, const Pair<ConstPoints>& dx, Pair<Points> df) const;
 
   /// first_nodes: where the nodes of each set begin in A; -1: A has none of them.
   void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes = {0, 0}) const;

@@ -58,23 +58,23 @@ TEST(MovingBody, StaysStretchedWhateverSolvesIt) {
 class Tethers final : public StepForces {
  public:
   explicit Tethers(PointArray from) : from_(std::move(from)) {}
-  void begin_step(const Step& step, const OfTwo<ConstPoints>&, const OfTwo<ConstPoints>&) override {
+  void begin_step(const Step& step, const Pair<ConstPoints>&, const Pair<ConstPoints>&) override {
     EXPECT_EQ(step.dt, 0.01);
     ++num_begun;
   }
-  void end_step(const OfTwo<ConstPoints>& x) override { end = x.first; }
+  void end_step(const Pair<ConstPoints>& x) override { end = x.first; }
   void reset() override { num_begun = 0; }
   void serialize(Archive& archive) override { archive(num_begun); }
-  void add_force(double, const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) override {
+  void add_force(double, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, Pair<Points> f) override {
     f.first -= kStiffness * (x.first - from_) + kDamping * v.first;
   }
-  void add_stiffness_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const override {
+  void add_stiffness_product(double factor, const Pair<ConstPoints>& dx, Pair<Points> df) const override {
     df.first -= factor * kStiffness * dx.first;
   }
   void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2>) const override {
     for (int n = 0; n < A.num_nodes(); ++n) A.add(n, n, -factor * kStiffness * Mat3::Identity());
   }
-  void add_damping_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const override {
+  void add_damping_product(double factor, const Pair<ConstPoints>& dx, Pair<Points> df) const override {
     df.first -= factor * kDamping * dx.first;
   }
   void add_damping_blocks(double factor, BlockMatrix& A, std::array<int, 2>) const override {

@@ -92,7 +92,7 @@ TEST(Springs, BetweenTwoSetsOfNodes) {
   Springs springs(across, {3, 2}), expected(within, 5);
   const PointArray x = nodes(), v = velocities();
   const auto of_two = [](const PointArray& field) {
-    return OfTwo<ConstPoints>(ConstPoints(field.topRows(3)), ConstPoints(field.bottomRows(2)));
+    return Pair<ConstPoints>(ConstPoints(field.topRows(3)), ConstPoints(field.bottomRows(2)));
   };
   PointArray f = PointArray::Zero(5, 3), product = f, expected_product = f;
   springs.add_force(of_two(x), of_two(v), {Points(f.topRows(3)), Points(f.bottomRows(2))});

@@ -27,11 +27,11 @@ using ConstPoints = Eigen::Ref<const PointArray, 0, Eigen::OuterStride<3>>;  ///
 
 /// Nodal fields of two bodies, or of one body twice.
 template <class Field>
-struct OfTwo {
+struct Pair {
   template <class Same>
-  requires std::convertible_to<Same&&, Field> OfTwo(Same&& both) : first(both), second(both) {}
+  requires std::convertible_to<Same&&, Field> Pair(Same&& both) : first(both), second(both) {}
   template <class First, class Second>
-  OfTwo(First&& of_first, Second&& of_second) : first(of_first), second(of_second) {}
+  Pair(First&& of_first, Second&& of_second) : first(of_first), second(of_second) {}
 
   Field first, second;
 };

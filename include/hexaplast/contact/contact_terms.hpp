@@ -66,7 +66,7 @@ struct ContactTerm {
   }
 
   /// r, dr/dt or a change of r.
-  Vec3 at(const OfTwo<ConstPoints>& field) const {
+  Vec3 at(const Pair<ConstPoints>& field) const {
     Vec3 sum = place_on_first(field.first);
     for (int a = num_first; a < num_nodes; ++a) sum += weights[a] * field.second.row(nodes[a]).transpose();
     return sum;
@@ -122,19 +122,19 @@ class ContactTerms {
 
   /// At the beginning of a step of h [s] from x, for contacts with all but `tangential`, `limit` and `slip`. expected:
   /// positions that the step may lead to.
-  void begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& expected, double h);
+  void begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoints>& expected, double h);
 
   /// r and dr/dt of a term at the end of a step that has ended at x: those by which its force acted. Prescribed motion
   /// may have moved nodes since the step was solved, and the velocities of its end may have been damped.
   struct End {
     Vec3 r, change;
   };
-  End end_of(const ContactTerm& term, const OfTwo<ConstPoints>& x) const;
+  End end_of(const ContactTerm& term, const Pair<ConstPoints>& x) const;
 
   /// f += forces [N]. K = df/dx, B = df/dv are constant.
-  void add_force(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f) const;
-  void add_stiffness_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const;
-  void add_damping_product(double factor, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const;
+  void add_force(const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, Pair<Points> f) const;
+  void add_stiffness_product(double factor, const Pair<ConstPoints>& dx, Pair<Points> df) const;
+  void add_damping_product(double factor, const Pair<ConstPoints>& dx, Pair<Points> df) const;
 
   /// first_nodes: where the nodes of each body begin in A.
   void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2> first_nodes = {}) const;
@@ -143,13 +143,13 @@ class ContactTerms {
   /// Takes out the contacts that would pull at x and v. If there are none, corrects the friction that is not what N and
   /// the displacements there stand for, if it is more than 10 % of all; in four calls of a step at most. Returns
   /// whether anything was done: the step is to be solved again.
-  bool release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v);
+  bool release(const Pair<ConstPoints>& x, const Pair<ConstPoints>& v);
 
  private:
   template <class Block>
   void add_blocks(BlockMatrix& A, std::array<int, 2> first_nodes, const Block& block_of) const;
 
-  void set_friction(const OfTwo<ConstPoints>& expected);
+  void set_friction(const Pair<ConstPoints>& expected);
 
   double h_ = 1;                        // [s] of the step
   bool is_solved_ = false;              // terms know their ends

@@ -50,20 +50,20 @@ class TissueContact {
   void set_alive(std::span<const unsigned char> first, std::span<const unsigned char> second);
 
   /// [m] How deep a sample lies in the other body at x, at most; 0: none does.
-  double depth_at(const OfTwo<ConstPoints>& x);
+  double depth_at(const Pair<ConstPoints>& x);
 
-  /// Finds the contacts of the step to come, of h [s]. x, v: at its beginning. Of one body: give it twice, in OfTwo.
+  /// Finds the contacts of the step to come, of h [s]. x, v: at its beginning. Of one body: give it twice, as a Pair.
   /// Throws NumericalError where bodies that may meet move by more than 500 edges against each other in the step.
-  void begin_step(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, double h);
+  void begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, double h);
 
   /// The contacts of the present step.
   const ContactTerms& terms() const { return terms_; }
 
   /// Releases the contacts that would pull at x and v. Returns whether there were any.
-  bool release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) { return terms_.release(x, v); }
+  bool release(const Pair<ConstPoints>& x, const Pair<ConstPoints>& v) { return terms_.release(x, v); }
 
   /// The step has ended at x: anchors follow, and forces are those by which it was solved.
-  void end_step(const OfTwo<ConstPoints>& x);
+  void end_step(const Pair<ConstPoints>& x);
 
   /// As it was made: nothing has touched yet.
   void reset();
@@ -87,7 +87,7 @@ class TissueContact {
 
  private:
   struct Side;
-  double num_checks(const OfTwo<ConstPoints>& v, double h) const;
+  double num_checks(const Pair<ConstPoints>& v, double h) const;
 
   std::array<const HexMesh*, 2> meshes_;  // the same twice: with itself
   ContactSettings settings_;

@@ -95,7 +95,7 @@ class NodalForces : public Forces<ConstPoints, Points> {
 };
 
 /// Forces between two states, or within one.
-class PairForces : public Forces<const OfTwo<ConstPoints>&, OfTwo<Points>, std::array<int, 2>> {
+class PairForces : public Forces<const Pair<ConstPoints>&, Pair<Points>, std::array<int, 2>> {
  public:
   /// Within one state: diagonal += that of factor K, where K has no other entries; false, and nothing added, where it
   /// has. The same of B then, which has no others either.
@@ -114,10 +114,10 @@ struct Step {
 class StepForces : public PairForces {
  public:
   /// By accepted positions and velocities: the same for everyone until the step ends.
-  virtual void begin_step(const Step& /*step*/, const OfTwo<ConstPoints>& /*x*/, const OfTwo<ConstPoints>& /*v*/) {}
+  virtual void begin_step(const Step& /*step*/, const Pair<ConstPoints>& /*x*/, const Pair<ConstPoints>& /*v*/) {}
 
   /// The step has ended at x.
-  virtual void end_step(const OfTwo<ConstPoints>& /*x*/) {}
+  virtual void end_step(const Pair<ConstPoints>& /*x*/) {}
 
   /// As they were made.
   virtual void reset() {}
@@ -157,9 +157,9 @@ class PairConstraint {
   /// Whether it projects motions of one state to those of the other: no matrix has that.
   virtual bool couples() const = 0;
 
-  virtual void project(OfTwo<Points> field) const = 0;  ///< where it couples
-  virtual void fix(NodeMaskRows second) const = 0;      ///< where it does not: clears what it constrains
-  virtual void project_motion(double time, OfTwo<Points> x, OfTwo<Points> v) const = 0;
+  virtual void project(Pair<Points> field) const = 0;  ///< where it couples
+  virtual void fix(NodeMaskRows second) const = 0;     ///< where it does not: clears what it constrains
+  virtual void project_motion(double time, Pair<Points> x, Pair<Points> v) const = 0;
 };
 
 }  // namespace hexaplast

@@ -33,7 +33,7 @@ void ForceBetweenStates::addForce(const MechanicalParams*, DataVecDeriv& f1, Dat
             });
 }
 
-void ForceBetweenStates::addOwnForce(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f)
+void ForceBetweenStates::addOwnForce(const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, Pair<Points> f)
 {
     beforeForces();
     force().add_force(getContext()->getTime(), x, v, f);
@@ -54,7 +54,7 @@ void ForceBetweenStates::addDForce(const MechanicalParams* mparams, DataVecDeriv
             });
 }
 
-void ForceBetweenStates::addOwnProduct(double b, double k, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const
+void ForceBetweenStates::addOwnProduct(double b, double k, const Pair<ConstPoints>& dx, Pair<Points> df) const
 {
     force().add_stiffness_product(k + b * wholeRayleighStiffness(), dx, df);
     if (b != 0) force().add_damping_product(b, dx, df);

@@ -41,9 +41,9 @@ public:
 
     /// For MultigridCGLinearSolver, as those of PartForceField; fields of the two states.
     bool isInMatrix() const override { return works() && force().is_in_matrix(); }
-    bool release(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v) { return force().release(x, v); }
-    void addOwnForce(const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, OfTwo<Points> f);
-    void addOwnProduct(double b, double k, const OfTwo<ConstPoints>& dx, OfTwo<Points> df) const;
+    bool release(const Pair<ConstPoints>& x, const Pair<ConstPoints>& v) { return force().release(x, v); }
+    void addOwnForce(const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, Pair<Points> f);
+    void addOwnProduct(double b, double k, const Pair<ConstPoints>& dx, Pair<Points> df) const;
 
 protected:
     explicit ForceBetweenStates(const Description& description);

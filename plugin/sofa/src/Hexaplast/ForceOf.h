@@ -85,7 +85,7 @@ protected:
         sayWarnings();
     }
 
-    OfTwo<ConstPoints> positions() const
+    Pair<ConstPoints> positions() const
     {
         const std::array states = this->states();
         return {view(states[0]->readPositions().ref()), view(states[1]->readPositions().ref())};

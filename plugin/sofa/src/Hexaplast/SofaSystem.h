@@ -125,7 +125,7 @@ public:
                 releaseFrom(
                     *field, [&](ConstPoints all) { return States::rows<ConstPoints>(all, beside.entry); },
                     [&](Points all) { return States::rows<Points>(all, beside.entry); });
-        for (const Between::Pair& pair : m_between.pairs)
+        for (const Between::Entry& pair : m_between.pairs)
             releaseFrom(
                 *pair.field, [&](ConstPoints all) { return pair.rows<ConstPoints>(all); },
                 [&](Points all) { return pair.rows<Points>(all); });
@@ -141,7 +141,7 @@ public:
     {
         for (const Beside& beside : m_besides)
             for (OurForceField* field : beside.fields) field->acceptStep();
-        for (const Between::Pair& pair : m_between.pairs) pair.field->acceptStep();
+        for (const Between::Entry& pair : m_between.pairs) pair.field->acceptStep();
     }
 
     void project(Points field) const override
@@ -187,7 +187,7 @@ private:
         void set(bool leftOut)
         {
             for (OurForceField* field : m_system.m_ours) field->leaveOutOfProducts(leftOut);
-            for (const Between::Pair& pair : m_system.m_between.pairs) pair.field->leaveOutOfProducts(leftOut);
+            for (const Between::Entry& pair : m_system.m_between.pairs) pair.field->leaveOutOfProducts(leftOut);
         }
         const SofaSystem& m_system;
     };
@@ -308,10 +308,10 @@ private:
     /// What of ours acts between two states, or within one as if it were two.
     struct Between final : NodalOperator
     {
-        struct Pair
+        struct Entry
         {
             template <class Field>
-            OfTwo<Field> rows(Field ofAll) const
+            Pair<Field> rows(Field ofAll) const
             {
                 return {States::rows(ofAll, *first), States::rows(ofAll, *second)};
             }
@@ -320,9 +320,9 @@ private:
         };
         void add_product(ConstPoints p, Points Fp) const override
         {
-            for (const Pair& pair : pairs) pair.field->addOwnProduct(b, k, pair.rows(p), pair.rows(Fp));
+            for (const Entry& pair : pairs) pair.field->addOwnProduct(b, k, pair.rows(p), pair.rows(Fp));
         }
-        std::vector<Pair> pairs;
+        std::vector<Entry> pairs;
         double b = 0, k = 0;
     };
 

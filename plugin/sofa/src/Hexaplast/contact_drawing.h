@@ -17,7 +17,7 @@ inline constexpr double kLongestForce = 0.1;                           // of the
 /// The points that touch, red where they slip, and the forces on the first body as lines from there. scale: [m/N]; 0:
 /// so that the greatest force is a tenth of the body's size.
 inline void drawContactTerms(sofa::helper::visual::DrawTool& tool, const ContactTerms& contacts,
-                             const OfTwo<ConstPoints>& x, const OfTwo<ConstPoints>& v, double scale)
+                             const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, double scale)
 {
     if (contacts.empty() || x.first.rows() == 0) return;
     std::vector<Vec3> forces;
