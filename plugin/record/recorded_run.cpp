@@ -116,7 +116,12 @@ RecordedRun::RecordedRun(const fs::path& place) {
     if (name.starts_with(kRegionPrefix)) regions_.names.push_back(name.substr(kRegionPrefix.size()));
   if (!regions_.names.empty()) {
     const std::vector<double> numbers = cell_scalars(first, state, entry_of(Quantity::kRegion).array);
-    regions_.of_hexahedra.assign(numbers.begin(), numbers.end());
+    for (const double number : numbers) {
+      if (!(number >= 0 && number <= static_cast<double>(regions_.names.size())))
+        throw InputError(fmt::format("{}: array '{}' holds {}, must lie in [0, {}]", first.string(),
+                                     entry_of(Quantity::kRegion).array, number, regions_.names.size()));
+      regions_.of_hexahedra.push_back(static_cast<int>(number));
+    }
   }
   const PointArray initial = state.mesh.positions - point_vectors(first, state, "displacement");
   try {

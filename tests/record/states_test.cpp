@@ -5,6 +5,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "record/instruments_vtu.hpp"
+#include "record/recorded_run.hpp"
 #include "record/surface_vtu.hpp"
 #include "support/compare.hpp"
 #include "support/vtu_reader.hpp"
@@ -96,6 +97,17 @@ TEST(TimeSeries, OfARunThatEndedEarlyHasItsLastState) {
   EXPECT_EQ(series_in(run.scratch / "run").size(), 2u);
   run.recorder.finish();
   EXPECT_EQ(series_in(run.scratch / "run").back().second.filename(), "mesh_000006.vtu");
+}
+
+TEST(RecordedRun, RefusesRegionsThatHaveNoName) {
+  RunPlan named = plan(5, 5);
+  named.staging.regions.of_hexahedra.assign(static_cast<std::size_t>(yielding_block().mesh().num_elements()), 1);
+  named.staging.regions.names = {"wall"};
+  const Recorded good(named, 5);
+  EXPECT_EQ(output::RecordedRun(good.scratch / "run").regions().names, std::vector<std::string>{"wall"});
+  named.staging.regions.of_hexahedra.back() = 2;
+  const Recorded bad(named, 5);
+  EXPECT_THROW(output::RecordedRun(bad.scratch / "run"), InputError);
 }
 
 TEST(Companions, AreSeriesOfTheSameTimes) {
