@@ -86,6 +86,6 @@ def createScene(root):
     left, right = (strip.addObject("InstrumentContactForceField", name=name, shape="capsule", radius=0.003, length=0.01,
                                    friction=0.8, rigid="@/jaws/frames", rigidIndex=jaw)
                    for jaw, name in enumerate(("left", "right")))
-    if Controller is not object:
-        root.addObject(Forceps(frames, left, right, name="forceps"))
+    if Controller is not object:  # behind the strip, so that its steps have ended when the forceps feel
+        root.addChild("hand").addObject(Forceps(frames, left, right, name="forceps"))
     return root

@@ -200,6 +200,16 @@ inline std::ostream& operator<<(std::ostream& out, const OptionsGroup& words) { 
 
 namespace core {
 
+template <class T>
+struct sptr {
+  sptr(T* target = nullptr) : target_(target) {}
+  T* get() const { return target_; }
+  T* operator->() const { return target_; }
+
+ private:
+  T* target_;
+};
+
 class ExecParams {};
 namespace execparams {
 inline const ExecParams* defaultInstance() { sofa_standin::absent(); }
@@ -242,14 +252,16 @@ class BaseObjectDescription {
 };
 
 struct AbstractTypeInfo {
+  bool ValidInfo() const { sofa_standin::absent(); }
+  bool Scalar() const { sofa_standin::absent(); }
+  bool Integer() const { sofa_standin::absent(); }
+  bool Text() const { sofa_standin::absent(); }
   Size size() const { sofa_standin::absent(); }
   Size size(const void*) const { sofa_standin::absent(); }
   SReal getScalarValue(const void*, Size) const { sofa_standin::absent(); }
 };
 
-struct Base {
-  using SPtr = Base*;
-};
+struct Base {};
 
 class BaseData : public DDGNode {
  public:
@@ -354,6 +366,7 @@ class SingleLink : public BaseLink {
  public:
   SingleLink(const Init& = {}) {}
   Target* get() const { return target_; }
+  std::string getLinkedPath() const { return {}; }
   void set(Target* target, const std::string& /*path*/ = {}) { target_ = target; }
   operator Target*() const { return target_; }
   Target* operator->() const { return target_; }
@@ -538,6 +551,7 @@ class AnimateBeginEvent : public core::objectmodel::Event {
 };
 class AnimateEndEvent : public AnimateBeginEvent {};
 class UpdateMappingEndEvent : public AnimateBeginEvent {};
+class IntegrateBeginEvent : public AnimateBeginEvent {};
 
 }  // namespace simulation
 
@@ -611,6 +625,7 @@ class Topology : public objectmodel::BaseComponent {
 class BaseMeshTopology : public Topology {
  public:
   const SeqHexahedra& getHexahedra() { sofa_standin::absent(); }
+  std::size_t getNbHexahedra() { sofa_standin::absent(); }
   std::list<const TopologyChange*>::const_iterator beginChange() const { sofa_standin::absent(); }
   std::list<const TopologyChange*>::const_iterator endChange() const { sofa_standin::absent(); }
 };
@@ -891,6 +906,7 @@ namespace component::linearsolver {
 
 class GraphScatteredVector {
  public:
+  void clear() { sofa_standin::absent(); }
   core::MultiVecDerivId id() const { return {}; }
   operator core::MultiVecDerivId() const { return {}; }
 };

@@ -41,10 +41,10 @@ class Scenes(unittest.TestCase):
         phases, heights = set(), []
         for _ in range(260):
             run(root, 1)
-            phases.add(root.forceps.phase)
+            phases.add(root.hand.forceps.phase)
             heights.append(root.strip.nodes.position.value[:, 1].max())
         self.assertEqual(phases, {"close", "lift", "open", "done"})
-        pressures = root.forceps.pressures
+        pressures = root.hand.forceps.pressures
         self.assertGreater(max(pressures), module.PRESSURE)
         self.assertLess(max(pressures), 5 * module.PRESSURE)
         self.assertEqual(pressures[-1], 0)

@@ -47,8 +47,10 @@ class RunDirectory : public Command {
     };
     while (!has_begun() && std::chrono::steady_clock::now() < deadline)
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    ::kill(child, SIGSTOP);  // on a busy machine it would come to its end meanwhile
     meanwhile();
     ::kill(child, signal);
+    ::kill(child, SIGCONT);
     int status = 0;
     ::waitpid(child, &status, 0);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);

@@ -43,6 +43,9 @@ void AttributeChange::bwdInit()
     attempt(*this,
             [&]
             {
+                m_component = nullptr;
+                m_numDone = 0;
+                checkLink(l_component, "component");
                 if (!l_component) throw parts::OptionError("component", "is not given, must lead to a component");
                 m_data = l_component->findData(d_attribute.getValue());
                 // SOFA makes what follows another Data read-only
@@ -61,6 +64,7 @@ void AttributeChange::bwdInit()
                 m_parentOwner = m_parent ? m_parent->getOwner() : nullptr;
                 m_putBack = keep<SReal, vector<SReal>, Vec3, vector<Vec3>>(*m_data);
                 m_wasSet = m_data->isSet();
+                m_component = l_component.get();
             });
 }
 
@@ -76,8 +80,11 @@ void AttributeChange::reset()
 void AttributeChange::handleEvent(sofa::core::objectmodel::Event* event)
 {
     if (!sofa::simulation::AnimateBeginEvent::checkEventType(event) || !mayStep(*this)) return;
+    if (m_component.get() != l_component.get()) bwdInit();  // it was added during the run, or leads elsewhere now
+    if (!mayStep(*this)) return;
     const auto due = parts::num_come(m_times, getContext()->getTime());
-    if (due <= m_numDone) return;
+    if (due == m_numDone) return;
+    if (due == 0) return reset();  // time went back
     m_numDone = due;
     put(m_values[static_cast<std::size_t>(due - 1)]);
 }

@@ -41,12 +41,13 @@ private:
     void put(const std::optional<std::string>& value);
     void putDefault();
 
-    sofa::core::BaseData* m_data = nullptr;             // of l_component
-    std::vector<std::optional<std::string>> m_values;   // none: not given
-    std::vector<double> m_times;                        // [s]
-    sofa::core::BaseData* m_parent = nullptr;           // that it followed before; null: none
-    sofa::core::objectmodel::Base::SPtr m_parentOwner;  // which lives as long as that is needed
-    std::function<void()> m_putBack;                    // the value that it had before, to the last bit
+    sofa::core::sptr<SofaComponent> m_component;                    ///< that l_component led to
+    sofa::core::BaseData* m_data = nullptr;                         ///< of that
+    std::vector<std::optional<std::string>> m_values;               ///< none: not given
+    std::vector<double> m_times;                                    ///< [s]
+    sofa::core::BaseData* m_parent = nullptr;                       ///< that it followed before; null: none
+    sofa::core::sptr<sofa::core::objectmodel::Base> m_parentOwner;  ///< which lives as long as that is needed
+    std::function<void()> m_putBack;                                // the value that it had before, to the last bit
     bool m_wasSet = false;
     std::ptrdiff_t m_numDone = 0;
 };

@@ -101,7 +101,7 @@ public:
 
     void handleEvent(sofa::core::objectmodel::Event* event) override
     {
-        if (!sofa::simulation::AnimateEndEvent::checkEventType(event) || isInvalid(*this)) return;
+        if (!sofa::simulation::AnimateEndEvent::checkEventType(event) || !mayStep(*this)) return;
         if (++m_numSteps != d_step.getValue()) return;
         HexahedronElastoplasticFEMForceField<Vec3Types>* field = nullptr;
         getContext()->get(field, sofa::core::objectmodel::BaseContext::SearchUp);
@@ -140,8 +140,12 @@ private:
         out.add("plastic_rest_positions", body.plastic_rest_positions());
         out.add("volume_ratio", fields.volume_ratio);
         out.add("yield_stress", fields.yield_stress);
-        if (!out.end()) throw parts::OptionError("filename", "'" + file + "' cannot be written");
-        std::filesystem::rename(unfinished, file);
+        const bool isWritten = out.end();
+        std::error_code error;
+        if (isWritten) std::filesystem::rename(unfinished, file, error);
+        if (isWritten && !error) return;
+        std::filesystem::remove(unfinished, error);
+        throw parts::OptionError("filename", "'" + file + "' cannot be written");
     }
 
     sofa::core::objectmodel::DataFileName d_filename;  ///< the JSON file

@@ -13,6 +13,13 @@ ForceBetweenStates::ForceBetweenStates(const Description& description) : Compone
 
 void ForceBetweenStates::init()
 {
+    const bool leadSomewhere = attempt(*this,
+                                       [&]
+                                       {
+                                           checkLink(mstate1, "object1");
+                                           checkLink(mstate2, "object2");
+                                       });
+    if (!leadSomewhere) return;
     if (!mstate1) mstate1.set(getContext()->get<MechanicalState>(sofa::core::objectmodel::BaseContext::Local));
     if (!mstate2) mstate2.set(mstate1.get());
     if (mstate1) Inherit::init();

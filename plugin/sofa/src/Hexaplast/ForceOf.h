@@ -44,9 +44,11 @@ protected:
 
     void makePart() override
     {
-        m_part.reset();
+        // one that cannot be made leaves the one before, which does nothing as the component is invalid
         const parts::Surroundings around = surroundings();
-        m_part.emplace(options(), around);
+        const typename Part::Options given = options();
+        m_part.reset();
+        m_part.emplace(given, around);
         sayWarnings();
     }
     void updatePart() override
@@ -102,7 +104,7 @@ protected:
     }
     void sayWarnings() { passOn(*this, m_part->take_warnings()); }
 
-    mutable std::optional<Part> m_part;  // which an archive may write to
+    mutable std::optional<Part> m_part;  ///< which an archive may write to
 };
 
 }  // namespace hexaplast::sofa_plugin

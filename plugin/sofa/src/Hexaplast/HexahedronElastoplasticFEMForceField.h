@@ -97,6 +97,7 @@ protected:
     void initPart() override;
     void makePart() override;
     void updatePart() override;
+    bool othersHaveChanged() override;
     void resetPart() override;
     void savePart(std::ostream& out) const override { m_body->body().save(out); }
     void loadPart(std::istream& in) override;
@@ -129,10 +130,11 @@ private:
     void setOutputsDirty();
 
     std::shared_ptr<parts::HexahedralBody> m_body;
-    std::vector<double> m_fill;   // fraction of each hexahedron of a sparse grid that is full
-    std::vector<int> m_original;  // number that each hexahedron of the topology has in the body
+    std::vector<double> m_fill;              ///< fraction of each hexahedron of a sparse grid that is full
+    std::vector<int> m_original;             ///< number that each hexahedron of the topology has in the body
+    std::vector<MaterialRegion*> m_regions;  ///< seen last, to be compared alone
     bool m_topologyIsLost = false;
-    bool m_regionsAreReady = false;  // they may stand behind the body, and what they follow too
+    bool m_regionsAreReady = false;  ///< they may stand behind the body, and what they follow too
 
     Outputs m_outputs{{&d_plasticStrain, &d_presentYieldStress, &d_stressNorm, &d_volumeRatio, &d_volume, &d_removed},
                       [this]

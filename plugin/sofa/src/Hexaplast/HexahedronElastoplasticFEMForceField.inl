@@ -31,6 +31,7 @@ HexahedronElastoplasticFEMForceField<TDataTypes>::HexahedronElastoplasticFEMForc
 template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::initPart()
 {
+    if (!attempt(*this, [&] { this->checkLink(l_topology, "topology"); })) return;
     if (!l_topology) l_topology.set(this->getContext()->getMeshTopologyLink());
     if (!l_topology)
     {
@@ -38,8 +39,9 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::initPart()
         this->d_componentState.setValue(sofa::core::objectmodel::ComponentState::Invalid);
         return;
     }
+    m_regions.clear();  // they told the inputs before
     Inherit::initPart();
-    for (MaterialRegion* region : regions()) region->tell(this->inputs());
+    if (this->hasPart()) othersHaveChanged();
     setOutputsDirty();
 }
 
@@ -49,9 +51,7 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::bwdInit()
 {
     Inherit::bwdInit();
     m_regionsAreReady = true;
-    if (!this->works() || regions().empty()) return;
-    for (MaterialRegion* region : regions()) region->tell(this->inputs());
-    this->reinit();
+    if (this->works() && othersHaveChanged()) this->reinit();
 }
 
 template <class TDataTypes>
@@ -65,6 +65,18 @@ std::vector<MaterialRegion*> HexahedronElastoplasticFEMForceField<TDataTypes>::r
     return found;
 }
 
+// Regions that were added or removed.
+template <class TDataTypes>
+bool HexahedronElastoplasticFEMForceField<TDataTypes>::othersHaveChanged()
+{
+    std::vector<MaterialRegion*> present = regions();
+    if (present == m_regions) return false;
+    for (MaterialRegion* region : present)
+        if (std::find(m_regions.begin(), m_regions.end(), region) == m_regions.end()) region->tell(this->inputs());
+    m_regions = std::move(present);
+    return true;
+}
+
 template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::makePart()
 {
@@ -76,6 +88,7 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::makePart()
         Hexahedron& corners = hexahedra.emplace_back();
         for (std::size_t a = 0; a < corners.size(); ++a) corners[a] = static_cast<int>(hexahedron[a]);
     }
+    if (hexahedra.empty()) throw InputError("its topology '" + l_topology->getName() + "' has no hexahedra");
     m_fill.clear();
     if (auto* grid = dynamic_cast<sofa::component::topology::container::grid::SparseGridTopology*>(l_topology.get()))
         for (sofa::Index e = 0; e < hexahedra.size(); ++e) m_fill.push_back(grid->getStiffnessCoef(e));
@@ -111,9 +124,9 @@ parts::HexahedralBodyOptions HexahedronElastoplasticFEMForceField<TDataTypes>::o
     {
         const auto* data = this->findData(std::string(row.name));
         if (row.may_be_infinite() && !data->isSet()) return std::nullopt;
+        this->checkWord(row.name);
         if (const auto* word = dynamic_cast<const Data<OptionsGroup>*>(data))
         {
-            this->checkWord(row.name);
             return {{static_cast<double>(place_of_word(row, word->getValue().getSelectedItem()))}};
         }
         if (const auto* whole = dynamic_cast<const Data<int>*>(data)) return {{static_cast<double>(whole->getValue())}};
@@ -151,7 +164,9 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::followTopology()
     std::vector<int> gone;
     for (std::size_t e = 0; e < isLeft.size(); ++e)
         if (!isLeft[e] && alive[e]) gone.push_back(static_cast<int>(e));
-    if (!gone.empty()) m_body->remove(gone);
+    if (gone.empty()) return;
+    m_body->remove(gone);
+    msg_warning(this) << gone.size() << " hexahedra are gone from the topology, and stay so: it gets none back";
 }
 
 // Relaxation within a step follows from its length; in an equilibrium it is over.
@@ -161,6 +176,9 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::beginStep(SReal, SReal dt
     // by its name: an installed SOFA lacks NonLinearFunction.h, which StaticSolver.h includes (v25.06 to v26.06)
     const auto* solver = this->getContext()->template get<sofa::core::behavior::OdeSolver>();
     const bool isStatic = solver && solver->getClassName() == "StaticSolver";
+    // a grid is made anew without a word
+    if (l_topology->getNbHexahedra() != m_original.size()) m_topologyIsLost = true;
+    requireTopology();
     m_body->body().set_time_step(isStatic ? std::numeric_limits<SReal>::infinity() : dt);
 }
 

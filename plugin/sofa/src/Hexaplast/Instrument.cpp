@@ -11,6 +11,7 @@ namespace hexaplast::sofa_plugin
 
 void Instrument::checkRigid() const
 {
+    checkLink(l_rigid, "rigid");
     if (!l_rigid) return;
     if (l_rigid->getCoordDimension() != 7 || l_rigid->getDerivDimension() != 6)
         throw parts::OptionError("rigid", "leads to '" + l_rigid->getName() +
@@ -49,6 +50,7 @@ void Instrument::makePart()
 
 void Instrument::prescribe(SReal dt)
 {
+    checkRigid();
     if (l_rigid) m_part->prescribe(poseAfter(0), poseAfter(dt));
 }
 

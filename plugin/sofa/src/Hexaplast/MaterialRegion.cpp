@@ -20,6 +20,7 @@ void MaterialRegion::init()
         *this,
         [&]
         {
+            checkLink(l_body, "body");
             if (!body())
                 throw InputError("needs a HexahedronElastoplasticFEMForceField in its node or above, or a link to one");
         });
@@ -46,6 +47,9 @@ std::optional<parts::MaterialRegion> MaterialRegion::values(const std::vector<He
         attempt(*this,
                 [&]
                 {
+                    checkLink(l_body, "body");
+                    for (const Row<Material>& row : material_rows())
+                        if (this->findData(std::string(row.name))) checkWord(row.name);
                     d_hexahedra.updateIfDirty();
                     d_indices.updateIfDirty();
                     std::optional<std::vector<int>> nodes, numbers;

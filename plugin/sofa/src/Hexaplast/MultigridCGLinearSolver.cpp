@@ -75,14 +75,9 @@ public:
     void init() override
     {
         Inherit::init();
-        m_solver.reset();
         m_constraintsAreChecked = false;
-        const auto make = [&]
-        {
-            m_solver.emplace(readOptions<parts::MultigridCGOptions>());
-            m_compliance = Compliance(m_solver->options().preconditioner);
-        };
-        if (!attempt(*this, make)) m_solver.reset();
+        m_inputs.emplace(*this, description());
+        make();
         forget();
     }
     void bwdInit() override
@@ -108,8 +103,16 @@ public:
 
     void handleEvent(sofa::core::objectmodel::Event* event) override
     {
-        if (!sofa::simulation::AnimateBeginEvent::checkEventType(event) || !mayStep(*this)) return;
-        if (m_state.isGiven()) attempt(*this, [&] { m_state.take([this](std::istream& in) { load(in); }); });
+        if (!sofa::simulation::AnimateBeginEvent::checkEventType(event)) return;
+        if (m_inputs && m_inputs->haveChanged() && make())
+            d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
+        if (m_solver && m_state.isGiven())
+        {
+            const auto load = [this](std::istream& in) { this->load(in); };
+            if (attempt(*this, [&] { m_state.take(load); }))
+                d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
+        }
+        mayStep(*this);
     }
 
     /// SOFA has set up another matrix.
@@ -117,8 +120,9 @@ public:
 
     void solve(GraphScatteredMatrix& A, GraphScatteredVector& x, GraphScatteredVector& b) override
     {
-        if (isInvalid(*this) || !m_solver) return;
         typename Inherit::TempVectorContainer vectors(this, sofa::core::execparams::defaultInstance(), A, x, b);
+        x.clear();  // no motion, where there is no answer
+        if (isInvalid(*this) || !m_solver) return;
         const std::unique_ptr<GraphScatteredVector> in(vectors.createTempVector()), out(vectors.createTempVector());
         attempt(*this,
                 [&]
@@ -176,6 +180,7 @@ public:
     void applyConstraintForce(const sofa::core::ConstraintParams* cparams, sofa::core::MultiVecDerivId dx,
                               const sofa::linearalgebra::BaseVector* multipliers) override
     {
+        if (isInvalid(*this) || !m_solver) return;
         attempt(*this,
                 [&]
                 {
@@ -202,6 +207,19 @@ protected:
     }
 
 private:
+    /// By the Data; false where they cannot be.
+    bool make()
+    {
+        m_solver.reset();
+        return attempt(*this,
+                       [&]
+                       {
+                           m_solver.emplace(readOptions<parts::MultigridCGOptions>());
+                           m_compliance = Compliance(m_solver->options().preconditioner);
+                           m_knowsCompliance = false;
+                       });
+    }
+
     void forget()
     {
         if (m_solver) d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
@@ -234,11 +252,14 @@ private:
     /// would go on without, and crash: they are left without the correction.
     void refuseUnbuiltConstraints()
     {
-        using sofa::component::constraint::lagrangian::correction::LinearSolverConstraintCorrection;
-        auto* correction = getContext()->get<LinearSolverConstraintCorrection<Vec3Types>>(BaseContext::Local);
+        using Correction =
+            sofa::component::constraint::lagrangian::correction::LinearSolverConstraintCorrection<Vec3Types>;
+        std::vector<Correction*> corrections;
+        getContext()->get<Correction>(&corrections, BaseContext::SearchDown);
         const auto unbuilt = unbuiltConstraintSolvers(*getContext()->getRootContext());
-        if (!correction || unbuilt.empty()) return;
-        for (auto* solver : unbuilt) solver->removeConstraintCorrection(correction);
+        if (corrections.empty() || unbuilt.empty()) return;
+        for (auto* solver : unbuilt)
+            for (Correction* correction : corrections) solver->removeConstraintCorrection(correction);
         throw InputError(
             "UnbuiltGaussSeidelConstraintSolver asks for single constraints, for which a matrix must be there: use "
             "BlockGaussSeidelConstraintSolver. Constraints do not act on its bodies");
@@ -302,12 +323,13 @@ private:
         return motion;
     }
 
+    std::optional<Inputs> m_inputs;
     std::optional<parts::MultigridCG> m_solver;
     SolverMemory m_memory;
     SavedState m_state{*this, [this](std::ostream& out) { save(out); }};
     Compliance m_compliance;
-    bool m_knowsCompliance = false;  // of the present matrix
-    Jacobian m_jacobian;             // of the latest buildComplianceMatrix
+    bool m_knowsCompliance = false;  ///< of the present matrix
+    Jacobian m_jacobian;             ///< of the latest buildComplianceMatrix
     bool m_constraintsAreChecked = false;
 };
 

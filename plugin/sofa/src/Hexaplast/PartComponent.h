@@ -6,6 +6,7 @@
 #include <Hexaplast/table.h>
 #include <sofa/simulation/AnimateBeginEvent.h>
 #include <sofa/simulation/AnimateEndEvent.h>
+#include <sofa/simulation/IntegrateBeginEvent.h>
 
 #include <iosfwd>
 #include <optional>
@@ -48,6 +49,8 @@ public:
     {
         if (sofa::simulation::AnimateBeginEvent::checkEventType(event))
         {
+            m_numIntegrations = 0;
+            if (!hasPart() && !isInvalid(*this)) this->bwdInit();  // it was added during the run
             const bool ownHaveChanged = hasPart() && m_inputs->haveChanged(),
                        othersHave = hasPart() && othersHaveChanged();
             if (ownHaveChanged || othersHave || (hasPart() && m_state.isGiven())) takeData();
@@ -55,6 +58,10 @@ public:
             const SReal dt = static_cast<sofa::simulation::AnimateBeginEvent*>(event)->getDt();
             m_dt = dt;
             attempt(*this, [&] { beginStep(this->getContext()->getTime(), dt); });
+        }
+        else if (sofa::simulation::IntegrateBeginEvent::checkEventType(event))
+        {
+            if (works() && ++m_numIntegrations > 1) attempt(*this, [&] { refuseIntegrations(); });
         }
         else if (works() && sofa::simulation::AnimateEndEvent::checkEventType(event))
         {
@@ -95,7 +102,8 @@ protected:
     {
         acceptData([&] { makePart(); });
         m_inputs.emplace(*this, this->description());
-        if (works()) attempt(*this, [&] { m_state.takeFirst([this](std::istream& in) { loadPart(in); }); });
+        m_inputs->add(this->rayleighStiffness);
+        if (works()) attempt(*this, [&] { m_state.takeFirst([this](std::istream& in) { loadPart(in); }, true); });
     }
 
     virtual void checkRayleighStiffness() const  ///< OptionError where it is not allowed
@@ -110,6 +118,7 @@ protected:
     virtual void resetPart() {}
     virtual void beginStep(SReal /*time*/, SReal /*dt*/) {}
     virtual void endStep(SReal /*dt*/) {}
+    virtual void refuseIntegrations() const {}           ///< InputError where there must be one in a step
     virtual void savePart(std::ostream& out) const = 0;  ///< what it keeps from step to step
     virtual void loadPart(std::istream& in) = 0;         ///< InputError for what cannot be that
 
@@ -140,12 +149,9 @@ private:
 
     void takeData()
     {
-        acceptData(
-            [&]
-            {
-                if (m_state.isGiven()) m_state.take([this](std::istream& in) { loadPart(in); });
-                updatePart();
-            });
+        const auto load = [this](std::istream& in) { loadPart(in); };
+        if (m_state.isGiven() && !attempt(*this, [&] { m_state.take(load); })) return;
+        acceptData([&] { updatePart(); });
     }
 
     SavedState m_state{*this, [this](std::ostream& out)
@@ -153,7 +159,8 @@ private:
                            if (hasPart()) savePart(out);
                        }};
     std::optional<Inputs> m_inputs;
-    SReal m_dt = 0;  // of the present step
+    SReal m_dt = 0;  ///< of the present step
+    int m_numIntegrations = 0;
     bool m_dataAreAccepted = false;
     bool m_isLeftOut = false;
 };

@@ -98,7 +98,7 @@ class ForceOnState : public PartForceField<Vec3Types>
 public:
     SOFA_ABSTRACT_CLASS(ForceOnState, PartForceField<Vec3Types>);
 
-    bool isInMatrix() const override { return force().is_in_matrix(); }
+    bool isInMatrix() const override { return works() && force().is_in_matrix(); }
     bool addOperator(double factor, MatrixFreeSystem& system) const override
     {
         return force().add_stiffness_diagonal(factor, system.diagonal);

@@ -7,6 +7,7 @@
 #include <sofa/core/objectmodel/DataFileName.h>
 #include <sofa/simulation/UpdateMappingEndEvent.h>
 
+#include <cmath>
 #include <fstream>
 #include <limits>
 #include <optional>
@@ -51,6 +52,7 @@ public:
         attempt(*this,
                 [&]
                 {
+                    if (!m_probe) begin();  // it was added during the run
                     read();
                     if (!m_file.is_open()) return;
                     m_file << getContext()->getTime() << "," << d_reading.getValue() << std::endl;
@@ -74,7 +76,10 @@ private:
         m_file.close();
         m_points.reset();
         d_value.update();  // finds a Data of a component that stands behind this one
-        const int width = static_cast<int>(source().getValueTypeInfo()->size());
+        const auto* type = source().getValueTypeInfo();
+        if (!type->ValidInfo() || !(type->Scalar() || type->Integer()) || type->Text())
+            throw parts::OptionError("value", "must lead to numbers or vectors");
+        const int width = static_cast<int>(type->size());
         if (width != 1 && width != 3)
             throw parts::OptionError("value", "holds entries of " + std::to_string(width) + " numbers, must be 1 or 3");
         if (width == 1 && d_component.isSet())
@@ -127,7 +132,9 @@ private:
                 Eigen::Map<const PointArray>(m_values.data(), static_cast<Eigen::Index>(m_values.size() / 3), 3), at);
             m_values.assign(at.data(), at.data() + at.size());
         }
-        d_reading.setValue(m_probe->read(m_values));
+        const double reading = m_probe->read(m_values);
+        if (!std::isfinite(reading)) throw parts::OptionError("value", "holds a number that is not finite");
+        d_reading.setValue(reading);
     }
 
     std::optional<parts::Probe> m_probe;

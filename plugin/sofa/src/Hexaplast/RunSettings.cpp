@@ -41,7 +41,7 @@ public:
     void handleEvent(sofa::core::objectmodel::Event* event) override
     {
         if (!sofa::simulation::AnimateEndEvent::checkEventType(event)) return;
-        if (!d_steps.isSet() || ++m_numSteps != d_steps.getValue()) return;
+        if (!mayStep(*this) || !d_steps.isSet() || ++m_numSteps != d_steps.getValue()) return;
         msg_info() << "the scene has run its " << m_numSteps << " steps";
         getContext()->getRootContext()->setAnimate(false);
     }

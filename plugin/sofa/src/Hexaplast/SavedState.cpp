@@ -101,14 +101,17 @@ void SavedState::take(const Load& load)
     }
 }
 
-void SavedState::takeFirst(const Load& load)
+void SavedState::takeFirst(const Load& load, bool keepsGiven)
 {
     if (!m_isInitialised && m_isGiven) m_first = d_state.getValue();
     m_isInitialised = true;
-    m_isGiven = false;
-    hasChanged();
-    if (m_first.empty()) return;
-    d_state.setValue(m_first);
+    if (!keepsGiven || !m_isGiven)
+    {
+        m_isGiven = false;
+        hasChanged();
+        if (m_first.empty()) return;
+        d_state.setValue(m_first);
+    }
     take(load);
 }
 

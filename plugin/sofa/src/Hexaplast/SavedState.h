@@ -32,8 +32,9 @@ public:
     /// Loads what was given. Throws InputError, and then nothing has changed.
     void take(const Load& load);
 
-    /// At init and reset, after the component has none: the one that the scene gives, where it gives one.
-    void takeFirst(const Load& load);
+    /// At init and reset, after the component has none: the one that the scene gives, where it gives one. keepsGiven:
+    /// one that was given since is taken in its place.
+    void takeFirst(const Load& load, bool keepsGiven = false);
 
     /// Contents for `save`, and back from it: checked by a sum, and for what they belong to.
     using Contents = std::function<void(Archive&)>;
@@ -46,9 +47,9 @@ private:
     Outputs m_output;
     sofa::core::objectmodel::DataCallback m_edits;
     bool m_isGiven = false;
-    bool m_isComputed = false;  // just now
+    bool m_isComputed = false;  ///< just now
     bool m_isInitialised = false;
-    std::string m_first;  // that the scene gives
+    std::string m_first;  ///< that the scene gives
 };
 
 }  // namespace hexaplast::sofa_plugin

@@ -91,7 +91,7 @@ public:
                 continue;
             }
             const auto* ours = dynamic_cast<OurForceField*>(field);
-            if (ours ? ours->hasPart() && ours->isInMatrix() && !m_states.find(ours->getMState()) : true)
+            if (ours ? ours->works() && ours->isInMatrix() && !m_states.find(ours->getMState()) : true)
                 hasOthers = true;
         }
         m_between.b = m_A.mparams.bFactor();
@@ -233,7 +233,7 @@ private:
         for (BaseForceField* field : fields)
         {
             auto* ours = dynamic_cast<OurForceField*>(field);
-            if (!ours || ours->getMState() != entry.state || !ours->hasPart() || !ours->isInMatrix()) continue;
+            if (!ours || ours->getMState() != entry.state || !ours->works() || !ours->isInMatrix()) continue;
             m_ours.push_back(ours);
             if (ours->addOperator(beside.k + beside.b * ours->wholeRayleighStiffness(), system))
                 ours->addDampingDiagonal(beside.b, system.diagonal);
@@ -330,10 +330,10 @@ private:
     States m_states;
     GraphScatteredMatrix& m_A;
     GraphScatteredVector &m_in, &m_out;
-    mutable std::vector<OurForceField*> m_ours;  // on the states: SOFA's products are without them
-    mutable std::vector<Beside> m_besides;       // one per state
-    mutable Between m_between;                   // SOFA's products are without it as well
-    mutable double m_massOfOthers = 0;           // factor of the masses in what the kernels do not know
+    mutable std::vector<OurForceField*> m_ours;  ///< on the states: SOFA's products are without them
+    mutable std::vector<Beside> m_besides;       ///< one per state
+    mutable Between m_between;                   ///< SOFA's products are without it as well
+    mutable double m_massOfOthers = 0;           ///< factor of the masses in what the kernels do not know
 };
 
 }  // namespace hexaplast::sofa_plugin

@@ -71,13 +71,6 @@ public:
                                                 "Length of a force that is drawn [m/N]. 0: the greatest one has a "
                                                 "tenth of the size of the body.")};
 
-    /// The bodies that touch, which are found by their states; of one state, the same twice.
-    using BodyLink = sofa::core::objectmodel::SingleLink<ContactOf, BodyField,
-                                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
-                                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>;
-    BodyLink l_body1{this->initLink("body1", "Output: the body of its state, or of object1.")};
-    BodyLink l_body2{this->initLink("body2", "Output: the body of object2, where it has one.")};
-
     // Bodies and integrators may be declared later: it is made when all of them have had their init.
     void init() override
     {
@@ -131,8 +124,7 @@ protected:
                     "leads to '" + states[k]->getPathName() +
                         "', which another integrator moves: bodies that touch need one EulerImplicitSolver and one "
                         "linear solver in a node above both, and the contact stands below it");
-        l_body1.set(fields[0]);
-        l_body2.set(fields[1]);
+        m_fields = {fields[0], fields[1]};
         m_bodies = {fields[0]->part(), fields[1]->part()};
         return {.bodies = {fields[0]->body(), fields[1]->body()}};
     }
@@ -162,9 +154,11 @@ protected:
     bool othersHaveChanged() override
     {
         const std::vector<BodyField*> present = bodyFields(*this->getContext());
-        const auto isAsItWas = [&](const BodyLink& link, const auto& body)
-        { return std::count(present.begin(), present.end(), link.get()) > 0 && link->part() == body; };
-        return !isAsItWas(l_body1, m_bodies[0]) || !isAsItWas(l_body2, m_bodies[1]);
+        const auto isAsItWas = [&](const sofa::core::sptr<BodyField>& field, const auto& body) {
+            return std::count(present.begin(), present.end(), field.get()) > 0 && field->works() &&
+                   field->part() == body;
+        };
+        return !isAsItWas(m_fields[0], m_bodies[0]) || !isAsItWas(m_fields[1], m_bodies[1]);
     }
     void resetPart() override
     {
@@ -181,6 +175,12 @@ protected:
         m_dt = dt;
         m_isOpen = true;
         m_isAccepted = false;
+    }
+    void refuseIntegrations() const override
+    {
+        throw InputError(
+            "its integrator takes several steps within one: contacts are found once, so that MultiStepAnimationLoop "
+            "needs collisionSteps = 1 and integrationSteps = 1");
     }
     void endStep(SReal dt) override
     {
@@ -230,11 +230,12 @@ private:
         }
     }
 
-    std::array<std::shared_ptr<const parts::HexahedralBody>, 2> m_bodies;  // that the part refers to
-    SReal m_dt = 0;                                                        // of the present step
-    bool m_isOpen = false;                                                 // it has begun and not ended
-    bool m_isAccepted = true;  // nothing pulls at the end of the present step
-    bool m_isWarned = false;   // of a linear solver that does not accept its steps
+    std::array<sofa::core::sptr<BodyField>, 2> m_fields;  ///< of the bodies that touch; of one state, the same twice
+    std::array<std::shared_ptr<const parts::HexahedralBody>, 2> m_bodies;  ///< that the part refers to
+    SReal m_dt = 0;                                                        ///< of the present step
+    bool m_isOpen = false;                                                 ///< it has begun and not ended
+    bool m_isAccepted = true;  ///< nothing pulls at the end of the present step
+    bool m_isWarned = false;   ///< of a linear solver that does not accept its steps
     bool m_hasWarnedOfPair = false;
 };
 

@@ -12,7 +12,6 @@
 namespace hexaplast::sofa_plugin
 {
 
-/// Adds a class under the name and with the help of the attribute table.
 /// The tables of the components that are registered.
 inline std::vector<const attributes::Description*>& registered()
 {
@@ -20,6 +19,7 @@ inline std::vector<const attributes::Description*>& registered()
     return all;
 }
 
+/// Adds a class under the name and with the help of the attribute table.
 template <class T>
 void registerComponent(sofa::core::ObjectFactory* factory, const attributes::Description& description)
 {

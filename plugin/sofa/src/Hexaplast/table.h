@@ -7,6 +7,7 @@
 #include <sofa/core/objectmodel/DDGNode.h>
 #include <sofa/helper/OptionsGroup.h>
 
+#include <algorithm>
 #include <functional>
 #include <initializer_list>
 #include <locale>
@@ -179,7 +180,8 @@ class TableComponent : public TBase
 public:
     SOFA_ABSTRACT_CLASS(SOFA_TEMPLATE(TableComponent, TBase), TBase);
 
-    /// An OptionsGroup warns of a word that it has not, and keeps the one before: here that is an error.
+    /// SOFA warns of a word that an OptionsGroup has not, and of text that is no number, and goes on: here that is an
+    /// error.
     void parse(sofa::core::objectmodel::BaseObjectDescription* given) override
     {
         TBase::parse(given);
@@ -187,7 +189,8 @@ public:
         {
             const char* word = given->getAttribute(std::string(attribute.name));
             const auto* data = this->findData(std::string(attribute.name));
-            if (!attribute.words.empty() && word && *word != '@' && data && data->getValueString() != word)
+            if (!word || *word == '@' || !data) continue;
+            if (attribute.words.empty() ? !holdsNumbers(attribute.type, word) : data->getValueString() != word)
                 m_wrongWords[attribute.name] = {word, data->getCounter()};
         }
     }
@@ -197,12 +200,16 @@ protected:
 
     const Description& description() const { return m_description; }
 
-    /// Throws OptionError where the scene gives this Data a word that it has not.
+    /// Throws OptionError where the scene gives this Data a word that it has not, or no number.
     void checkWord(std::string_view name) const
     {
         const auto wrong = m_wrongWords.find(name);
-        if (wrong != m_wrongWords.end() && wrong->second.counter == this->findData(std::string(name))->getCounter())
-            parts::place_of_word(attributes::attribute_of(m_description, name), wrong->second.word);
+        if (wrong == m_wrongWords.end() || wrong->second.counter != this->findData(std::string(name))->getCounter())
+            return;
+        const Attribute& attribute = attributes::attribute_of(m_description, name);
+        if (!attribute.words.empty()) parts::place_of_word(attribute, wrong->second.word);
+        throw parts::OptionError(
+            name, "= '" + wrong->second.word + "': must be " + std::string(attributes::describe(attribute.type)));
     }
 
     /// What a Data is made from: Data<SReal> d_length{this->fromTable(d_length, "length")}. `group`: under which
@@ -249,7 +256,26 @@ protected:
         return options;
     }
 
+    /// Throws OptionError where a link is given that leads to nothing.
+    template <class Link>
+    static void checkLink(const Link& link, const char* name)
+    {
+        if (!link.get() && !link.getLinkedPath().empty())
+            throw parts::OptionError(name, "'" + link.getLinkedPath() + "' leads to nothing");
+    }
+
 private:
+    /// Whether all words of a text are numbers, or ranges of whole ones, where the type is one of numbers.
+    static bool holdsNumbers(attributes::Type type, const std::string& text)
+    {
+        using attributes::Type;
+        if (type == Type::kBool || type == Type::kText || type == Type::kWord || type == Type::kLink) return true;
+        std::istringstream words(text);
+        for (std::string word; words >> word;)
+            if (word.find_first_not_of("0123456789+-.eEinfINFtyTYxX") != word.npos) return false;
+        return true;
+    }
+
     struct Owned
     {
         virtual ~Owned() = default;
@@ -275,7 +301,7 @@ private:
 
     const Description& m_description;
     std::vector<std::unique_ptr<Owned>> m_data;
-    std::map<std::string_view, WrongWord> m_wrongWords;  // by Data
+    std::map<std::string_view, WrongWord> m_wrongWords;  ///< by Data
 };
 
 /// Stands behind the inputs of a component in SOFA's graph of dependencies, which tells it of each change.
@@ -288,6 +314,13 @@ public:
             if (auto* data = owner.findData(std::string(attribute.name));
                 data && attribute.access != attributes::Access::kOutput)
                 addInput(data);
+        update();
+    }
+
+    /// One that the table does not have; once.
+    void add(sofa::core::objectmodel::DDGNode& input)
+    {
+        if (std::find(inputs.begin(), inputs.end(), &input) == inputs.end()) addInput(&input);
         update();
     }
 
