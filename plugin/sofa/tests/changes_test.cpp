@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What components say that they cannot be, materials of regions, attributes that change during a run, and the state
 // that a run leaves.
+#include <Hexaplast/MaterialRegion.h>
 #include <gtest/gtest.h>
+#include <sofa/simulation/AnimateBeginEvent.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "attributes/parts.hpp"
@@ -65,6 +68,11 @@ INSTANTIATE_TEST_SUITE_P(
                 block(R"(yieldStress="1 2")"),
                 {"ForceField.yieldStress: 2 values given, must be one or 12 (one per hexahedron)"}},
         Refused{"body", block("", ""), {"needs a topology with hexahedra"}},
+        Refused{"body",
+                block("", "<HexahedronSetTopologyContainer name='grid'/>"),
+                {"its topology 'grid' has no hexahedra"}},
+        Refused{"body", block("topology='@nowhere'"), {"ForceField.topology: '@nowhere' leads to nothing"}},
+        Refused{"body", block("plasticFlowRate='zz'"), {"ForceField.plasticFlowRate: = 'zz': must be one number"}},
         Refused{"tool",
                 block("", kGrid, "",
                       "<GraspForceField name='tool' keyTimes='1 0' positions='0 0 0 1 0 0' stiffness='-1' "
@@ -157,6 +165,37 @@ TEST(RegionsInSofa, AreValidAgainWhenTheyAreCorrected)
     EXPECT_FALSE(isInvalid(scene.named("tip")));
     EXPECT_FALSE(isInvalid(scene.field()));
     EXPECT_EQ(scene.body().material(5).young_modulus, 900);
+}
+
+TEST(RegionsInSofa, ComeAndGo)
+{
+    SofaScene scene = SofaScene::from_text(block(""));
+    auto& node = dynamic_cast<sofa::simulation::Node&>(*scene.field().getContext());
+    const auto region = sofa::core::objectmodel::New<MaterialRegion>();
+    region->findData("indices")->read("5");
+    region->findData("youngModulus")->read("900");
+    node.addObject(region);
+    scene.step();
+    EXPECT_EQ(scene.body().material(5).young_modulus, 900);
+    node.removeObject(region);
+    scene.step();
+    EXPECT_EQ(scene.body().material(5).young_modulus, 5000);
+}
+
+TEST(AttributeChangeInSofa, FollowsItsLinkAndATimeThatGoesBack)
+{
+    SofaScene scene = SofaScene::from_text(
+        block("", kGrid, "<RunSettings name='one' steps='3'/><RunSettings name='two' steps='4'/>",
+              "<AttributeChange name='change' component='@/one' attribute='steps' keyTimes='0.015' values='5'/>"));
+    const auto steps = [&](const char* name) { return scene.named(name).findData("steps")->getValueString(); };
+    for (int step = 0; step < 3; ++step) scene.step();
+    EXPECT_EQ(steps("one"), "5");
+    dynamic_cast<sofa::simulation::Node&>(*scene.field().getContext()).setTime(0);
+    scene.named("change").handleEvent(std::make_unique<sofa::simulation::AnimateBeginEvent>(0.01).get());
+    EXPECT_EQ(steps("one"), "3");
+    scene.named("change").findLink("component")->read("@/two");
+    for (int step = 0; step < 3; ++step) scene.step();
+    EXPECT_EQ(steps("two"), "5");
 }
 
 TEST(AttributeChangeInSofa, HappensBeforeTheStepOfItsTime)

@@ -221,6 +221,23 @@ TEST(InstrumentInSofa, IsSeenWhereItIs)
     EXPECT_EQ(draw(true, true).ends.size(), tool.ends.size());
 }
 
+TEST(InstrumentInSofa, RefusesSeveralIntegrationsInAStepAndARayleighStiffnessDuringTheRun)
+{
+    Messages messages;
+    SofaScene several = SofaScene::from_text(replaced(stroked_block(kOurSolver), "<DefaultAnimationLoop/>",
+                                                      "<MultiStepAnimationLoop integrationSteps='2'/>"));
+    several.step();
+    EXPECT_TRUE(isInvalid(several.named("tool")));
+    EXPECT_GT(messages.count("takes several steps within one"), 0) << messages.text();
+
+    SofaScene one = SofaScene::from_text(stroked_block(kOurSolver));
+    one.step();
+    one.only<Contact>().rayleighStiffness.setValue(3);
+    one.step();
+    EXPECT_TRUE(isInvalid(one.named("tool")));
+    EXPECT_EQ(messages.count("rayleighStiffness: = 3"), 1) << messages.text();
+}
+
 TEST(InstrumentInSofa, WarnsOfABodyThatItIsDeepIn)
 {
     Messages messages;

@@ -132,12 +132,31 @@ TEST(MultigridCGInSofa, RefusesValuesUntilTheyAreCorrected)
     EXPECT_EQ(messages.count("MultigridCGLinearSolver.tolerance: 0"), 1) << messages.text();
     scene.step();
     EXPECT_EQ(messages.count("it does nothing in this step"), 1) << messages.text();
+    EXPECT_EQ(scene.velocities().norm(), 0) << "no motion where there is no answer";
     scene.reset();
     EXPECT_TRUE(isInvalid(scene.named("solver"))) << "reset reads no Data";
     scene.set("solver", "tolerance", "1e-11");
     scene.named("solver").reinit();
     EXPECT_FALSE(isInvalid(scene.named("solver")));
     scene.step();
+}
+
+TEST(MultigridCGInSofa, GoesOnWithoutABodyThatIsInvalidForAWhile)
+{
+    SofaScene scene = SofaScene::from_text(hanging(kOurs));
+    for (const std::string young : {"-5", "4000"})
+    {
+        scene.set("body", "youngModulus", young);
+        scene.step();
+        EXPECT_EQ(isInvalid(scene.field()), young == "-5");
+        EXPECT_FALSE(isInvalid(scene.named("solver")));
+    }
+    scene.set("solver", "iterations", "0");
+    scene.step();
+    EXPECT_TRUE(isInvalid(scene.named("solver")));
+    scene.set("solver", "iterations", "500");
+    scene.step();
+    EXPECT_FALSE(isInvalid(scene.named("solver"))) << "in the next step";
 }
 
 TEST(MultigridCGInSofa, RefusesRigidFramesThatMoveByThemselves)
