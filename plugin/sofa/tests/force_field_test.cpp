@@ -298,7 +298,7 @@ TEST(ForceField, FlowsOncePerStepOfAMultiStepAnimationLoop)
 }
 
 // What an instrument stores in its springs, against the work on a small way.
-TEST(Instrument, EnergyRisesAsItsForceIsWorkedAgainst)
+TEST(InstrumentContactForceField, EnergyRisesAsItsForceIsWorkedAgainst)
 {
     SofaScene scene = SofaScene::from_text(block(
         "", kGrid, "",
@@ -334,7 +334,7 @@ TEST(Instrument, EnergyRisesAsItsForceIsWorkedAgainst)
 }
 
 // A dashpot of 7 N s/m on the one node that is held: df/dv = -7 there.
-TEST(Instrument, DashpotsOfAGripAreInTheMatrixOfDamping)
+TEST(InstrumentContactForceField, DashpotsOfAGripAreInTheMatrixOfDamping)
 {
     SofaScene scene = SofaScene::from_text(
         block("", kGrid, "",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // An instrument that touches a body in SOFA and in the embedded host: the same motion, forces and contacts.
-#include <Hexaplast/Instrument.h>
+#include <Hexaplast/InstrumentContactForceField.h>
 #include <gtest/gtest.h>
 #include <sofa/core/visual/VisualParams.h>
 
@@ -18,7 +18,7 @@ namespace hexaplast::sofa_plugin::test
 namespace
 {
 
-using Contact = Instrument;
+using Contact = InstrumentContactForceField;
 
 /// A block of 4 x 3 x 8 cubes on the ground that a plate presses and strokes.
 std::string stroked_block(const std::string& solver, const std::string& contact = "",

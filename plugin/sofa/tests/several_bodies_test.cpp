@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Several bodies in one system of SOFA: contact between tissues as in the embedded host, and what else joins them.
-#include <Hexaplast/contact.h>
+#include <Hexaplast/ContactOf.h>
 #include <gtest/gtest.h>
 
 #include <fstream>

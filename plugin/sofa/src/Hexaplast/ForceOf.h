@@ -2,7 +2,7 @@
 #pragma once
 
 #include <Hexaplast/ForceBetweenStates.h>
-#include <Hexaplast/PartForceField.h>
+#include <Hexaplast/ForceOnState.h>
 
 #include <functional>
 #include <optional>

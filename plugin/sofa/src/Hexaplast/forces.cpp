@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <Hexaplast/Instrument.h>
+#include <Hexaplast/InstrumentContactForceField.h>
 #include <Hexaplast/registration.h>
 
 #include "parts/grasp.hpp"
@@ -13,7 +13,7 @@ void registerForces(sofa::core::ObjectFactory* factory)
 {
     registerComponent<ForceOf<parts::TangentialLoad>>(factory, parts::TangentialLoad::description());
     registerComponent<ForceOf<parts::Grasp>>(factory, parts::Grasp::description());
-    registerComponent<Instrument>(factory, attributes::kInstrumentContactInSofa);
+    registerComponent<InstrumentContactForceField>(factory, attributes::kInstrumentContactInSofa);
     registerComponent<ContactOf<parts::Tissues>>(factory, parts::Tissues::description());
 }
 

@@ -4,12 +4,10 @@
 #include <Hexaplast/fields.h>
 #include <Hexaplast/releases.h>
 #include <sofa/core/objectmodel/BaseObjectDescription.h>
-#include <sofa/core/objectmodel/DDGNode.h>
 #include <sofa/helper/OptionsGroup.h>
 
 #include <algorithm>
 #include <functional>
-#include <initializer_list>
 #include <locale>
 #include <map>
 #include <memory>
@@ -302,61 +300,6 @@ private:
     const Description& m_description;
     std::vector<std::unique_ptr<Owned>> m_data;
     std::map<std::string_view, WrongWord> m_wrongWords;  ///< by Data
-};
-
-/// Stands behind the inputs of a component in SOFA's graph of dependencies, which tells it of each change.
-class Inputs final : public sofa::core::objectmodel::DDGNode
-{
-public:
-    Inputs(const SofaComponent& owner, const Description& description)
-    {
-        for (const Attribute& attribute : description.attributes)
-            if (auto* data = owner.findData(std::string(attribute.name));
-                data && attribute.access != attributes::Access::kOutput)
-                addInput(data);
-        update();
-    }
-
-    /// One that the table does not have; once.
-    void add(sofa::core::objectmodel::DDGNode& input)
-    {
-        if (std::find(inputs.begin(), inputs.end(), &input) == inputs.end()) addInput(&input);
-        update();
-    }
-
-    void update() override
-    {
-        for (sofa::core::objectmodel::DDGNode* input : inputs) input->updateIfDirty();  // that follow others
-        cleanDirty();
-    }
-
-    /// Whether one has changed since this was asked last.
-    bool haveChanged()
-    {
-        const bool changed = isDirty();
-        if (changed) update();
-        return changed;
-    }
-};
-
-/// Stands before outputs there, so that they are computed when somebody reads one of them.
-class Outputs final : public sofa::core::objectmodel::DDGNode
-{
-public:
-    Outputs(std::initializer_list<sofa::core::BaseData*> outputs, std::function<void()> compute)
-        : m_compute(std::move(compute))
-    {
-        for (sofa::core::BaseData* output : outputs) addOutput(output);
-    }
-
-    void update() override
-    {
-        cleanDirty();
-        m_compute();
-    }
-
-private:
-    std::function<void()> m_compute;
 };
 
 }  // namespace hexaplast::sofa_plugin

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <Hexaplast/Instrument.h>
+#include <Hexaplast/InstrumentContactForceField.h>
 #include <sofa/core/visual/VisualParams.h>
 
 #include <Hexaplast/PartForceField.inl>
@@ -9,7 +9,7 @@
 namespace hexaplast::sofa_plugin
 {
 
-void Instrument::checkRigid() const
+void InstrumentContactForceField::checkRigid() const
 {
     checkLink(l_rigid, "rigid");
     if (!l_rigid) return;
@@ -22,7 +22,7 @@ void Instrument::checkRigid() const
                                  std::to_string(index) + " must lie in [0, " + std::to_string(count) + ")");
 }
 
-Pose Instrument::poseAfter(SReal duration) const
+Pose InstrumentContactForceField::poseAfter(SReal duration) const
 {
     const std::size_t index = static_cast<std::size_t>(d_rigidIndex.getValue()), count = l_rigid->getSize();
     std::vector<SReal> x(7 * count), v(6 * count);
@@ -33,7 +33,7 @@ Pose Instrument::poseAfter(SReal duration) const
     return parts::moved(now, Vec3(speed[0], speed[1], speed[2]), Vec3(speed[3], speed[4], speed[5]), duration);
 }
 
-parts::InstrumentOptions Instrument::options() const
+parts::InstrumentOptions InstrumentContactForceField::options() const
 {
     checkRigid();
     parts::InstrumentOptions options = Inherit::options();
@@ -41,22 +41,25 @@ parts::InstrumentOptions Instrument::options() const
     return options;
 }
 
-void Instrument::makePart()
+void InstrumentContactForceField::makePart()
 {
     const bool goesOn = hasPart();
     Inherit::makePart();
     if (goesOn) m_part->go_on();
 }
 
-void Instrument::prescribe(SReal dt)
+void InstrumentContactForceField::prescribe(SReal dt)
 {
     checkRigid();
     if (l_rigid) m_part->prescribe(poseAfter(0), poseAfter(dt));
 }
 
-Pose Instrument::pose() const { return l_rigid ? poseAfter(0) : m_part->pose_at(getContext()->getTime()); }
+Pose InstrumentContactForceField::pose() const
+{
+    return l_rigid ? poseAfter(0) : m_part->pose_at(getContext()->getTime());
+}
 
-void Instrument::draw(const sofa::core::visual::VisualParams* vparams)
+void InstrumentContactForceField::draw(const sofa::core::visual::VisualParams* vparams)
 {
     const auto& flags = vparams->displayFlags();
     const bool showsShape = d_drawInstrument.getValue() && (flags.getShowForceFields() || flags.getShowVisualModels());
@@ -77,7 +80,7 @@ void Instrument::draw(const sofa::core::visual::VisualParams* vparams)
     if (flags.getShowForceFields()) drawContacts(*tool);
 }
 
-void Instrument::computeBBox(const sofa::core::ExecParams* params, bool onlyVisible)
+void InstrumentContactForceField::computeBBox(const sofa::core::ExecParams* params, bool onlyVisible)
 {
     Inherit::computeBBox(params, onlyVisible);
     if (!works() || onlyVisible || !d_drawInstrument.getValue()) return;

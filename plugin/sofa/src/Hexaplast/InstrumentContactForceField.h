@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <Hexaplast/contact.h>
+#include <Hexaplast/ContactOf.h>
 
 #include "attributes/contact.hpp"
 #include "parts/instrument.hpp"
@@ -11,13 +11,13 @@ namespace hexaplast::sofa_plugin
 
 /// A rigid instrument that touches the body of its state, along its path or with a rigid frame of the scene, and is
 /// drawn.
-class HEXAPLAST_SOFA_API Instrument : public ContactOf<parts::Instrument>
+class HEXAPLAST_SOFA_API InstrumentContactForceField : public ContactOf<parts::Instrument>
 {
 public:
     using Inherit = ContactOf<parts::Instrument>;
-    SOFA_CLASS(Instrument, Inherit);
+    SOFA_CLASS(InstrumentContactForceField, Inherit);
 
-    sofa::core::objectmodel::SingleLink<Instrument, sofa::core::behavior::BaseMechanicalState,
+    sofa::core::objectmodel::SingleLink<InstrumentContactForceField, sofa::core::behavior::BaseMechanicalState,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
         l_rigid{
@@ -30,7 +30,7 @@ public:
     void computeBBox(const sofa::core::ExecParams* params, bool onlyVisible = false) override;
 
 protected:
-    Instrument() : Inherit(attributes::kInstrumentContactInSofa) {}
+    InstrumentContactForceField() : Inherit(attributes::kInstrumentContactInSofa) {}
 
     parts::InstrumentOptions options() const override;
     void makePart() override;
