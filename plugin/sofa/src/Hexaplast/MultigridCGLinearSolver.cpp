@@ -135,9 +135,15 @@ public:
                        });
     }
 
-    /// The same for GenericConstraintCorrection, which leaves it to the solver to find J.
+    /// The same for GenericConstraintCorrection, which leaves it to the solver to find J. Overrides what the release of
+    /// SOFA has: v24.12 has no regularization.
     bool buildComplianceMatrix(const sofa::core::ConstraintParams* cparams, sofa::linearalgebra::BaseMatrix* result,
-                               SReal factor, SReal regularization) override
+                               SReal factor)
+    {
+        return buildComplianceMatrix(cparams, result, factor, 0);
+    }
+    bool buildComplianceMatrix(const sofa::core::ConstraintParams* cparams, sofa::linearalgebra::BaseMatrix* result,
+                               SReal factor, SReal regularization)
     {
         return attempt(*this,
                        [&]
