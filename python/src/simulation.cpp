@@ -28,6 +28,8 @@ void require_same_tools(const std::vector<std::vector<std::string>>& saved,
     throw InputError(
         fmt::format("the state has {} instruments and grips, the simulation {}", saved.size(), here.size()));
   for (std::size_t k = 0; k < here.size(); ++k) {
+    if (saved[k].size() != here[k].size() && (saved[k].empty() || saved[k].front() == here[k].front()))
+      throw InputError(fmt::format("{}: the state is of another version of it", here[k].front()));
     const auto [of_state, own] = std::ranges::mismatch(saved[k], here[k]);
     if (own == here[k].begin())
       throw InputError(fmt::format("the state has {} where the simulation has {}", saved[k].front(), *own));
