@@ -36,7 +36,7 @@ double moved(double threshold, double before, double now) {
 }
 
 // To be raised with each change of History::serialize. Members of Material and Settings are part of the identity.
-constexpr std::uint32_t kSavedVersion = 7;
+constexpr std::uint32_t kSavedVersion = 8;
 constexpr SavedKind kSavedBody{{'H', 'X', 'P', 'B', 'O', 'D', 'Y', '\0'}, kSavedVersion, "body"};
 
 /// What saved members are: their names, in their order, and the words that enumerators stand for.
@@ -55,8 +55,8 @@ std::uint64_t identity_of(const Model& model) {
   add_names(hash, material_rows());
   add_names(hash, settings_rows());
   Archive archive([&](const void* data, std::size_t size) { hash.add(data, size); });
-  PointArray positions = model.mesh.positions();
-  std::vector<Hexahedron> hexahedra = model.mesh.hexahedra();
+  PointArray positions = model.initial_mesh().positions();
+  std::vector<Hexahedron> hexahedra = model.initial_mesh().hexahedra();
   Settings settings = model.settings;
   archive(positions, hexahedra);
   serialize(archive, settings_rows(), settings);
@@ -77,9 +77,11 @@ void serialize_materials(Archive& archive, std::vector<Material>& materials) {
 std::size_t greatest_saved_size(const Model& model, const History& history) {
   const auto present = serialized_size([&](Archive& archive) { const_cast<History&>(history).serialize(archive); });
   const auto num_elements = static_cast<std::size_t>(model.mesh.num_elements());
-  return present + 1024 + model.mesh.num_nodes() * sizeof(Vec3) +
+  const std::size_t num_nodes = model.initial_mesh().num_nodes() + kCorners * num_elements;
+  constexpr std::size_t kJoints = 6 + kCorners;  // per element, each in a call of its own
+  return present + 1024 + 2 * num_nodes * sizeof(Vec3) +
          num_elements * (sizeof(Material) + sizeof(CornerValues) + sizeof(CornerTensors) + sizeof(int) +
-                         sizeof(ElementPoints) + model.maps_per_element() * sizeof(Mat3));
+                         sizeof(ElementPoints) + model.maps_per_element() * sizeof(Mat3) + 2 * kJoints * sizeof(int));
 }
 
 }  // namespace
@@ -131,6 +133,11 @@ std::span<const unsigned char> Body::alive() const { return state_->history.aliv
 std::span<const int> Body::removed() const { return state_->history.removed; }
 std::span<const CornerValues> Body::yield_stress() const { return state_->history.yield_stress; }
 std::span<const CornerValues> Body::plastic_strain() const { return state_->history.plastic_strain; }
+const HexMesh& Body::initial_mesh() const { return state_->model.initial_mesh(); }
+const Joints& Body::joints() const { return state_->model.joints(); }
+const NodeCopies& Body::copies() const { return state_->model.copies; }
+std::span<const int> Body::opened() const { return state_->history.opened; }
+long Body::revision() const { return state_->revision; }
 double Body::dissipated_energy() const { return state_->history.dissipated_energy; }
 
 ElementPoints Body::element_rest_shape(int hexahedron) const {
@@ -271,8 +278,12 @@ FlowReport Body::flow(ConstPoints x, double dt) {
         fmt::format("flow: dt = {} s: must be the time step of set_time_step, {} s", dt, state_->time_step));
   require_finite(x, "position");
   state_->not_linearized_since = "flow";
-  if (state_->is_plain())
-    return plain::flow(state_->model, x, dt, state_->averaging_solver, state_->history, state_->branches);
+  if (state_->is_plain()) {
+    const FlowReport report =
+        plain::flow(state_->model, x, dt, state_->averaging_solver, state_->history, state_->branches);
+    state_->revision += report.removed > 0;
+    return report;
+  }
   if (state_->branches.empty() &&
       !(state_->skip_screening && state_->at.plastic_rest_version == state_->history.version)) {
     hexaplast::linearize(state_->model, state_->history, x, state_->at);
@@ -286,6 +297,7 @@ FlowReport Body::flow(ConstPoints x, double dt) {
   if (report.yielded > 0 && report.removed == 0 && state_->branches.empty())
     take_flow(state_->model, state_->history, state_->flow->differs, state_->at);
   state_->skip_screening = 2 * report.yielded > state_->model.mesh.num_elements();
+  state_->revision += report.removed > 0;
   return report;
 }
 
@@ -298,6 +310,28 @@ void Body::remove(std::span<const int> elements) {
     state_->history.removed.push_back(e);
   }
   ++state_->history.version;
+  ++state_->revision;
+}
+
+std::vector<int> Body::open(std::span<const int> joints) {
+  const int count = state_->model.joints().count();
+  for (const int joint : joints)
+    if (joint < 0 || joint >= count) throw InputError(fmt::format("joint {} must lie in [0, {})", joint, count));
+  std::vector<int>& opened = state_->history.opened;
+  std::vector<unsigned char> is_open(count, 0);
+  for (const int joint : opened) is_open[joint] = 1;
+  const std::size_t before = opened.size();
+  for (const int joint : joints)
+    if (!std::exchange(is_open[joint], 1)) opened.push_back(joint);
+  if (opened.size() == before) return {};
+  std::sort(opened.begin() + static_cast<std::ptrdiff_t>(before), opened.end());
+  std::vector<int>& ends = state_->history.end_of_opening;
+  ends.push_back(static_cast<int>(opened.size()));
+  std::vector<int> parents = state_->model.open(state_->history, static_cast<int>(ends.size()) - 1);
+  state_->history.add_nodes(parents);
+  ++state_->history.version;
+  state_->renew("open");
+  return parents;
 }
 
 void Body::set_materials(std::vector<Material> materials) {
@@ -324,16 +358,24 @@ void Body::set_materials(std::vector<Material> materials) {
 
 void Body::State::take(Model changed, History changed_history, const char* call) {
   const long version = history.version;
-  std::swap(model.mesh, changed.mesh);  // the same one: who looks at its nodes and hexahedra goes on doing so
+  if (model.mesh.hexahedra() == changed.mesh.hexahedra())
+    std::swap(model.mesh, changed.mesh);  // who looks at its nodes and hexahedra goes on doing so
   model = std::move(changed);
   history = std::move(changed_history);
-  history.version = version + 1;  // what was derived from the old history is old
+  history.version = version + 1;
+  renew(call);
+}
+
+void Body::State::renew(const char* call) {
+  ++revision;
   at = Linearization(model);
   not_linearized_since = call;
   make_flow();
   skip_screening = false;
   checked_dt = kNone;
   hierarchy.reset();
+  slots = {};
+  product = {};
 }
 
 void Body::State::write(Archive& archive) const {
@@ -346,8 +388,11 @@ std::pair<Model, History> Body::State::read(Archive& archive) const {
   std::vector<Material> materials;
   serialize_materials(archive, materials);
   Model read_model(model, std::move(materials));
+  read_model.close();
   History read_history(read_model);
   read_history.serialize(archive);
+  validate_opened(read_model, read_history);
+  read_model.open(read_history, 0);
   validate(read_model, read_history);
   return {std::move(read_model), std::move(read_history)};
 }
@@ -372,6 +417,13 @@ void Body::load(std::istream& in) {
 }
 
 void Body::reset() {
+  if (state_->model.copies.is_split()) {
+    Model initial = state_->model;
+    initial.close();
+    History history(initial);
+    return state_->take(std::move(initial), std::move(history), "reset");
+  }
+  ++state_->revision;
   const long version = state_->history.version;
   state_->history = History(state_->model);
   state_->history.version = version + 1;  // what was derived from the old history is old
@@ -454,6 +506,8 @@ void Body::add_to(StateHash& hash) const {
   hash.add(state_->history.averaging_increment.data(), state_->history.averaging_increment.size() * sizeof(double));
   add_array(hash, state_->history.branch_strain);
   add_array(hash, state_->history.branch_stretch);
+  add_array(hash, state_->history.opened);
+  add_array(hash, state_->history.end_of_opening);
 }
 
 }  // namespace hexaplast

@@ -28,6 +28,9 @@ struct Body::State {
   /// Puts these in place of the present ones. call: which has done so, for messages.
   void take(Model changed, History changed_history, const char* call);
 
+  /// What was derived from mesh and history before is old, and its sizes may be others.
+  void renew(const char* call);
+
   void write(Archive& archive) const;
   std::pair<Model, History> read(Archive& archive) const;
   void require_field(const char* call, const char* name, ConstPoints field) const;
@@ -62,6 +65,7 @@ struct Body::State {
   std::deque<RecoveryTerm> springs;           // of the systems described since `linearize`, one for each factor
   std::deque<plain::StiffnessTerm> terms;     // the same of a plain body
   std::optional<ElementHierarchy> hierarchy;  // made when a solver first asks for levels
+  long revision = 0;                          // Body::revision
   ReleasedShape released;                     // of isolated rest shapes, made when it is first asked for
 };
 

@@ -42,9 +42,9 @@ void check(const Motion& motion, const Body& body) {
 }
 
 /// The load and the weight of the nodes.
-NodalLoad with_gravity(const Motion& motion, const std::vector<double>& mass) {
-  if (motion.gravity.isZero(0)) return motion.load;
-  return [load = motion.load, gravity = motion.gravity, mass](double time, ConstPoints x, Points f) {
+NodalLoad with_gravity(const NodalLoad& load, const Vec3& gravity, const std::vector<double>& mass) {
+  if (gravity.isZero(0)) return load;
+  return [load, gravity, mass](double time, ConstPoints x, Points f) {
     if (load) load(time, x, f);
     for (std::size_t n = 0; n < mass.size(); ++n) f.row(static_cast<Eigen::Index>(n)) += mass[n] * gravity.transpose();
   };
@@ -52,14 +52,13 @@ NodalLoad with_gravity(const Motion& motion, const std::vector<double>& mass) {
 
 constexpr SavedKind kSavedForces{{'H', 'X', 'P', 'F', 'O', 'R', 'C', '\0'}, 1, "set of forces"};
 constexpr std::size_t kMaxSavedForces = std::size_t{1} << 32;
-constexpr SavedKind kSavedMotion{{'H', 'X', 'P', 'M', 'O', 'V', 'E', '\0'}, 4, "motion"};
+constexpr SavedKind kSavedMotion{{'H', 'X', 'P', 'M', 'O', 'V', 'E', '\0'}, 5, "motion"};
 
 /// Of what a motion is given besides its body, load and solver.
-std::uint64_t identity_of(const Motion& motion, const std::vector<double>& mass) {
+std::uint64_t identity_of(const Motion& motion) {
   StateHash hash;
-  hash.add(mass.data(), mass.size() * sizeof(double));
   const EulerSettings& euler = motion.euler;
-  for (const double number : {motion.dt, motion.gravity.x(), motion.gravity.y(), motion.gravity.z(),
+  for (const double number : {motion.density, motion.dt, motion.gravity.x(), motion.gravity.y(), motion.gravity.z(),
                               euler.rayleigh_mass, euler.rayleigh_stiffness, euler.velocity_damping,
                               euler.first_order ? 1.0 : 0.0, euler.trapezoidal ? 1.0 : 0.0}) {
     const double bits = number + 0.0;  // -0 is 0
@@ -104,21 +103,44 @@ MovingBody::MovingBody(Body made, Motion motion, std::unique_ptr<LinearSolver> s
     : body(std::move(made)),
       positions(body.mesh().positions()),
       velocities(PointArray::Zero(positions.rows(), 3)),
-      mass_(lumped_masses(body, motion.density)),
-      system_(std::make_unique<LoadedBody>(body, mass_, std::vector<int>{}, with_gravity(motion, mass_))),
+      density_(motion.density),
+      gravity_(motion.gravity),
+      load_(motion.load),
       euler_(motion.euler),
       solver_(solver ? std::move(solver) : std::make_unique<CholeskySolver>()),
       dt_(motion.dt),
       settings_(motion.euler),
-      identity_(identity_of(motion, mass())),
+      identity_(identity_of(motion)),
       held_(static_cast<std::size_t>(positions.rows()), kFree) {
   check(motion, body);
+  take_nodes();
   fix(motion.fixed);
+}
+
+void MovingBody::take_nodes() {
+  mass_ = lumped_masses(body, density_);
+  system_ = std::make_unique<LoadedBody>(body, mass_, std::vector<int>{}, with_gravity(load_, gravity_, mass_));
+  for (StepForces* forces : forces_) system_->add(*forces);
+  tell_fixed();
 }
 
 MovingBody::MovingBody(MovingBody&&) noexcept = default;
 MovingBody& MovingBody::operator=(MovingBody&&) noexcept = default;
 MovingBody::~MovingBody() = default;
+
+std::vector<int> MovingBody::open(std::span<const int> joints) {
+  if (!forces_.empty()) throw InputError("MovingBody: joints cannot open while other forces act");
+  require_rows("MovingBody", "positions", positions, body.mesh().num_nodes());
+  require_rows("MovingBody", "velocities", velocities, body.mesh().num_nodes());
+  std::vector<int> parents = body.open(joints);
+  if (parents.empty()) return parents;
+  append_rows(parents, positions);
+  append_rows(parents, velocities);
+  append_rows(parents, held_);
+  if (PointArray& start = euler_.memory().start; start.rows() > 0) append_rows(parents, start);
+  take_nodes();
+  return parents;
+}
 
 FlowReport MovingBody::step() {
   require_rows("MovingBody", "positions", positions, body.mesh().num_nodes());
@@ -234,17 +256,20 @@ std::vector<unsigned char> MovingBody::fixed() const {
 void MovingBody::add(StepForces& forces) {
   if (settings_.first_order || settings_.trapezoidal)
     throw InputError("MovingBody: other forces need implicit Euler, neither of first order nor trapezoidal");
+  if (body.copies().is_split()) throw InputError("MovingBody: other forces act only while all joints are closed");
   forces_.push_back(&forces);
   system_->add(forces);
 }
 
 void MovingBody::reset() {
+  held_.resize(static_cast<std::size_t>(body.copies().num_initial()));
   body.reset();
   for (StepForces* forces : forces_) forces->reset();
   euler_.memory().reset();
   positions = body.mesh().positions();
-  velocities.setZero();
+  velocities = PointArray::Zero(positions.rows(), 3);
   arrive();
+  if (mass_.size() != held_.size()) take_nodes();
   latest = {};
   steps_ = 0;
 }
@@ -286,7 +311,7 @@ void MovingBody::load_forces(std::istream& in) {
 }
 
 void MovingBody::load(std::istream& in) {
-  const auto num_nodes = static_cast<std::size_t>(body.mesh().num_nodes());
+  const auto num_nodes = static_cast<std::size_t>(body.copies().num_initial() + kCorners * body.mesh().num_elements());
   const std::size_t max = 64 + sizeof(SpectralRadii) + num_nodes * (9 * sizeof(double) + 1);
   const std::vector<std::byte> bytes = read_saved(in, kSavedMotion, identity_, max);
   Archive archive{std::span<const std::byte>(bytes)};
@@ -296,11 +321,9 @@ void MovingBody::load(std::istream& in) {
   SolverMemory memory;
   archive(x, v, steps, held);
   memory.serialize(archive);
-  const auto has_all = [&](const PointArray& field) {
-    return field.rows() == body.mesh().num_nodes() && field.allFinite();
-  };
+  const auto has_all = [&](const PointArray& field) { return field.rows() == x.rows() && field.allFinite(); };
   if (!has_all(x) || !has_all(v) || !(memory.start.rows() == 0 || has_all(memory.start)) || !memory.is_valid() ||
-      steps < 0 || held.size() != num_nodes || archive.rest() != 0 ||
+      steps < 0 || std::ssize(held) != x.rows() || archive.rest() != 0 ||
       std::ranges::any_of(held, [](unsigned char how) { return how > kPrescribed; }))
     throw InputError("the saved motion is of another body");
   std::stringstream before;
@@ -308,6 +331,9 @@ void MovingBody::load(std::istream& in) {
   save_forces(before);
   body.load(in);
   try {
+    if (x.rows() != body.mesh().num_nodes()) throw InputError("the saved motion is of another body");
+    if (!forces_.empty() && body.copies().is_split())
+      throw InputError("the saved motion has open joints, which other forces cannot follow");
     load_forces(in);  // by the hexahedra that are left
   } catch (const InputError&) {
     body.load(before);
@@ -321,7 +347,7 @@ void MovingBody::load(std::istream& in) {
   steps_ = steps;
   latest = {};
   held_ = std::move(held);
-  tell_fixed();
+  take_nodes();
 }
 
 void MovingBody::tell_fixed() {

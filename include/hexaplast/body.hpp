@@ -10,7 +10,7 @@
 #include "hexaplast/base/block_matrix.hpp"
 #include "hexaplast/base/hash.hpp"
 #include "hexaplast/material/material.hpp"
-#include "hexaplast/mesh/hex_mesh.hpp"
+#include "hexaplast/mesh/node_copies.hpp"
 #include "hexaplast/plastic/flow_report.hpp"
 
 namespace hexaplast {
@@ -37,7 +37,8 @@ struct ElementFields {
 ///   call                                                  | before it
 ///   linearize, energy, flow of Settings::relaxation       | set_time_step
 ///   add_force, add_stiffness_*, add_operator              | linearize, and none of the calls below since then
-///   flow, remove, set_materials, reset, load, serialize   | nothing; they end the linearization
+///   flow, remove, open, set_materials, reset, load,       | nothing; they end the linearization
+///   serialize                                             |
 ///   energy, fields, volume, save                          | nothing; they leave the linearization alone
 ///
 /// Nodal arguments are num_nodes x 3 [m, N]. Every build throws InputError where the linearization is missing or an
@@ -90,13 +91,21 @@ class Body {
   /// Takes elements out, as if they had broken; those that are gone already are passed over. Between two time steps.
   void remove(std::span<const int> elements);
 
+  /// Opens joints between hexahedra, which stay: nodes that no closed joint holds together any more are split. Between
+  /// two time steps; the order of the numbers does not matter, and those that are open already are passed over.
+  ///                                                                                            theory.md section 10
+  /// joints: numbers of `joints()`. Returns for each new node, behind the present ones, the one that it was split from:
+  /// nodal fields grow by these rows (append_rows). A joint whose nodes other joints still hold together is open
+  /// without effect. Throws InputError for a number that is not there; nothing has changed then.
+  std::vector<int> open(std::span<const int> joints);
+
   /// Makes the body of something else, between two time steps; what has flowed stays. Yield thresholds move by as much
   /// as those of the materials, down to 0; those that were or become infinite are the new material's. Plastic stretch
   /// is remembered while some material breaks by it. Throws InputError like the constructor; the body is then as
   /// before.
   void set_materials(std::vector<Material> materials);
 
-  /// Back to the initial state.
+  /// Back to the initial state, in which all joints are closed.
   void reset();
 
   /// Writes the history, and the materials that its thresholds belong to, so that a body that loads it goes on as this
@@ -104,7 +113,7 @@ class Body {
   ///
   ///   bytes | content, little-endian
   ///       8 | "HXPBODY" and a zero
-  ///       4 | format version: 7
+  ///       4 | format version: 8
   ///       8 | XXH64 of mesh and settings, and of the names of all members and words
   ///       8 | size of what follows
   ///       n | materials, history: lists preceded by their lengths (base/archive.hpp)
@@ -121,7 +130,9 @@ class Body {
   /// that it is undamaged. Throws InputError when they cannot be this body's; it is then as before.
   void serialize(Archive& archive);
 
-  const HexMesh& mesh() const;  ///< its arrays stay where they are as long as the body lives, moved or not
+  /// Present nodes at their initial positions. It stays where it is as long as the body lives, moved or not, and so do
+  /// its arrays, until nodes are split or a reset or load joins them again.
+  const HexMesh& mesh() const;
   const std::vector<Material>& materials() const;  ///< one, or one per hexahedron
   const Material& material(int hexahedron) const;
   const Settings& settings() const;
@@ -134,11 +145,17 @@ class Body {
   /// bodies, 50 to 100 of one that is about to snap through; each connected part is laid on its initial positions.
   /// Nothing else depends on it.                                                               theory.md section 5.9
   const PointArray& plastic_rest_positions() const;
-  bool plastic_rest_has_converged() const;                 ///< if not, they are less exact: the best of 100 iterations
-  std::span<const unsigned char> alive() const;            ///< per hexahedron: 0 once it is removed
-  std::span<const int> removed() const;                    ///< in the order of their removal
-  std::span<const CornerValues> yield_stress() const;      ///< [Pa] per hexahedron; infinite if it never yields
-  std::span<const CornerValues> plastic_strain() const;    ///< [-] per hexahedron, accumulated
+  bool plastic_rest_has_converged() const;               ///< if not, they are less exact: the best of 100 iterations
+  std::span<const unsigned char> alive() const;          ///< per hexahedron: 0 once it is removed
+  std::span<const int> removed() const;                  ///< in the order of their removal
+  std::span<const CornerValues> yield_stress() const;    ///< [Pa] per hexahedron; infinite if it never yields
+  std::span<const CornerValues> plastic_strain() const;  ///< [-] per hexahedron, accumulated
+  const HexMesh& initial_mesh() const;                   ///< before nodes were split
+  const Joints& joints() const;                          ///< of the initial mesh, found when first asked for
+  const NodeCopies& copies() const;                      ///< of the initial nodes
+  std::span<const int> opened() const;                   ///< joints, in the order of the calls of `open`
+  long revision()
+      const;  ///< grows where hexahedra are removed or joints opened, and with reset, load and new materials
   double dissipated_energy() const;                        ///< [J] accumulated plastic work, and loss by relaxation
   ElementPoints element_rest_shape(int hexahedron) const;  ///< [m] its isolated one, Pi y, about its mean
 

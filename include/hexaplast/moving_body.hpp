@@ -82,6 +82,11 @@ class MovingBody {
   /// Per node: 1 where it is fixed or prescribed.
   std::vector<unsigned char> fixed() const;
 
+  /// Body::open between two steps, all else following: new nodes have position, velocity and fixing of those that they
+  /// were split from, masses are those of the hexahedra. Throws InputError for numbers that are not there, and where
+  /// forces have been added; everything is then as before.
+  std::vector<int> open(std::span<const int> joints);
+
   /// From now on `forces` act too, such as contacts and grips (parts/instrument.hpp, parts/grasp.hpp). They must
   /// outlive this, which stays where it is from then on if they refer to its body. Throws InputError in first order and
   /// in the trapezoidal scheme, which do not suit contact.
@@ -119,18 +124,22 @@ class MovingBody {
   /// XXH64, as 16 hexadecimal digits, over positions, velocities and everything plastic.
   std::string state_hash() const;
 
-  const std::vector<double>& mass() const { return mass_; }  ///< [kg] per node
+  const std::vector<double>& mass() const { return mass_; }  ///< [kg] per present node
 
   Body body;
   PointArray positions;   ///< [m] num_nodes x 3
   PointArray velocities;  ///< [m/s] num_nodes x 3
 
  private:
+  void take_nodes();  // the system, masses and fixed nodes, of the body's present ones
   void tell_fixed();  // the system, what held_ says
   void arrive();      // prescribed nodes are fixed from here on
   void save_forces(std::ostream& out) const;
   void load_forces(std::istream& in);
 
+  double density_;
+  Vec3 gravity_;
+  NodalLoad load_;
   std::vector<double> mass_;
   std::vector<StepForces*> forces_;
   std::unique_ptr<LoadedBody> system_;

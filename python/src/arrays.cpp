@@ -80,6 +80,22 @@ std::vector<Hexahedron> hexahedra(const char* name, py::handle given) {
   return found;
 }
 
+py::array ShownField::view(const PointArray& present) {
+  if (!shown_) shown_ = std::make_shared<PointArray>(present);
+  using Kept = std::shared_ptr<PointArray>;
+  const py::capsule keeper(new Kept(shown_), [](void* memory) { delete static_cast<Kept*>(memory); });
+  return python::view(*shown_, keeper);
+}
+
+void ShownField::refresh(const PointArray& present) {
+  if (shown_ && shown_.use_count() == 1) shown_.reset();
+  if (!shown_) return;
+  if (shown_->rows() == present.rows())
+    *shown_ = present;
+  else
+    shown_.reset();
+}
+
 py::array taken(PointArray field) {
   auto kept = std::make_unique<PointArray>(std::move(field));
   const PointArray& values = *kept;

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "hexaplast/base/types.hpp"
@@ -57,6 +58,18 @@ template <class Self, class Get>
 auto view_of(Get get) {
   return [get](py::object self) { return view(std::invoke(get, self.cast<Self&>()), self); };
 }
+
+/// A nodal field as read-only arrays that follow it: brought up to date after every change, while somebody has one.
+/// Where nodes have been split, or joined again, the arrays that were taken before keep what they last showed.
+class ShownField {
+ public:
+  py::array view(const PointArray& present);
+  void refresh(const PointArray& present);
+  bool is_shown() const { return shown_ != nullptr; }
+
+ private:
+  std::shared_ptr<PointArray> shown_;
+};
 
 /// An array that takes over what a function returned.
 py::array taken(PointArray field);

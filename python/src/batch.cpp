@@ -26,12 +26,6 @@ class Batch {
         if (all_[before] == all_[k]) throw InputError(fmt::format("simulations[{}] is simulations[{}]", k, before));
     }
     if (all_.empty()) throw InputError("simulations: must be at least one");
-    const auto has_other_size = [&](const Simulation* s) { return s->num_nodes() != all_[0]->num_nodes(); };
-    unlike_ = std::ranges::find_if(all_, has_other_size) - all_.begin();
-    if (unlike_ < std::ssize(all_)) return;
-    const std::vector<py::ssize_t> shape = {std::ssize(all_), all_[0]->num_nodes(), 3};
-    positions_ = py::array_t<double>(shape);
-    velocities_ = py::array_t<double>(shape);
   }
 
   const py::tuple& simulations() const { return simulations_; }
@@ -116,10 +110,14 @@ class Batch {
 
   /// A view of the block, which has then what the simulations have.
   py::array shown(py::array_t<double>& block, const PointArray& (Simulation::*field)() const) {
-    if (unlike_ < std::ssize(all_))
-      throw InputError(fmt::format("simulations[0] has {} nodes, simulations[{}] has {}: no array holds both",
-                                   all_[0]->num_nodes(), unlike_, all_[unlike_]->num_nodes()));
     const Turns turns(all_);
+    const int num_nodes = all_[0]->num_nodes();
+    for (std::size_t k = 1; k < all_.size(); ++k)
+      if (all_[k]->num_nodes() != num_nodes)
+        throw InputError(fmt::format("simulations[0] has {} nodes, simulations[{}] has {}: no array holds both",
+                                     num_nodes, k, all_[k]->num_nodes()));
+    if (block.ndim() != 3 || block.shape(1) != num_nodes)
+      block = py::array_t<double>({std::ssize(all_), static_cast<py::ssize_t>(num_nodes), py::ssize_t{3}});
     double* to = block.mutable_data();
     for (const Simulation* one : all_) {
       const PointArray& from = (one->*field)();
@@ -130,7 +128,6 @@ class Batch {
 
   py::tuple simulations_;
   std::vector<Simulation*> all_;  // of simulations_, which keeps them alive
-  std::ptrdiff_t unlike_ = 0;     // the first one with another number of nodes than simulations_[0]
   py::array_t<double> positions_, velocities_;
 };
 

@@ -17,7 +17,6 @@ namespace hexaplast::python {
 namespace {
 
 /// Copies, within the memory that is there while the sizes stay.
-void copy(const PointArray& from, PointArray& to) { to = from; }
 template <class T>
 void copy(std::span<const T> from, std::vector<T>& to) {
   to.assign(from.begin(), from.end());
@@ -175,6 +174,48 @@ void add_reports(py::module_& module) {
                              "[-] max |D - 1| of the corners");
 }
 
+/// Whole numbers in two columns.
+template <class Entry>
+py::array_t<int> two_columns(int count, const Entry& entry) {
+  py::array_t<int> rows({static_cast<py::ssize_t>(count), py::ssize_t{2}});
+  int* to = rows.mutable_data();
+  for (int k = 0; k < count; ++k) {
+    const auto [first, second] = entry(k);
+    *to++ = first;
+    *to++ = second;
+  }
+  return rows;
+}
+
+void add_joints(py::module_& module) {
+  py::class_<Joints>(
+      module, "Joints",
+      "What holds the hexahedra of a mesh together: faces that two or more of them have, and hinges, which\n"
+      "are pairs that meet at nodes where no chain of faces joins them. Numbered: faces, then hinges")
+      .def("__len__", &Joints::count)
+      .def_property_readonly(
+          "faces",
+          [](const Joints& j) {
+            return two_columns(j.num_faces(),
+                               [&](int k) { return std::pair(j.faces()[k].hexahedron, j.faces()[k].side); });
+          },
+          "(f, 2): the lowest hexahedron that has the face, and its side (-x, +x, ... of kFaces)")
+      .def_property_readonly(
+          "hinges",
+          [](const Joints& j) {
+            return two_columns(j.num_hinges(),
+                               [&](int k) { return std::pair(j.hinges()[k].first, j.hinges()[k].second); });
+          },
+          "(h, 2): hexahedra")
+      .def_property_readonly(
+          "pairs",
+          [](const Joints& j) {
+            return two_columns(j.count(),
+                               [&](int k) { return std::pair(j.hexahedra(k).front(), j.hexahedra(k).back()); });
+          },
+          "(f + h, 2) of every joint: the lowest and the highest hexahedron that it holds");
+}
+
 void add_body_state(py::module_& module) {
   py::class_<BodyState, std::shared_ptr<BodyState>> type(
       module, "BodyState",
@@ -182,14 +223,26 @@ void add_body_state(py::module_& module) {
       "read-only views that follow the body: taken once, they show its present state after every step.");
   type.def_property_readonly("num_nodes", [](const BodyState& b) { return b.body().mesh().num_nodes(); })
       .def_property_readonly("num_hexahedra", [](const BodyState& b) { return b.body().mesh().num_elements(); })
+      .def_property_readonly("initial_positions",
+                             in_turn([](BodyState& b) { return taken(b.body().mesh().positions()); }), "(n, 3) [m]")
+      .def_property_readonly("hexahedra", in_turn([](BodyState& b) { return cells_of(b.body().mesh().hexahedra()); }),
+                             "(m, 8) node numbers, in the corner order of VTK's hexahedron")
+      .def_property_readonly("joints", in_turn([](BodyState& b) { return b.body().joints(); }),
+                             "Joints that hold the hexahedra of the initial mesh together, open or not")
+      .def_property_readonly("opened", in_turn([](BodyState& b) {
+                               return std::vector<int>(b.body().opened().begin(), b.body().opened().end());
+                             }),
+                             "numbers of the joints that are open, in the order of the calls that opened them")
+      .def_property_readonly("initial_nodes", in_turn([](BodyState& b) {
+                               return py::array_t<int>(std::ssize(b.body().copies().initial()),
+                                                       b.body().copies().initial().data());
+                             }),
+                             "(n,) of each node the one of the initial mesh that it is, or was split from")
       .def_property_readonly(
-          "initial_positions", [](const BodyState& b) { return view(b.body().mesh().positions(), b.keeper()); },
-          "(n, 3) [m]")
+          "revision", in_turn([](BodyState& b) { return b.body().revision(); }),
+          "grows where hexahedra are removed or joints opened, and with reset, load and set_material")
       .def_property_readonly(
-          "hexahedra", [](const BodyState& b) { return view(b.body().mesh().hexahedra(), b.keeper()); },
-          "(m, 8) node numbers, in the corner order of VTK's hexahedron")
-      .def_property_readonly(
-          "plastic_rest_positions", view_of<BodyState>(&BodyState::material),
+          "plastic_rest_positions", &BodyState::plastic_rest_positions,
           "(n, 3) [m]: the shape that the body would take when nothing pulled at it, as far as its pieces agree")
       .def_property_readonly("corner_plastic_strain", view_of<BodyState>(&BodyState::plastic_strain),
                              "(m, 8) [-] accumulated, at the corners")
@@ -290,7 +343,19 @@ void add_owned_body(py::module_& module) {
              b.refresh();
            }),
            py::arg("hexahedra"), "Takes hexahedra out, as if they had broken: their numbers, or a mask")
+      .def("open", in_turn([](Body& b, py::handle joints) {
+             if (b.is_in_simulation()) throw InputError("the body is in a simulation: open its joints there");
+             const std::vector<int> parents = b.body().open(indices("joints", joints, b.body().joints().count()));
+             b.refresh();
+             return py::array_t<int>(std::ssize(parents), parents.data());
+           }),
+           py::arg("joints"),
+           "Opens joints between hexahedra (numbers, or a mask): nodes that no closed joint holds together any more "
+           "are\n"
+           "split. Returns (k,) of each new node, behind the present ones, the one that it was split from")
       .def("reset", in_turn([](Body& b) {
+             if (b.is_in_simulation() && b.body().copies().is_split())
+               throw InputError("the body is in a simulation, and has open joints: reset the simulation");
              b.body().reset();
              b.refresh();
            }),
@@ -299,12 +364,19 @@ void add_owned_body(py::module_& module) {
            "Plastic history and materials, with a checksum: load() of a body with the same mesh and settings continues "
            "from them, bit for bit. Positions and velocities are not included")
       .def("load", in_turn([](Body& b, const py::bytes& data) {
+             const int num_nodes = b.body().mesh().num_nodes();
+             const py::bytes before = b.is_in_simulation() ? saved(b.body()) : py::bytes();
              load(b.body(), data);
+             if (b.is_in_simulation() && b.body().mesh().num_nodes() != num_nodes) {
+               load(b.body(), before);
+               throw InputError(
+                   "the body is in a simulation, and that one has other open joints: load the simulation's");
+             }
              b.refresh();
            }),
            py::arg("data"), "Takes over what save() returned. What is damaged or another body's is a ValueError")
       .def(py::pickle(in_turn([](Body& b) {
-                        const HexMesh& mesh = b.body().mesh();
+                        const HexMesh& mesh = b.body().initial_mesh();
                         return py::make_tuple(taken(mesh.positions()), cells_of(mesh.hexahedra()), b.body().materials(),
                                               b.body().settings(), saved(b.body()));
                       }),
@@ -327,12 +399,10 @@ void add_owned_body(py::module_& module) {
 
 }  // namespace
 
-py::capsule BodyState::keeper() const {
-  using Kept = std::shared_ptr<const hexaplast::Body>;
-  return py::capsule(new Kept(body_), [](void* memory) { delete static_cast<Kept*>(memory); });
+py::array BodyState::plastic_rest_positions() {
+  const Turn turn(taken());
+  return plastic_rest_positions_.view(body_->plastic_rest_positions());
 }
-
-const PointArray& BodyState::material() { return kept(*this, material_, &hexaplast::Body::plastic_rest_positions); }
 const std::vector<CornerValues>& BodyState::plastic_strain() {
   return kept(*this, plastic_strain_, &hexaplast::Body::plastic_strain);
 }
@@ -342,7 +412,7 @@ const std::vector<CornerValues>& BodyState::yield_stress() {
 const std::vector<unsigned char>& BodyState::alive() { return kept(*this, alive_, &hexaplast::Body::alive); }
 
 void BodyState::refresh() {
-  fill(*body_, material_, &hexaplast::Body::plastic_rest_positions);
+  if (plastic_rest_positions_.is_shown()) plastic_rest_positions_.refresh(body_->plastic_rest_positions());
   fill(*body_, plastic_strain_, &hexaplast::Body::plastic_strain);
   fill(*body_, yield_stress_, &hexaplast::Body::yield_stress);
   fill(*body_, alive_, &hexaplast::Body::alive);
@@ -353,6 +423,7 @@ void add_body(py::module_& module) {
               material_rows());
   add_options(module, "Settings", "What holds for a whole body.", settings_rows());
   add_reports(module);
+  add_joints(module);
   add_body_state(module);
   add_owned_body(module);
 }

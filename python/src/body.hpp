@@ -53,12 +53,9 @@ class BodyState {
 
   const hexaplast::Body& body() const { return *body_; }
 
-  /// Keeps the body alive for an array that shows a part of it that never changes.
-  py::capsule keeper() const;
-
   std::atomic_flag& taken() { return *taken_; }
 
-  const PointArray& material();
+  py::array plastic_rest_positions();
   const std::vector<CornerValues>& plastic_strain();
   const std::vector<CornerValues>& yield_stress();
   const std::vector<unsigned char>& alive();
@@ -71,7 +68,7 @@ class BodyState {
 
  private:
   std::shared_ptr<std::atomic_flag> taken_;
-  std::optional<PointArray> material_;
+  ShownField plastic_rest_positions_;
   std::optional<std::vector<CornerValues>> plastic_strain_, yield_stress_;
   std::optional<std::vector<unsigned char>> alive_;
 };
@@ -83,8 +80,7 @@ class Body final : public BodyState {
 
   hexaplast::Body& body() { return *body_; }
 
-  /// From now on the same body lives within a simulation: `body` is what has become of it there. Arrays that show the
-  /// mesh keep the earlier one.
+  /// From now on the same body lives within a simulation: `body` is what has become of it there.
   void enter_simulation(std::shared_ptr<hexaplast::Body> body) {
     body_ = body;
     BodyState::body_ = std::move(body);

@@ -94,9 +94,17 @@ Simulation::Simulation(std::shared_ptr<Body> body, Arguments arguments)
   reactions_.setZero(num_nodes(), 3);
 }
 
-const PointArray& Simulation::reactions() const {
+py::array Simulation::shown_reactions() {
   if (!arguments_.reactions) throw InputError("reactions are not measured: Simulation(..., reactions=True)");
-  return reactions_;
+  return shown_reactions_.view(reactions_);
+}
+
+void Simulation::refresh() {
+  if (reactions_.rows() != num_nodes() && arguments_.reactions) reactions_.setZero(num_nodes(), 3);
+  shown_positions_.refresh(positions());
+  shown_velocities_.refresh(velocities());
+  shown_reactions_.refresh(reactions_);
+  body_->refresh();
 }
 
 template <class Make>
@@ -135,7 +143,7 @@ void Simulation::advance(const PointArray& forces, RunReport& report) {
   for (const std::shared_ptr<Tool>& tool : tools_) tool->end_step();
   if (arguments_.reactions) reactions_ = moving_->support_forces();
   report.add(moving_->latest, flowed);
-  body_->refresh();
+  refresh();
   if (record_ && record_->wants(moving_->steps()))
     record_->add(moving_->steps(), moving_->positions, moving_->velocities, conditions());
 }
@@ -155,13 +163,22 @@ RunReport Simulation::run(long steps, const py::object& forces) {
   return report;
 }
 
+std::vector<int> Simulation::open(const std::vector<int>& joints) {
+  const Turn turn(taken());
+  std::vector<int> parents = moving_->open(joints);
+  refresh();
+  forces_->setZero(num_nodes(), 3);
+  if (record_) begin_record();
+  return parents;
+}
+
 void Simulation::reset() {
   const Turn turn(taken());
   moving_->reset();
   for (const std::shared_ptr<Tool>& tool : tools_) tool->reset();
   reactions_.setZero();
-  body_->refresh();
-  forces_->setZero();
+  refresh();
+  forces_->setZero(num_nodes(), 3);
   if (record_) begin_record();
 }
 
@@ -227,7 +244,7 @@ void Simulation::load(const py::bytes& data) {
     require_same_tools(names, names_of_tools());
     moving_->load(in);
     for (const std::shared_ptr<Tool>& tool : tools_) tool->serialize(archive);
-    if (reactions.rows() == reactions_.rows())
+    if (arguments_.reactions && reactions.rows() == num_nodes())
       reactions_ = std::move(reactions);
     else
       reactions_.setZero();  // not measured there
@@ -238,8 +255,8 @@ void Simulation::load(const py::bytes& data) {
     read(before);
     throw;
   }
-  body_->refresh();
-  forces_->setZero();
+  refresh();
+  forces_->setZero(num_nodes(), 3);
   if (record_) begin_record();
 }
 
@@ -251,6 +268,7 @@ void Simulation::set_state(py::handle positions, py::handle velocities) {
   moving_->positions = as_points(x);
   moving_->velocities = as_points(v);
   moving_->solver_memory().reset();
+  refresh();
   if (record_) begin_record();
 }
 
@@ -310,9 +328,12 @@ void add_simulation(py::module_& module) {
           "(sparse Cholesky), or cg (conjugate gradients to a relative residual of tolerance), with a preconditioner:\n"
           "multigrid, diagonal, or auto, which takes what suits the system. reactions: whether they are measured")
       .def_property_readonly("body", &Simulation::body)
-      .def_property_readonly("positions", view_of<Simulation>(&Simulation::positions), "(n, 3) [m]")
-      .def_property_readonly("velocities", view_of<Simulation>(&Simulation::velocities), "(n, 3) [m/s]")
-      .def_property_readonly("masses", view_of<Simulation>(&Simulation::masses), "(n,) [kg] of the nodes")
+      .def_property_readonly("positions", in_turn([](Simulation& s) { return s.shown_positions(); }), "(n, 3) [m]")
+      .def_property_readonly("velocities", in_turn([](Simulation& s) { return s.shown_velocities(); }), "(n, 3) [m/s]")
+      .def_property_readonly("masses", in_turn([](Simulation& s) {
+                               return py::array_t<double>(std::ssize(s.get().mass()), s.get().mass().data());
+                             }),
+                             "(n,) [kg] of the nodes")
       .def_property_readonly(
           "dt", [](Simulation& s) { return s.get().dt(); }, "[s]")
       .def_property_readonly(
@@ -354,6 +375,18 @@ void add_simulation(py::module_& module) {
            in_turn([](Simulation& s, py::handle nodes) { s.get().release(indices("nodes", nodes, s.num_nodes())); }),
            py::arg("nodes"), "Nodes (numbers, or a mask) move freely again")
       .def(
+          "open",
+          [](Simulation& s, py::handle joints) {
+            const std::vector<int> parents = s.open(indices("joints", joints, s.get().body.joints().count()));
+            return py::array_t<int>(std::ssize(parents), parents.data());
+          },
+          py::arg("joints"),
+          "Opens joints of the body (numbers, or a mask): nodes that no closed joint holds together any more are "
+          "split,\n"
+          "with the positions and velocities that they have. Returns (k,) of each new node, behind the present ones, "
+          "the\n"
+          "one that it was split from. Arrays that were taken before keep their nodes")
+      .def(
           "add_instrument",
           [](Simulation& s, const std::string& shape, const py::object& radius, const py::object& length,
              const py::object& size, const py::object& surface, const py::object& pose, double friction,
@@ -391,7 +424,7 @@ void add_simulation(py::module_& module) {
           "instruments", [](const Simulation& s) { return s.all<SolidTool>(); }, "of add_instrument, in their order")
       .def_property_readonly(
           "grips", [](const Simulation& s) { return s.all<Grip>(); }, "of add_grip, in their order")
-      .def_property_readonly("reactions", view_of<Simulation>(&Simulation::reactions),
+      .def_property_readonly("reactions", in_turn([](Simulation& s) { return s.shown_reactions(); }),
                              "(n, 3) [N] by which nodes were fixed or prescribed in the latest step; of reactions=True")
       .def("set_state", &Simulation::set_state, py::arg("positions"), py::arg("velocities"),
            "Replaces positions (n, 3) [m] and velocities (n, 3) [m/s]")

@@ -38,14 +38,15 @@ class Simulation {
   MovingBody& get() { return *moving_; }
   const PointArray& positions() const { return moving_->positions; }
   const PointArray& velocities() const { return moving_->velocities; }
-  const std::vector<double>& masses() const { return moving_->mass(); }
+  py::array shown_positions() { return shown_positions_.view(positions()); }
+  py::array shown_velocities() { return shown_velocities_.view(velocities()); }
   const std::shared_ptr<Body>& body() const { return body_; }
   std::atomic_flag& taken() { return body_->taken(); }
   int num_nodes() const { return moving_->body.mesh().num_nodes(); }
   const Arguments& arguments() const { return arguments_; }
 
   /// [N] of supports, in the latest step. Throws InputError where they are not measured.
-  const PointArray& reactions() const;
+  py::array shown_reactions();
 
   /// With the keywords of Python.
   std::shared_ptr<SolidTool> add_instrument(const py::dict& arguments);
@@ -70,6 +71,9 @@ class Simulation {
   /// Steps under constant forces.
   RunReport run(long steps, const py::object& forces);
 
+  /// Joints of the body; what is recorded begins anew.
+  std::vector<int> open(const std::vector<int>& joints);
+
   void set_state(py::handle positions, py::handle velocities);
   void reset();
   void record();
@@ -79,6 +83,7 @@ class Simulation {
   void load(const py::bytes& data);
 
  private:
+  void refresh();  // what is shown of it
   output::BoundaryConditions conditions() const;
   std::shared_ptr<MotionRecord> new_record() const;
   void begin_record();
@@ -93,7 +98,8 @@ class Simulation {
   std::shared_ptr<PointArray> forces_;
   std::shared_ptr<MovingBody> moving_;
   std::vector<std::shared_ptr<Tool>> tools_;  // whose forces moving_ has
-  PointArray reactions_;
+  PointArray reactions_ = PointArray(0, 3);
+  ShownField shown_positions_, shown_velocities_, shown_reactions_;
   std::shared_ptr<MotionRecord> record_;  // null: not wanted
 };
 

@@ -309,3 +309,42 @@ def test_results_do_not_depend_on_the_number_of_threads():
     assert len(hashes) == 1
     with pytest.raises(ValueError):
         hexaplast.set_num_threads(0)
+
+
+def test_a_bar_that_is_cut_through_falls_apart_and_goes_on_from_what_was_saved():
+    simulation = hexaplast.Simulation(bar((2, 2, 8), young_modulus=5000), gravity=(0, 0, -9.81), reactions=True)
+    body = simulation.body
+    simulation.fix(body.initial_positions[:, 2] == 0.4)
+    simulation.run(2)
+    positions, velocities = simulation.positions, simulation.velocities
+    before = positions.copy()
+    centres = body.initial_positions[body.hexahedra].mean(axis=1)[:, 2]
+    pairs = body.joints.pairs
+    cut = np.flatnonzero((centres[pairs[:, 0]] < 0.2) != (centres[pairs[:, 1]] < 0.2))
+    with pytest.raises(ValueError, match="in a simulation"):
+        body.open(cut)
+    with pytest.raises(ValueError, match=f"joints.*{len(body.joints)}"):
+        simulation.open([len(body.joints)])
+    parents = simulation.open(cut)
+    assert len(cut) == 4 and body.opened == list(cut) and len(parents) == 9
+    assert (simulation.positions[81:] == before[parents]).all() and (body.initial_nodes[81:] == parents).all()
+    assert simulation.masses.sum() == pytest.approx(1000 * 0.1 * 0.1 * 0.4, rel=1e-12)
+    assert simulation.kinetic_energy > 0 and len(simulation.reactions) == 90
+    saved, copy = simulation.save(), pickle.loads(pickle.dumps(simulation))
+    simulation.run(20)
+    lower = body.initial_positions[:, 2] < 0.2
+    assert (simulation.positions[lower, 2] < body.initial_positions[lower, 2] - 0.1).all(), "it falls"
+    assert (positions == before).all() and velocities.shape == (81, 3), "earlier arrays keep their nodes"
+    with pytest.raises(ValueError, match="open joints"):
+        body.reset()
+    again = hexaplast.Simulation(bar((2, 2, 8), young_modulus=5000), gravity=(0, 0, -9.81), reactions=True)
+    again.load(saved)
+    for other in (copy, again):
+        other.run(20)
+        assert other.state_hash() == simulation.state_hash()
+    with pytest.raises(ValueError, match="other open joints"):
+        body.load(bar((2, 2, 8), young_modulus=5000).save())
+    simulation.step(np.zeros((90, 3)))
+    simulation.reset()
+    assert len(simulation.positions) == 81 and (simulation.positions == body.initial_positions).all()
+    assert body.opened == [] and simulation.picture(64, 64).shape == (64, 64, 3)

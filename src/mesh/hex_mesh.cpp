@@ -68,6 +68,16 @@ HexMesh::HexMesh(PointArray positions, std::vector<Hexahedron> hexahedra)
       "inverted, flat or left-handed hexahedra",
       "the Jacobian must be positive at the Gauss points, in the corner order of VTK, and not 0 at a corner");
 
+  find_incidence();
+}
+
+HexMesh::HexMesh(const HexMesh& other, std::span<const int> node, std::vector<Hexahedron> hexahedra)
+    : positions_(static_cast<Eigen::Index>(node.size()), 3), hexahedra_(std::move(hexahedra)) {
+  for (int n = 0; n < num_nodes(); ++n) positions_.row(n) = other.positions_.row(node[n]);
+  find_incidence();
+}
+
+void HexMesh::find_incidence() {
   first_.assign(num_nodes() + 1, 0);
   for (const Hexahedron& corners : hexahedra_)
     for (const int node : corners) ++first_[node + 1];

@@ -95,6 +95,11 @@ void History::add_plastic_inverse() {
   has_flowed.resize(alive.size());
 }
 
+void History::add_nodes(std::span<const int> parents) {
+  append_rows(parents, plastic_rest_positions);
+  if (averaging_increment.rows() > 0) append_rows(parents, averaging_increment);
+}
+
 bool History::has_isolated_flow() const {
   for (std::size_t e = 0; e < has_flowed.size(); ++e)
     if (has_flowed[e] && alive[e]) return true;
@@ -124,11 +129,28 @@ bool History::is_finite(int e) const {
 void History::serialize(Archive& archive) {
   archive(rest_shape, rotation_map, yield_stress, rotation_yield, plastic_rest_positions, plastic_strain,
           plastic_stretch, plastic_inverse, dissipated_energy, alive, removed, averaging_increment, branch_strain,
-          branch_stretch);
+          branch_stretch, opened, end_of_opening);
   if (!archive.reads()) return;
   removed.reserve(alive.size());  // a step allocates nothing
   has_flowed.resize(plastic_inverse.size());
   std::ranges::transform(plastic_inverse, has_flowed.begin(), is_flowed);
+}
+
+void validate_opened(const Model& model, const History& history) {
+  if (history.opened.empty() && history.end_of_opening.empty()) return;
+  std::vector<unsigned char> is_open(model.joints().count(), 0);
+  std::size_t at = 0;
+  for (const int end : history.end_of_opening) {
+    require(end > static_cast<int>(at) && end <= std::ssize(history.opened), "its calls of `open` do not add up");
+    for (const std::size_t first = at; at < static_cast<std::size_t>(end); ++at) {
+      const int joint = history.opened[at];
+      require(joint >= 0 && joint < std::ssize(is_open) && !is_open[joint] &&
+                  (at == first || joint > history.opened[at - 1]),
+              "its opened joints do not exist, or opened twice");
+      is_open[joint] = 1;
+    }
+  }
+  require(at == history.opened.size(), "its calls of `open` do not add up");
 }
 
 void validate(const Model& model, const History& history) {

@@ -33,6 +33,8 @@ struct History {
                                    ///< 3, without rows where there is no y
   std::vector<CornerSymmetric> branch_strain;   ///< b = q / (2 g mu) per element and viscoelastic branch
   std::vector<CornerSymmetric> branch_stretch;  ///< B at the latest step, per element; empty without branches
+  std::vector<int> opened;                      ///< joints that are open, call by call, ascending within a call
+  std::vector<int> end_of_opening;              ///< per call: where it ends in `opened`
   long version = 0;  ///< grows whenever something changes, so that derived data know they are old
 
   /// The initial state of a model: plastic rest positions = initial positions.
@@ -43,6 +45,8 @@ struct History {
   /// Makes room for joined or isolated rest shapes, which all are the initial ones, unless it is there.
   void add_rest_shapes(const Model& model);
   void add_plastic_inverse();
+  /// Nodal arrays grow by copies of the rows `parents`.
+  void add_nodes(std::span<const int> parents);
   /// Of each viscoelastic branch of an element.
   std::span<CornerSymmetric> branch_strains_of(int e) {
     const std::size_t branches = branch_strain.size() / std::max<std::size_t>(branch_stretch.size(), 1);
@@ -73,8 +77,11 @@ struct History {
 /// Whether some G of an element is not 1.
 bool is_flowed(const CornerTensors& plastic_inverse);
 
-/// Throws InputError where a history cannot be one of this model: arrays of other sizes, numbers that are not finite,
-/// removed elements that are alive.
+/// Throws InputError where joints are not there, or opened twice, or not in calls.
+void validate_opened(const Model& model, const History& history);
+
+/// Throws InputError where a history cannot be one of this model, its joints being open: arrays of other sizes, numbers
+/// that are not finite, removed elements that are alive.
 void validate(const Model& model, const History& history);
 
 }  // namespace hexaplast

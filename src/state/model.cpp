@@ -8,11 +8,12 @@
 
 #include "hexaplast/base/error.hpp"
 #include "kinematics/gradients.hpp"
+#include "state/history.hpp"
 
 namespace hexaplast {
 
 Model::Model(HexMesh mesh_, std::vector<Material> materials_, Settings settings_)
-    : mesh(std::move(mesh_)), materials(std::move(materials_)), settings(settings_) {
+    : mesh(std::move(mesh_)), copies(mesh.num_nodes()), materials(std::move(materials_)), settings(settings_) {
   validate(settings);
   const int num_elements = mesh.num_elements();
   volume.resize(num_elements);
@@ -49,14 +50,56 @@ void Model::take_materials() {
                            [&](const Material& m) { return hexaplast::can_rotate(m, settings); });
 
   lame.resize(num_elements);
-  lame_blocks.assign(static_cast<std::size_t>(partition->num_blocks) * 2 * kBlock, 0.0);
-  for (int e = 0; e < num_elements; ++e) {
+  for (int e = 0; e < num_elements; ++e)
     lame[e] = hexaplast::lame(material(e).young_modulus, material(e).poisson_ratio);
+  fill_lame_blocks();
+}
+
+void Model::fill_lame_blocks() {
+  lame_blocks.assign(static_cast<std::size_t>(partition->num_blocks) * 2 * kBlock, 0.0);
+  for (int e = 0; e < mesh.num_elements(); ++e) {
     const int place = partition->place_of_element[e];
     double* at = lame_blocks.data() + static_cast<std::size_t>(place / kBlock) * 2 * kBlock + place % kBlock;
     at[0] = lame[e].mu;
     at[kBlock] = lame[e].lambda;
   }
+}
+
+const Joints& Model::joints() const {
+  std::call_once(joints_->found, [&] { joints_->value.emplace(initial_mesh()); });
+  return *joints_->value;
+}
+
+std::vector<int> Model::open(const History& history, int first_call) {
+  std::vector<unsigned char> is_open(joints().count(), 0);
+  std::vector<Hexahedron> hexahedra = mesh.hexahedra();
+  std::vector<int> parents;
+  int first = 0;
+  for (int call = 0; call < std::ssize(history.end_of_opening); ++call) {
+    const std::span<const int> opened = std::span(history.opened).subspan(first, history.end_of_opening[call] - first);
+    first = history.end_of_opening[call];
+    for (const int joint : opened) is_open[joint] = 1;
+    if (call < first_call) continue;
+    const std::vector<int> of_call = copies.split(initial_mesh(), joints(), is_open, opened, volume, hexahedra);
+    parents.insert(parents.end(), of_call.begin(), of_call.end());
+  }
+  if (parents.empty()) return parents;
+  if (!initial_) initial_ = std::make_shared<const HexMesh>(mesh);
+  take_mesh({*initial_, copies.initial(), std::move(hexahedra)});
+  return parents;
+}
+
+void Model::close() {
+  if (!copies.is_split()) return;
+  copies = NodeCopies(initial_->num_nodes());
+  take_mesh(*initial_);
+}
+
+void Model::take_mesh(HexMesh changed) {
+  mesh = std::move(changed);
+  partition = std::make_shared<const Partition>(mesh);
+  fill_lame_blocks();
+  coarse_ = std::make_shared<Shared<std::vector<CoarseMesh>>>();
 }
 
 ElementPoints Model::initial_shape(int element) const {
@@ -83,8 +126,8 @@ bool is_thin(const Model& model, int element) {
 }
 
 const std::vector<CoarseMesh>& Model::coarse_meshes() const {
-  std::call_once(coarse_->found, [&] { coarse_->levels = hexaplast::coarse_meshes(mesh, *partition); });
-  return coarse_->levels;
+  std::call_once(coarse_->found, [&] { coarse_->value = hexaplast::coarse_meshes(mesh, *partition); });
+  return *coarse_->value;
 }
 
 }  // namespace hexaplast

@@ -4,17 +4,22 @@
 #include <array>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "hexaplast/material/material.hpp"
+#include "hexaplast/mesh/node_copies.hpp"
 #include "layout/coarse_mesh.hpp"
 #include "layout/partition.hpp"
 
 namespace hexaplast {
 
-/// What never changes after a body is built.
+struct History;
+
+/// What changes after a body is built only where joints open: nodes are split then.
 struct Model {
-  HexMesh mesh;
+  HexMesh mesh;                     ///< present nodes, at their initial positions
+  NodeCopies copies;                ///< of the initial nodes
   std::vector<Material> materials;  ///< one, or one per element
   Settings settings;
   std::vector<Lame> lame;      ///< [Pa] per element
@@ -41,6 +46,18 @@ struct Model {
   /// The same mesh, partition and settings, made of something else. Throws like the constructor above.
   Model(const Model& other, std::vector<Material> materials);
 
+  const HexMesh& initial_mesh() const { return initial_ ? *initial_ : mesh; }
+
+  /// What holds the hexahedra together in the initial mesh, found when it is first asked for.
+  const Joints& joints() const;
+
+  /// Splits nodes where the joints of `history` are open, its calls before `first_call` being in the mesh already.
+  /// Returns per new node the one that it was split from.
+  std::vector<int> open(const History& history, int first_call);
+
+  /// Back to the initial mesh.
+  void close();
+
   /// Rotation maps that each element carries: one, or one per corner in the paper's modes.
   int maps_per_element() const {
     return settings.rotation_plasticity == RotationPlasticity::kVertex ||
@@ -64,12 +81,18 @@ struct Model {
 
  private:
   void take_materials();  // what follows from `materials`
+  void take_mesh(HexMesh changed);
+  void fill_lame_blocks();
 
-  struct CoarseMeshes {
+  /// Found when it is first asked for, by this model or a copy of it.
+  template <class T>
+  struct Shared {
     std::once_flag found;
-    std::vector<CoarseMesh> levels;
+    std::optional<T> value;
   };
-  std::shared_ptr<CoarseMeshes> coarse_ = std::make_shared<CoarseMeshes>();  // of this model and its copies
+  std::shared_ptr<const HexMesh> initial_;  // once nodes have been split
+  std::shared_ptr<Shared<Joints>> joints_ = std::make_shared<Shared<Joints>>();
+  std::shared_ptr<Shared<std::vector<CoarseMesh>>> coarse_ = std::make_shared<Shared<std::vector<CoarseMesh>>>();
 };
 
 /// Whether an element is so thin beside Model::length that its coefficients, that length over its thickness, may leave

@@ -8,7 +8,7 @@
 
 namespace hexaplast {
 
-/// A validated, immutable mesh of trilinear hexahedra.
+/// A validated mesh of trilinear hexahedra; nothing of it changes but by assignment.
 class HexMesh {
  public:
   /// One element that a node belongs to, and which of its corners the node is.
@@ -22,6 +22,10 @@ class HexMesh {
   /// [0, num_nodes), an element names a node twice, or an element is inverted, flat or left-handed: the Jacobian must
   /// be positive at the Gauss points and not 0 at a corner.
   HexMesh(PointArray positions, std::vector<Hexahedron> hexahedra);
+
+  /// The hexahedra of `other` some of whose nodes are several now, which is not checked again. node: for each present
+  /// node the one of `other` that it was. hexahedra: present corners.
+  HexMesh(const HexMesh& other, std::span<const int> node, std::vector<Hexahedron> hexahedra);
 
   int num_nodes() const { return static_cast<int>(positions_.rows()); }
   int num_elements() const { return static_cast<int>(hexahedra_.size()); }
@@ -39,6 +43,8 @@ class HexMesh {
   std::vector<Quad> boundary_faces(std::span<const unsigned char> alive = {}) const;
 
  private:
+  void find_incidence();
+
   PointArray positions_;
   std::vector<Hexahedron> hexahedra_;
   std::vector<int> first_;            // num_nodes + 1 offsets into incidence_

@@ -10,7 +10,7 @@
 namespace hexaplast {
 
 /// What holds the hexahedra of a body together: faces that two or more of them have, and hinges, which are pairs that
-/// meet at nodes where no chain of faces joins them. Found in the initial mesh alone.            theory.md section 12
+/// meet at nodes where no chain of faces joins them. Found in the initial mesh alone.            theory.md section 10
 ///
 /// Numbered: faces first, in the order of their names, then hinges in the order of theirs.
 ///

@@ -9,7 +9,7 @@
 namespace hexaplast {
 
 /// The present nodes of a mesh some joints of which are open: of each initial node one copy per group of hexahedra that
-/// closed joints connect there. The first copy keeps the initial node's number.                theory.md section 12
+/// closed joints connect there. The first copy keeps the initial node's number.                theory.md section 10
 ///
 /// What belongs to initial nodes (masses, forces, constraints) follows from their copies and shares: nothing needs to
 /// know the copies before.
@@ -48,5 +48,17 @@ class NodeCopies {
   std::vector<double> share_;
   std::vector<int> first_, copies_;
 };
+
+/// A nodal field grows by copies of its rows `parents`.
+inline void append_rows(std::span<const int> parents, PointArray& field) {
+  Eigen::Index end = field.rows();
+  field.conservativeResize(end + static_cast<Eigen::Index>(parents.size()), 3);
+  for (const int parent : parents) field.row(end++) = field.row(parent);
+}
+template <class T>
+void append_rows(std::span<const int> parents, std::vector<T>& field) {
+  field.reserve(field.size() + parents.size());
+  for (const int parent : parents) field.push_back(field[static_cast<std::size_t>(parent)]);
+}
 
 }  // namespace hexaplast
