@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "hexaplast/mesh/faces.hpp"
 #include "mesh/neighbours.hpp"
@@ -50,19 +49,18 @@ void group(int count, int num_items, const Groups& groups_of, std::vector<int>& 
 }  // namespace
 
 TissueSurface::TissueSurface(const HexMesh& mesh, std::span<const unsigned char> alive, bool touches_itself)
-    : mesh_(&mesh), faces_(mesh.boundary_faces(alive)) {
+    : mesh_(&mesh) {
+  for (const BoundaryFace& face : boundary_of(mesh, alive)) {
+    faces_.push_back(face.nodes);
+    owner_.push_back(face.element);
+  }
   if (!faces_.empty()) initial_.emplace(boxes_of(mesh.positions(), faces_));
   for (int e = 0; e < mesh.num_elements(); ++e)
     if (alive.empty() || alive[e]) hexahedra_.push_back(e);
 
-  std::map<Quad, int> owner;
-  for (const int e : hexahedra_)
-    for (const Quad& corners : kFaces) owner[sorted(face_of(mesh.hexahedra()[e], corners))] = e;
   double sum = 0;
-  for (const Quad& face : faces_) {
-    owner_.push_back(owner.at(sorted(face)));
+  for (const Quad& face : faces_)
     for (int a = 0; a < 4; ++a) sum += (mesh.positions().row(face[a]) - mesh.positions().row(face[(a + 1) % 4])).norm();
-  }
   mean_edge_ = faces_.empty() ? 0 : sum / (4.0 * static_cast<double>(faces_.size()));
   find_thickness();
   for (const int e : hexahedra_) nodes_.insert(nodes_.end(), mesh.hexahedra()[e].begin(), mesh.hexahedra()[e].end());
@@ -100,7 +98,7 @@ int TissueSurface::find_face(const Quad& nodes) const {
 }
 
 void TissueSurface::find_neighbourhoods(std::span<const unsigned char> alive) {
-  const std::vector<std::array<int, 6>> across = neighbours_across_faces(mesh_->hexahedra(), alive);
+  const std::vector<std::array<int, 6>> across = neighbours_across_faces(*mesh_, alive);
   near_.resize(static_cast<std::size_t>(mesh_->num_nodes()));
   for (int node = 0; node < mesh_->num_nodes(); ++node) {
     if (first_of_node_[node] == first_of_node_[node + 1]) continue;

@@ -15,24 +15,12 @@ namespace {
 constexpr int kSmoothings = 20;
 constexpr double kShrink = 0.5, kGrow = -0.53;  // by turns: waves of a few cells vanish, longer ones stay
 
-/// A face on the border of a label, and the hexahedron that has the label.
-struct BorderFace {
-  Quad nodes;  // seen from outside the hexahedron
-  int hexahedron;
-};
-
-std::vector<BorderFace> border_of(const VoxelMesh& voxels, int label) {
-  const auto& hexahedra = voxels.mesh.hexahedra();
+/// The faces on the border of a label, seen from outside it.
+std::vector<BoundaryFace> border_of(const VoxelMesh& voxels, int label) {
   std::vector<unsigned char> has_label;
   for (const int each : voxels.labels) has_label.push_back(each == label);
-  const std::vector<std::array<int, 6>> across = neighbours_across_faces(hexahedra, has_label);
-  std::vector<BorderFace> border;
-  for (std::size_t e = 0; e < hexahedra.size(); ++e) {
-    if (!has_label[e]) continue;
-    for (std::size_t side = 0; side < 6; ++side)
-      if (across[e][side] < 0) border.push_back({face_of(hexahedra[e], kFaces[side]), static_cast<int>(e)});
-  }
-  std::ranges::sort(border, {}, [](const BorderFace& face) { return std::pair(face.hexahedron, face.nodes); });
+  std::vector<BoundaryFace> border = boundary_of(voxels.mesh, has_label);
+  std::ranges::sort(border, {}, [](const BoundaryFace& face) { return std::pair(face.element, face.nodes); });
   return border;
 }
 
@@ -44,12 +32,12 @@ struct Side {
 
 /// Joins the corners of faces that meet at an edge: corner c of face f has the number 4 f + c. Where four faces meet
 /// there, each two of one hexahedron do.
-DisjointSets joined_corners(const std::vector<BorderFace>& faces) {
+DisjointSets joined_corners(const std::vector<BoundaryFace>& faces) {
   std::vector<Side> sides;
   for (std::size_t f = 0; f < faces.size(); ++f)
     for (int c = 0; c < 4; ++c)
       sides.push_back(
-          {sorted(Edge{faces[f].nodes[c], faces[f].nodes[(c + 1) % 4]}), faces[f].hexahedron, static_cast<int>(f), c});
+          {sorted(Edge{faces[f].nodes[c], faces[f].nodes[(c + 1) % 4]}), faces[f].element, static_cast<int>(f), c});
   std::ranges::sort(sides, {}, [](const Side& s) { return std::tuple(s.nodes, s.hexahedron, s.face, s.corner); });
 
   DisjointSets corners(static_cast<int>(4 * faces.size()));
@@ -87,7 +75,7 @@ void smooth(const PointArray& original, const Mat3& cell, double factor, VoxelSu
 }  // namespace
 
 VoxelSurface surface_of_label(const VoxelMesh& voxels, int label, const Mat3& cell) {
-  const std::vector<BorderFace> faces = border_of(voxels, label);
+  const std::vector<BoundaryFace> faces = border_of(voxels, label);
   if (faces.empty()) throw InputError(fmt::format("no hexahedron has the label {}", label));
   DisjointSets corners = joined_corners(faces);
 

@@ -89,17 +89,15 @@ void HexMesh::find_incidence() {
     for (int a = 0; a < kCorners; ++a) incidence_[next[hexahedra_[e][a]]++] = {e, a};
 }
 
+const std::vector<std::array<int, 6>>& HexMesh::neighbours() const {
+  std::call_once(neighbours_->found, [&] { neighbours_->across = neighbours_across_faces(hexahedra_); });
+  return neighbours_->across;
+}
+
 std::vector<Quad> HexMesh::boundary_faces(std::span<const unsigned char> alive) const {
-  if (!alive.empty()) require_count("boundary_faces", "alive", std::ssize(alive), num_elements());
-  const std::vector<std::array<int, 6>> across = neighbours_across_faces(hexahedra_, alive);
-  std::vector<Quad> boundary;
-  for (int e = 0; e < num_elements(); ++e) {
-    if (!alive.empty() && !alive[e]) continue;
-    for (int side = 0; side < 6; ++side)
-      if (across[e][side] < 0) boundary.push_back(face_of(hexahedra_[e], kFaces[side]));
-  }
-  std::ranges::sort(boundary, {}, [](const Quad& face) { return sorted(face); });
-  return boundary;
+  std::vector<Quad> faces;
+  for (const BoundaryFace& face : boundary_of(*this, alive)) faces.push_back(face.nodes);
+  return faces;
 }
 
 ConnectedParts connected_parts(const HexMesh& mesh, std::span<const unsigned char> alive) {

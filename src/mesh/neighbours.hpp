@@ -5,14 +5,24 @@
 #include <span>
 #include <vector>
 
-#include "hexaplast/base/types.hpp"
+#include "hexaplast/mesh/hex_mesh.hpp"
 
 namespace hexaplast {
 
-/// Per element and face (kFaces), an element that has the face too, or -1 where there is none. Of the elements that
-/// share a face each has another.
+/// HexMesh::neighbours of any hexahedra.
+std::vector<std::array<int, 6>> neighbours_across_faces(std::span<const Hexahedron> hexahedra);
+
+/// The same of what is left of a mesh.
 /// alive: if not empty, one entry per element, 0 for those that are gone; these have no neighbours and are none.
-std::vector<std::array<int, 6>> neighbours_across_faces(std::span<const Hexahedron> hexahedra,
-                                                        std::span<const unsigned char> alive = {});
+std::vector<std::array<int, 6>> neighbours_across_faces(const HexMesh& mesh, std::span<const unsigned char> alive);
+
+/// One of HexMesh::boundary_faces, and the element that has it.
+struct BoundaryFace {
+  Quad nodes;
+  int element;
+};
+
+/// In the order of HexMesh::boundary_faces.
+std::vector<BoundaryFace> boundary_of(const HexMesh& mesh, std::span<const unsigned char> alive);
 
 }  // namespace hexaplast

@@ -69,11 +69,11 @@ TEST(Faces, OfAGridAreThoseOfItsCells) {
 // In a block the neighbours are a step away along the lattice of cells.
 TEST(Faces, LeadToTheElementsBeyondThem) {
   const std::array<int, 3> cells = {2, 3, 4};
-  const std::vector<Hexahedron> hexahedra = block(cells, 1).hexahedra();
-  std::vector<unsigned char> alive(hexahedra.size(), 1);
+  const HexMesh mesh = block(cells, 1);
+  std::vector<unsigned char> alive(mesh.num_elements(), 1);
   const int gone = 1 + 2 * (1 + 3 * 2);
   alive[gone] = 0;
-  const auto all = neighbours_across_faces(hexahedra), some = neighbours_across_faces(hexahedra, alive);
+  const auto all = mesh.neighbours(), some = neighbours_across_faces(mesh, alive);
   for (int e = 0; e < 24; ++e)
     for (int side = 0; side < 6; ++side) {
       std::array<int, 3> at = {e % 2, e / 2 % 3, e / 6};
@@ -88,6 +88,26 @@ TEST(Faces, LeadToTheElementsBeyondThem) {
       EXPECT_EQ(all[e][side], beyond) << e << ", " << side;
       EXPECT_EQ(some[e][side], e == gone || beyond == gone ? -1 : beyond) << e << ", " << side;
     }
+}
+
+// Two hexahedra on the same face of a third one: where one is gone, the other is there.
+TEST(Faces, ThatThreeHexahedraShareLeadToThoseThatAreLeft) {
+  const HexMesh pair = block({1, 1, 2}, 1);
+  PointArray X(pair.num_nodes() + 4, 3);
+  X.topRows(pair.num_nodes()) = pair.positions();
+  Hexahedron third = pair.hexahedra()[1];
+  for (int a = 0; a < 4; ++a) {
+    X.row(pair.num_nodes() + a) = pair.positions().row(third[4 + a]) + Vec3(0.1, 0, 0).transpose();
+    third[4 + a] = pair.num_nodes() + a;
+  }
+  const HexMesh mesh(X, {pair.hexahedra()[0], pair.hexahedra()[1], third});
+  const auto above = [&](std::vector<unsigned char> alive) { return neighbours_across_faces(mesh, alive)[0]; };
+  const auto all = above({1, 1, 1});
+  const auto top = std::ranges::find_if(all, [](int other) { return other >= 0; }) - all.begin();
+  EXPECT_EQ(std::ranges::count(all, -1), 5);
+  EXPECT_EQ(above({1, 0, 1})[top], 2);
+  EXPECT_EQ(above({1, 1, 0})[top], 1);
+  EXPECT_EQ(above({1, 0, 0})[top], -1);
 }
 
 TEST(Faces, NodalMeansCountTheHexahedraThatAreLeft) {

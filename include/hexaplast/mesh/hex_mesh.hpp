@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <array>
+#include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -38,6 +41,10 @@ class HexMesh {
     return {incidence_.data() + first_[node], incidence_.data() + first_[node + 1]};
   }
 
+  /// Per element and face (kFaces), an element that has the face too, or -1 where there is none. Of the elements that
+  /// share a face each has another. Found when they are first asked for; copies of a mesh share them.
+  const std::vector<std::array<int, 6>>& neighbours() const;
+
   /// Faces that belong to one element only, counter-clockwise seen from outside: the surface of the body.
   /// `alive`, if not empty, has one entry per element: only elements with a non-zero entry count.
   std::vector<Quad> boundary_faces(std::span<const unsigned char> alive = {}) const;
@@ -49,6 +56,11 @@ class HexMesh {
   std::vector<Hexahedron> hexahedra_;
   std::vector<int> first_;            // num_nodes + 1 offsets into incidence_
   std::vector<Incidence> incidence_;  // grouped by node
+  struct Neighbours {
+    std::once_flag found;
+    std::vector<std::array<int, 6>> across;
+  };
+  std::shared_ptr<Neighbours> neighbours_ = std::make_shared<Neighbours>();
 };
 
 /// The connected parts of a mesh of which some elements are gone.
