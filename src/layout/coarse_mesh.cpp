@@ -50,14 +50,16 @@ void CoarseMesh::place(const AlignedVector<double>& finer, AlignedVector<double>
   parallel_for(partition->num_chunks, [&](int chunk) { update_ghosts(*partition, chunk, positions.data()); });
 }
 
-std::vector<CoarseMesh> coarse_meshes(const HexMesh& mesh, const Partition& partition) {
+std::vector<CoarseMesh> coarse_meshes(const Charts& charts, const HexMesh& mesh, const Partition& partition) {
   std::vector<CoarseMesh> levels;
-  std::optional<Coarsening> next = coarsen(mesh.num_nodes(), mesh.hexahedra());
+  std::optional<Coarsening> latest;
   const Partition* finer = &partition;
-  while (next && next->num_nodes >= kFewestNodes) {
-    levels.emplace_back(*next, *finer);
+  for (const Charts::Level& of_charts : charts.levels) {
+    latest = latest ? coarsen(of_charts, latest->num_nodes, latest->cells, latest->chart_cell)
+                    : coarsen(of_charts, mesh.num_nodes(), mesh.hexahedra());
+    if (!latest || latest->num_nodes < kFewestNodes) break;
+    levels.emplace_back(*latest, *finer);
     finer = levels.back().partition.get();
-    next = coarsen(next->num_nodes, std::vector<Hexahedron>(next->cells));
   }
   return levels;
 }

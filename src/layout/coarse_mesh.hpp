@@ -24,7 +24,8 @@ struct CoarseMesh {
   std::vector<int> finer_slot;                      ///< per slot below num_nodes: that of the finer node there, or -1
 };
 
-/// From fine to coarse; none where the mesh forms no lattice, or is small.
-std::vector<CoarseMesh> coarse_meshes(const HexMesh& mesh, const Partition& partition);
+/// From fine to coarse; none where the mesh forms no lattice, or is small. charts: of the initial mesh, of which `mesh`
+/// has the hexahedra and some nodes may have split.
+std::vector<CoarseMesh> coarse_meshes(const Charts& charts, const HexMesh& mesh, const Partition& partition);
 
 }  // namespace hexaplast

@@ -126,7 +126,8 @@ bool is_thin(const Model& model, int element) {
 }
 
 const std::vector<CoarseMesh>& Model::coarse_meshes() const {
-  std::call_once(coarse_->found, [&] { coarse_->value = hexaplast::coarse_meshes(mesh, *partition); });
+  std::call_once(charts_->found, [&] { charts_->value.emplace(initial_mesh()); });
+  std::call_once(coarse_->found, [&] { coarse_->value = hexaplast::coarse_meshes(*charts_->value, mesh, *partition); });
   return *coarse_->value;
 }
 

@@ -92,6 +92,7 @@ struct Model {
   };
   std::shared_ptr<const HexMesh> initial_;  // once nodes have been split
   std::shared_ptr<Shared<Joints>> joints_ = std::make_shared<Shared<Joints>>();
+  std::shared_ptr<Shared<Charts>> charts_ = std::make_shared<Shared<Charts>>();  // of the initial mesh
   std::shared_ptr<Shared<std::vector<CoarseMesh>>> coarse_ = std::make_shared<Shared<std::vector<CoarseMesh>>>();
 };
 

@@ -10,7 +10,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
 #include "hexaplast/mesh/faces.hpp"
-#include "layout/coarsening.hpp"
+#include "layout/charts.hpp"
 #include "support/compare.hpp"
 #include "support/shapes.hpp"
 
@@ -314,8 +314,8 @@ TEST(Offset, NamesTheWorstQuadsFirst) {
 TEST(Offset, MakesShellsThatCoarsen) {
   const auto cells_after = [](const QuadSurface& surface, int layers) {
     const HexMesh mesh = offset(surface, {0, 0.1, layers}).mesh;
-    const auto coarse = coarsen(mesh.num_nodes(), mesh.hexahedra());
-    return coarse ? static_cast<double>(mesh.num_elements()) / static_cast<double>(coarse->cells.size()) : 0;
+    const auto levels = Charts(mesh).levels;
+    return levels.empty() ? 0 : mesh.num_elements() / static_cast<double>(levels.front().cells.size());
   };
   EXPECT_EQ(cells_after(prism(24, 16, 1, 3), 2), 8);
   EXPECT_EQ(cells_after(patch(16, 12, [](double u, double v) { return Vec3(u, v, u * v); }), 2), 8);

@@ -9,7 +9,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/quality.hpp"
-#include "layout/coarsening.hpp"
+#include "layout/charts.hpp"
 #include "support/compare.hpp"
 
 namespace hexaplast {
@@ -139,8 +139,8 @@ TEST(SpherePatch, ApproachesItsSolidAngle) {
 
 TEST(Shapes, Coarsen) {
   const auto gain = [](const HexMesh& mesh) {
-    const auto coarse = coarsen(mesh.num_nodes(), mesh.hexahedra());
-    return coarse ? static_cast<double>(mesh.num_elements()) / static_cast<double>(coarse->cells.size()) : 0;
+    const auto levels = Charts(mesh).levels;
+    return levels.empty() ? 0 : mesh.num_elements() / static_cast<double>(levels.front().cells.size());
   };
   EXPECT_EQ(gain(tube({2, 24, 20}, 0.1, 0.12, arc(0.5, 1, 21))), 8);
   EXPECT_EQ(gain(tube({1, 24, 20}, 0.1, 0.12, arc(0.5, 1, 21))), 4);

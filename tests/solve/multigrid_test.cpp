@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <sstream>
 
 #include "hexaplast/base/error.hpp"
@@ -81,6 +82,12 @@ HexMesh cage() {
   return HexMesh(block.positions(), kept);
 }
 
+std::optional<Coarsening> coarsened(const HexMesh& mesh) {
+  const Charts charts(mesh);
+  if (charts.levels.empty()) return std::nullopt;
+  return coarsen(charts.levels.front(), mesh.num_nodes(), mesh.hexahedra());
+}
+
 /// Weights of every node sum to one, and carry linear fields of the coarse nodes' places to the fine ones.
 void expect_linear(const HexMesh& mesh, const Coarsening& coarse, bool exact_geometry) {
   PointArray place = PointArray::Zero(coarse.num_nodes, 3);
@@ -104,7 +111,7 @@ void expect_linear(const HexMesh& mesh, const Coarsening& coarse, bool exact_geo
 
 TEST(Coarsening, HalvesAGridAndKeepsLinearFields) {
   const HexMesh mesh = regular_grid({8, 5, 6}, Vec3::Zero(), Vec3(0.8, 0.5, 0.6));
-  const auto coarse = coarsen(mesh.num_nodes(), mesh.hexahedra());
+  const auto coarse = coarsened(mesh);
   ASSERT_TRUE(coarse);
   EXPECT_EQ(coarse->cells.size(), 4u * 3u * 3u);
   EXPECT_EQ(coarse->num_nodes, 5 * 4 * 4);
@@ -119,7 +126,7 @@ TEST(Coarsening, TakesCagesWithHolesAndElementsInAnyOrientation) {
     turned[e] = {h[1], h[2], h[3], h[0], h[5], h[6], h[7], h[4]};
   }
   const HexMesh mixed(mesh.positions(), turned);
-  const auto coarse = coarsen(mixed.num_nodes(), mixed.hexahedra());
+  const auto coarse = coarsened(mixed);
   ASSERT_TRUE(coarse);
   EXPECT_LT(coarse->cells.size(), mixed.hexahedra().size() / 4);
   expect_linear(mixed, *coarse, true);
@@ -132,7 +139,7 @@ TEST(Coarsening, TakesCagesWithHolesAndElementsInAnyOrientation) {
 
 TEST(Coarsening, ClosesTubes) {
   const HexMesh mesh = straight_tube(16, 2, 10);
-  const auto coarse = coarsen(mesh.num_nodes(), mesh.hexahedra());
+  const auto coarse = coarsened(mesh);
   ASSERT_TRUE(coarse);
   EXPECT_EQ(coarse->cells.size(), 8u * 1 * 5);
   EXPECT_EQ(coarse->num_nodes, 8 * 2 * 6);
@@ -141,11 +148,11 @@ TEST(Coarsening, ClosesTubes) {
 
 TEST(Coarsening, KeepsSeparatePartsApart) {
   const HexMesh part = regular_grid({4, 4, 6}, Vec3::Zero(), Vec3(0.4, 0.4, 0.6));
-  const auto single = coarsen(part.num_nodes(), part.hexahedra());
+  const auto single = coarsened(part);
   ASSERT_TRUE(single);
   for (const int count : {3, 6, 40}) {
     const HexMesh mesh = copies(part, count);
-    const auto coarse = coarsen(mesh.num_nodes(), mesh.hexahedra());
+    const auto coarse = coarsened(mesh);
     ASSERT_TRUE(coarse) << count;
     EXPECT_EQ(coarse->cells.size(), count * single->cells.size());
     EXPECT_EQ(coarse->num_nodes, count * single->num_nodes);
@@ -158,7 +165,7 @@ TEST(Coarsening, KeepsSeparatePartsApart) {
 
 TEST(Coarsening, TakesMeshesOfSeveralLattices) {
   const HexMesh mesh = o_grid(8);
-  const auto coarse = coarsen(mesh.num_nodes(), mesh.hexahedra());
+  const auto coarse = coarsened(mesh);
   ASSERT_TRUE(coarse);
   EXPECT_LT(coarse->cells.size(), mesh.hexahedra().size() / 4);
   expect_linear(mesh, *coarse, false);
@@ -167,10 +174,10 @@ TEST(Coarsening, TakesMeshesOfSeveralLattices) {
 TEST(Coarsening, LeavesMeshesWhoseCellsWouldNotMeetAcrossASeam) {
   for (const int across : {3, 5, 7}) {
     const HexMesh mesh = o_grid(8, across);
-    EXPECT_FALSE(coarsen(mesh.num_nodes(), mesh.hexahedra())) << across;
+    EXPECT_FALSE(coarsened(mesh)) << across;
   }
   const HexMesh slit = straight_tube(17, 2, 10);
-  EXPECT_FALSE(coarsen(slit.num_nodes(), slit.hexahedra()));
+  EXPECT_FALSE(coarsened(slit));
 }
 
 /// Iterations to a relative residual of 1e-6 in the first step of a body under gravity, one end fixed; the answer is
@@ -242,7 +249,7 @@ TEST(MixedPrecision, GivesTheDoubleAnswerToItsTolerance) {
 
 TEST(Multigrid, FallsBackToTheDiagonalWhereThereIsNoLattice) {
   const HexMesh mesh = support::block({2, 2, 3}, 0.1);
-  EXPECT_FALSE(coarsen(mesh.num_nodes(), mesh.hexahedra()));
+  EXPECT_FALSE(coarsened(mesh));
   EXPECT_GT(iterations_of(mesh, {Material{}}, Precision::kDouble, 1e-8, Preconditioner::kMultigrid), 0);
 }
 
