@@ -108,7 +108,7 @@ TEST_P(OpenedBody, AllOpenFallsInParabolas) {
   for (int e = 0; e < mesh.num_elements(); ++e)
     for (const int n : moving.body.mesh().hexahedra()[e]) {
       const Vec3 expected = moving.body.mesh().positions().row(n).transpose() + Vec3(0.1 * e * 0.2, 0, 0.2 + fallen);
-      EXPECT_LE((moving.positions.row(n).transpose() - expected).norm(), GetParam() == 1 ? 1e-6 : 1e-11);
+      EXPECT_LE((moving.positions.row(n).transpose() - expected).norm(), GetParam() == 1 ? 1e-5 : 1e-11);
     }
 }
 
@@ -192,15 +192,17 @@ TEST_P(OpenedBody, KeepsMassMomentumAndEnergy) {
 }
 
 TEST_P(OpenedBody, RefusesWhatIsNoJoint) {
-  MovingBody moving(Body(block({2, 2, 2}, 0.1), {Material{}}, settings()), {});
+  MovingBody moving(Body(block({3, 3, 3}, 0.1), {Material{}}, settings()), {});
   const std::string before = moving.state_hash();
-  EXPECT_TRUE(refuses<InputError>([&] { moving.open(std::vector{0, 12}); }, {"joint 12", "[0, 12)"}));
+  EXPECT_TRUE(refuses<InputError>([&] { moving.open(std::vector{0, 54}); }, {"joint 54", "[0, 54)"}));
   EXPECT_TRUE(refuses<InputError>([&] { moving.open(std::vector{-1}); }, {"joint -1"}));
   EXPECT_EQ(moving.state_hash(), before);
-  EXPECT_TRUE(moving.open(std::vector{0, 0}).empty());  // the three other faces of the inner edge hold
+  int inside = 0;
+  while (moving.body.joints().hexahedra(inside).front() != 13) ++inside;
+  EXPECT_TRUE(moving.open(std::vector{inside, inside}).empty());  // other faces hold its nodes together
   EXPECT_EQ(moving.body.opened().size(), 1u);
   const long revision = moving.body.revision();
-  EXPECT_TRUE(moving.open(std::vector{0}).empty());
+  EXPECT_TRUE(moving.open(std::vector{inside}).empty());
   EXPECT_EQ(moving.body.revision(), revision);
 }
 
