@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "attributes/attribute.hpp"
+#include "attributes/path.hpp"
 
 /// Contact, the same in every host.
 namespace hexaplast::attributes {
@@ -42,11 +42,9 @@ inline constexpr std::array kInstrumentContactAttributes = {
     indices("embeddedTriangles", {.group = "Contact"},
             "Groups of three of these nodes, counter-clockwise seen from outside: the surface that is touched, in "
             "place of the faces of the hexahedra."),
-    reals("keyTimes", {.unit = "s", .group = "Path"}, "Key times of the path, ascending."),
-    vectors3("positions", {.unit = "m", .group = "Path"},
-             "Position at each key time, linear in between; constant before the first time and after the last."),
-    reals("orientations", {.group = "Path"},
-          "Orientation at each key time, a quaternion x y z w; it turns steadily in between. Default: not turned."),
+    kPathTimes,
+    kPathPositions,
+    kPathOrientations,
     real("contactStiffness", {.unit = "Pa/m", .range = kPositive, .group = "Contact"},
          "Pressure per depth of penetration. Default: 30 times the greatest Young's modulus over the mean edge of the "
          "hexahedra, also when the modulus changes. At most 200 times the default; from 30 times on a "

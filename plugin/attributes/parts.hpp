@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "attributes/attribute.hpp"
+#include "attributes/path.hpp"
 
 /// Our own components but bodies and shapes, the same in every host.
 namespace hexaplast::attributes {
@@ -70,6 +70,23 @@ inline constexpr Description kGraspForceField =
                 "An instrument that grasps the nodes around it, moves along a path and releases them, with a limited "
                 "force. It acts on the nearest state, which may be one of embedded points.",
                 kGraspAttributes);
+
+inline constexpr std::array kBladeAttributes = {
+    link("body", "The body that it cuts, or its node. Default: the nearest one."),
+    vectors3("points", {.unit = "m", .group = "Blade"},
+             "Its edge in the frame of the blade: at least two points, with a straight line from each to the next."),
+    kPathTimes,
+    kPathPositions,
+    kPathOrientations,
+    boolean("active", {.initial = "true", .group = "Blade"}, "false: it opens nothing."),
+};
+inline constexpr Description kBladeController{
+    .class_name = "BladeController",
+    .category = "Controller",
+    .help =
+        "A blade that moves along a path and cuts a body: two hexahedra separate where its edge passes between "
+        "their centres, at the end of the step. It presses on nothing.",
+    .attributes = kBladeAttributes};
 
 inline constexpr std::array kProbeAttributes = {
     reals("value", "A link to numbers or vectors: @forceps.force, @nodes.position, @material.plasticStrain."),

@@ -10,8 +10,7 @@
 #include "attributes/contact.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/geometry/embed.hpp"
-#include "parts/key_times.hpp"
-#include "solve/loads.hpp"
+#include "parts/path.hpp"
 
 namespace hexaplast::parts {
 namespace {
@@ -24,26 +23,14 @@ bool are_same(const PointArray& first, const PointArray& second) {
   return first.rows() == second.rows() && first == second;
 }
 
-/// The number of keys that a path has, one of which is there always.
-void check_path(OptionRanges& ranges, const InstrumentOptions& options) {
+void check_motion(OptionRanges& ranges, const InstrumentOptions& options) {
   if (options.is_prescribed) {
     if (!options.key_times.empty() || options.positions.rows() > 0 || !options.orientations.empty())
       ranges.add(
           {"key_times", "a path is given besides a rigid frame that prescribes the motion: only one of them can"});
     return;
   }
-  ranges.collect([&] {
-    check_key_times("key_times", options.key_times, "positions", static_cast<std::size_t>(options.positions.rows()));
-  });
-  if (options.orientations.empty()) return;
-  if (options.orientations.size() != 4 * options.key_times.size()) {
-    ranges.add({"orientations", fmt::format("{} numbers given, must be a quaternion (4) for each of {} key times",
-                                            options.orientations.size(), options.key_times.size())});
-    return;
-  }
-  for (std::size_t k = 0; k < options.key_times.size(); ++k)
-    if (!(Eigen::Vector4d::Map(&options.orientations[4 * k]).norm() > 0))
-      ranges.add({"orientations", fmt::format("quaternion {} is 0 0 0 0, must have a length", k)});
+  check_path(ranges, options.key_times, options.positions, options.orientations);
 }
 
 template <class Size>
@@ -84,7 +71,7 @@ void check(const InstrumentOptions& options) {
   OptionRanges ranges(Instrument::description(), options);
   check_triangles(ranges, "surface_triangles", options.surface_triangles, options.surface_positions);
   check_triangles(ranges, "embedded_triangles", options.embedded_triangles, options.embedded_positions);
-  check_path(ranges, options);
+  check_motion(ranges, options);
   if (options.embedded_positions.rows() > 0 && options.embedded_triangles.empty())
     ranges.add({"embedded_positions", "given without embeddedTriangles, which make a surface of them"});
   ranges.throw_all();
@@ -241,17 +228,7 @@ void Instrument::follow_surface() {
 }
 
 Pose Instrument::pose_at(double time) const {
-  const std::vector<double>& times = options_.key_times;
-  const KeyPhase phase = phase_at(times, std::max(time, times.front()));
-  Pose pose{.position = interpolate(phase, options_.positions).transpose()};
-  if (options_.orientations.empty()) return pose;
-  const auto orientation_of = [&](int key) {
-    return Eigen::Quaterniond(Eigen::Vector4d::Map(&options_.orientations[4 * static_cast<std::size_t>(key)])
-                                  .normalized());  // x y z w, as SOFA writes them
-  };
-  const int next = std::min(phase.key + 1, static_cast<int>(times.size()) - 1);
-  pose.orientation = orientation_of(phase.key).slerp(phase.fraction, orientation_of(next));
-  return pose;
+  return pose_on_path(options_.key_times, options_.positions, options_.orientations, time);
 }
 
 void Instrument::begin_step(const Step& step, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v) {

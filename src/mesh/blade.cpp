@@ -162,6 +162,8 @@ BladeCut::BladeCut(const HexMesh& initial, const Joints& joints) : centres_(init
   mean_length_ /= static_cast<double>(links_.size());
 }
 
+double BladeCut::tolerance() const { return kBend * mean_length_ * spacing_; }
+
 const std::vector<int>& BladeCut::opened(std::span<const Hexahedron> hexahedra, ConstPoints x_before,
                                          ConstPoints x_after, std::span<const BladeAt> blade,
                                          std::span<const unsigned char> is_open) {

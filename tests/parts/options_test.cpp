@@ -15,6 +15,7 @@
 #include "attributes/shapes.hpp"
 #include "attributes/words.hpp"
 #include "hexaplast/geometry/grid.hpp"
+#include "parts/blade.hpp"
 #include "parts/grasp.hpp"
 #include "parts/grids.hpp"
 #include "parts/instrument.hpp"
@@ -73,6 +74,7 @@ TEST(Options, AreThoseOfTheTableAndHaveItsDefaults) {
   EXPECT_EQ(others_than(SpherePatchGridOptions(), attributes::kSpherePatchGridTopology), Names());
   EXPECT_EQ(others_than(MultigridCGOptions(), attributes::kMultigridCGLinearSolver), Names());
   EXPECT_EQ(others_than(InstrumentOptions(), attributes::kInstrumentContactForceField), Names());
+  EXPECT_EQ(others_than(BladeOptions(), attributes::kBladeController), Names());
   EXPECT_EQ(others_than(ContactOptions(), attributes::kTissueContactForceField), Names());
   EXPECT_EQ(others_than(ProbeOptions(), attributes::kProbe), (Names{"value", "points"}));
 }

@@ -56,6 +56,8 @@ class BladeCut {
   const std::vector<int>& opened(std::span<const Hexahedron> hexahedra, ConstPoints x_before, ConstPoints x_after,
                                  std::span<const BladeAt> blade, std::span<const unsigned char> is_open);
 
+  double tolerance() const;  ///< [m] that tenth
+
  private:
   struct Link {
     int joint, first, second;  // hexahedra
