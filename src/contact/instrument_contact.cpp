@@ -80,14 +80,14 @@ void InstrumentContact::set_settings(ContactSettings settings) {
   settings_ = settings;
 }
 
-void InstrumentContact::set_samples(SurfaceSamples samples) {
+void InstrumentContact::set_samples(SurfaceSamples samples, const SplitNodes& split) {
   std::map<decltype(SurfaceSamples::Sample().key()), SampleState> before;
   for (std::size_t i = 0; i < states_.size(); ++i)
     if (states_[i].is_within()) before.emplace(samples_.samples[i].key(), states_[i]);
   take_samples(std::move(samples));
   has_touching_ = !before.empty();
   for (std::size_t i = 0; i < states_.size(); ++i)
-    if (const auto at = before.find(samples_.samples[i].key()); at != before.end()) states_[i] = at->second;
+    if (const auto at = before.find(samples_.samples[i].key(split)); at != before.end()) states_[i] = at->second;
   terms_.terms.clear();
 }
 

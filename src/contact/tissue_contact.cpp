@@ -111,7 +111,8 @@ void TissueContact::set_settings(ContactSettings settings) {
   settings_ = settings;
 }
 
-void TissueContact::set_alive(std::span<const unsigned char> first, std::span<const unsigned char> second) {
+void TissueContact::set_alive(std::span<const unsigned char> first, std::span<const unsigned char> second,
+                              const std::array<SplitNodes, 2>& split) {
   const bool with_itself = meshes_[0] == meshes_[1];
   const std::array alive = {first, with_itself ? first : second};
   std::vector<std::unique_ptr<Side>> sides;
@@ -129,13 +130,14 @@ void TissueContact::set_alive(std::span<const unsigned char> first, std::span<co
     if (!sides_.empty()) {
       std::map<decltype(SurfaceSamples::Sample().key()), SampleState> before;
       const Side& old = *sides_[from];
+      const std::vector<int> faces = side->surface.faces_since(old.surface, split[to]);
       for (std::size_t i = 0; i < old.states.size(); ++i)
         if (old.states[i].face >= 0) before.emplace(old.samples.samples[i].key(), old.states[i]);
       for (std::size_t i = 0; i < side->states.size(); ++i) {
-        const auto at = before.find(side->samples.samples[i].key());
+        const auto at = before.find(side->samples.samples[i].key(split[from]));
         if (at == before.end()) continue;
         SampleState& state = side->states[i] = at->second;
-        state.face = side->surface.find_face(old.surface.face(state.face));
+        state.face = faces[state.face];
         if (!alive[to].empty() && !alive[to][state.hexahedron]) state = {};
       }
     }

@@ -90,7 +90,18 @@ void TissueSurface::find_thickness() {
   }
 }
 
+std::vector<int> TissueSurface::faces_since(const TissueSurface& before, const SplitNodes& split) const {
+  std::vector<int> now(before.faces_.size(), -1);
+  for (int f = 0; f < num_faces(); ++f) {
+    Quad nodes = faces_[f];
+    for (int& node : nodes) node = split.before(node);
+    if (const int old = before.find_face(nodes); old >= 0) now[old] = f;
+  }
+  return now;
+}
+
 int TissueSurface::find_face(const Quad& nodes) const {
+  if (nodes[0] + 1 >= std::ssize(first_of_node_)) return -1;
   const Quad wanted = sorted(nodes);
   for (int k = first_of_node_[nodes[0]]; k < first_of_node_[nodes[0] + 1]; ++k)
     if (sorted(faces_[faces_of_node_[k]]) == wanted) return faces_of_node_[k];

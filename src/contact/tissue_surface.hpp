@@ -26,7 +26,8 @@ class TissueSurface {
 
   int num_faces() const { return static_cast<int>(faces_.size()); }
   const Quad& face(int f) const { return faces_[static_cast<std::size_t>(f)]; }
-  int find_face(const Quad& nodes) const;                   ///< that has these nodes, or -1
+  /// Per face of the surface that was there before: the one that it is now, or -1. split: nodes that have since.
+  std::vector<int> faces_since(const TissueSurface& before, const SplitNodes& split) const;
   const std::vector<int>& nodes() const { return nodes_; }  ///< of the hexahedra that are left, ascending
   bool has_hexahedron(int e) const { return std::ranges::binary_search(hexahedra_, e); }
   double mean_edge() const { return mean_edge_; }  ///< [m] of its faces
@@ -67,6 +68,7 @@ class TissueSurface {
     int triangle = 0;
   };
 
+  int find_face(const Quad& nodes) const;  // that has these nodes, or -1
   void find_neighbourhoods(std::span<const unsigned char> alive);
   void find_thickness();
   bool is_near(int hexahedron, std::span<const int> own) const;

@@ -27,7 +27,8 @@ Eigen::AlignedBox3d box_of(const ElementPoints& x) {
 
 }  // namespace
 
-Embedding::Embedding(ConstPoints x, std::span<const Hexahedron> hexahedra, ConstPoints points) : num_nodes_(x.rows()) {
+Embedding::Embedding(ConstPoints x, std::span<const Hexahedron> hexahedra, ConstPoints points)
+    : num_nodes_(x.rows()), num_hexahedra_(std::ssize(hexahedra)) {
   if (hexahedra.empty()) throw InputError("there is no hexahedron in which points could be embedded");
   for (const Hexahedron& corners : hexahedra) require_nodes("Embedding", corners, num_nodes_);
   require_finite(x, "position");
@@ -84,6 +85,13 @@ bool Embedding::is_left(std::span<const int> cell,
   std::ranges::sort(of_cell);
   of_cell.erase(std::unique(of_cell.begin(), of_cell.end()), of_cell.end());
   return hold_together(of_cell);
+}
+
+void Embedding::follow(std::span<const Hexahedron> hexahedra, int num_nodes) {
+  require_count("Embedding::follow", "hexahedra", std::ssize(hexahedra), num_hexahedra_);
+  for (const Hexahedron& corners : hexahedra) require_nodes("Embedding::follow", corners, num_nodes);
+  for (Anchor& anchor : anchors_) anchor.corners = hexahedra[static_cast<std::size_t>(anchor.hexahedron)];
+  num_nodes_ = num_nodes;
 }
 
 void Embedding::apply(ConstPoints nodes, Points points) const {

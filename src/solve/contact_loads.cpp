@@ -48,20 +48,21 @@ void Obstacle::add_force(ConstPoints x, ConstPoints v, Points f) const {
     Eigen::RowVector3d force = -stiffness * d * normal.transpose() + damping * d * v.row(node);
     const double size = force.norm();
     if (max_force > 0 && size > max_force) force *= max_force / size;
-    f.row(node) += force;
+    f.row(node) += share_of(node) * force;
   }
 }
 
 void Obstacle::add_stiffness_product(std::span<const int> touching, double factor, ConstPoints dx, Points df) const {
   require_nodes("Obstacle::add_stiffness_product", touching, dx.rows());
   require_rows("Obstacle::add_stiffness_product", "df", df, dx.rows());
-  for (const int node : touching) df.row(node) -= factor * stiffness * dx.row(node).dot(normal) * normal.transpose();
+  for (const int node : touching)
+    df.row(node) -= share_of(node) * factor * stiffness * dx.row(node).dot(normal) * normal.transpose();
 }
 
 void Obstacle::add_stiffness_blocks(std::span<const int> touching, double factor, BlockMatrix& A) const {
   require_nodes("Obstacle::add_stiffness_blocks", touching, A.num_nodes());
   const Mat3 block = -factor * stiffness * normal * normal.transpose();
-  for (const int node : touching) A.add(node, node, block);
+  for (const int node : touching) A.add(node, node, share_of(node) * block);
 }
 
 }  // namespace hexaplast

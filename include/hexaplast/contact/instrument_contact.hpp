@@ -59,8 +59,9 @@ class InstrumentContact {
   const SurfaceSamples& samples() const { return samples_; }
   void set_settings(ContactSettings settings);
 
-  /// Other samples of the same body, as after hexahedra have gone. Samples that were there before keep their state.
-  void set_samples(SurfaceSamples samples);
+  /// Other samples of the same body, as after hexahedra have gone or nodes have split. Samples that were there before
+  /// keep their state, each copy of them.
+  void set_samples(SurfaceSamples samples, const SplitNodes& split = {});
 
   /// Whether boxes tell that something may touch in such a step: that of the nodes that move samples, or of all where
   /// there are no samples.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <memory>
 #include <span>
 #include <utility>
@@ -19,6 +20,14 @@ inline bool faces_more(const Vec3& nearest, const Vec3& side, const Vec3& outwar
   return outwards.dot(side - nearest) > kMuchMore;
 }
 
+/// Nodes that have split since something was made: node first + i was split from node from[i].
+struct SplitNodes {
+  int first = std::numeric_limits<int>::max();
+  std::span<const int> from = {};
+
+  int before(int node) const { return node < first ? node : from[static_cast<std::size_t>(node - first)]; }
+};
+
 /// Points on the surface of a body, at which contact is looked for: its nodes, and as many between them on every face
 /// as bring neighbours near enough to each other. A point that several faces have is there once.
 ///
@@ -31,11 +40,11 @@ struct SurfaceSamples {
     double area = 0;    ///< [m^2] in the initial shape
 
     /// The nodes that move it and their weights, in one order: the same point may be written down by another of the
-    /// faces that have it.
-    std::array<std::pair<int, double>, kCorners> key() const {
+    /// faces that have it. split: the nodes are those that these were before.
+    std::array<std::pair<int, double>, kCorners> key(const SplitNodes& split = {}) const {
       std::array<std::pair<int, double>, kCorners> sorted;
       sorted.fill({-1, 0});
-      for (int a = 0; a < num_nodes; ++a) sorted[a] = {nodes[a], weights[a]};
+      for (int a = 0; a < num_nodes; ++a) sorted[a] = {split.before(nodes[a]), weights[a]};
       std::ranges::sort(sorted);
       return sorted;
     }

@@ -9,6 +9,7 @@
 #include "hexaplast/base/archive.hpp"
 #include "hexaplast/base/types.hpp"
 #include "hexaplast/contact/contact_terms.hpp"
+#include "hexaplast/contact/surface_samples.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 
 namespace hexaplast {
@@ -46,8 +47,10 @@ class TissueContact {
 
   void set_settings(ContactSettings settings);
 
-  /// Which hexahedra are left of each body; empty: all. Samples that were there before keep their state.
-  void set_alive(std::span<const unsigned char> first, std::span<const unsigned char> second);
+  /// Which hexahedra are left of each body; empty: all. The meshes may have other nodes than before: split, of each.
+  /// Samples that were there before keep their state, each copy of them.
+  void set_alive(std::span<const unsigned char> first, std::span<const unsigned char> second,
+                 const std::array<SplitNodes, 2>& split = {});
 
   /// [m] How deep a sample lies in the other body at x, at most; 0: none does.
   double depth_at(const Pair<ConstPoints>& x);

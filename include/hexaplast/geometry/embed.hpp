@@ -45,6 +45,10 @@ class Embedding {
   /// several goes when a point goes.
   bool is_left(std::span<const int> cell, const std::function<bool(std::span<const int> nodes)>& hold_together) const;
 
+  /// Points go on with the same hexahedra, whose corners are others now. hexahedra: as many as at first. Throws
+  /// InputError for another number of them, and for a corner that is not below num_nodes.
+  void follow(std::span<const Hexahedron> hexahedra, int num_nodes);
+
   // Throw InputError for a field of other than num_nodes or num_points rows, or matrices of other sizes.
 
   void apply(ConstPoints nodes, Points points) const;           ///< points = J nodes
@@ -60,6 +64,7 @@ class Embedding {
     std::array<double, kCorners> weight;
   };
   Eigen::Index num_nodes_;
+  std::ptrdiff_t num_hexahedra_;
   std::vector<Anchor> anchors_;
   int num_outside_ = 0;
   double greatest_distance_ = 0;

@@ -2,12 +2,16 @@
 #pragma once
 
 #include <array>
+#include <span>
+#include <string>
 
 #include "hexaplast/base/block_matrix.hpp"
 #include "hexaplast/base/types.hpp"
 #include "hexaplast/layout/linear_system.hpp"
 
 namespace hexaplast {
+
+class NodeCopies;
 
 /// What mechanical systems are made of: states, and what acts on them. Nodal fields are num_nodes x 3.
 
@@ -118,6 +122,14 @@ class StepForces : public PairForces {
 
   /// The step has ended at x.
   virtual void end_step(const Pair<ConstPoints>& /*x*/) {}
+
+  /// Nodes of a state (0 or 1) are others than before. What these forces were made from names initial nodes; they act
+  /// on all copies of these, on each by its share. split_from: of the last nodes, which have come since, the one that
+  /// each was split from; empty after reset, and where a state is to be read. Between two steps.
+  virtual void nodes_changed(int /*state*/, const NodeCopies& /*copies*/, std::span<const int> /*split_from*/) {}
+
+  /// Why nodes cannot split where these forces act; empty: they can, and nodes_changed is called.
+  virtual std::string cannot_follow() const { return "other forces do not know of nodes that split"; }
 
   /// As they were made.
   virtual void reset() {}
