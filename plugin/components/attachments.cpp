@@ -9,6 +9,7 @@
 #include "components/between_states.hpp"
 #include "components/components.hpp"
 #include "components/system_solver.hpp"
+#include "hexaplast/mesh/node_copies.hpp"
 #include "scene/interfaces.hpp"
 #include "scene/visuals.hpp"
 
@@ -20,7 +21,8 @@ namespace {
 /// velocities.
 class AttachProjectiveConstraint final : public scene::InteractionProjectiveConstraint,
                                          public scene::Changeable,
-                                         public scene::ShowsSprings {
+                                         public scene::ShowsSprings,
+                                         public scene::FollowsNodes {
  public:
   AttachProjectiveConstraint() : InteractionProjectiveConstraint(attributes::kAttachProjectiveConstraint) {}
 
@@ -54,6 +56,21 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
   }
 
   bool may_change(std::string_view attribute) const override { return attribute != "twoWay"; }
+
+  // The first node keeps its number. All copies of the second one follow it; tied in both ways, one is tied to one.
+  void nodes_changed(scene::MechanicalState& state, std::span<const int> split_from) override {
+    if (!has_pairs_ || (&state != states_[0] && &state != states_[1])) return;
+    spread_pairs();
+    if (!is_two_way_ || split_from.empty() || has_remarked_) return;
+    for (const Tie& pair : given_)
+      for (int end = 0; end < 2 && !has_remarked_; ++end) {
+        const int node = end == 0 ? pair.first : pair.second;
+        if (!states_[end]->copies() || states_[end]->copies()->of(node).size() == 1) continue;
+        has_remarked_ = true;
+        remark(scene::Severity::kWarning, "twoWay",
+               fmt::format("node {} of '{}' has split: one copy of it stays tied", node, states_[end]->name()));
+      }
+  }
 
   void project(Pair<Points> field) const override {
     for (const auto& [first, second] : pairs()) draw_together(field.first.row(first), field.second.row(second));
@@ -101,17 +118,27 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
   void make_pairs() {
     if (has_failed_) throw scene::DependencyFailure();
     has_failed_ = true;
-    const std::vector<int> first = indices("indices1", states_[0]->num_nodes()),
-                           second = indices("indices2", states_[1]->num_nodes());
+    const std::vector<int> first = indices("indices1", states_[0]->num_initial_nodes()),
+                           second = indices("indices2", states_[1]->num_initial_nodes());
     if (first.size() != second.size())
       reject("indices2",
              fmt::format("{} nodes given for {} of indices1, must be as many", second.size(), first.size()));
     if (is_two_way_) require_once("indices1", first);
     require_once("indices2", second);
-    pairs_.clear();
-    for (std::size_t i = 0; i < first.size(); ++i) pairs_.push_back({first[i], second[i]});
+    given_.clear();
+    for (std::size_t i = 0; i < first.size(); ++i) given_.push_back({first[i], second[i]});
+    spread_pairs();
     has_pairs_ = true;
     has_failed_ = false;
+  }
+
+  void spread_pairs() {
+    pairs_ = given_;
+    const NodeCopies* copies = is_two_way_ ? nullptr : states_[1]->copies();
+    if (!copies) return;
+    pairs_.clear();
+    for (const Tie& pair : given_)
+      for (const int copy : copies->of(pair.second)) pairs_.push_back({pair.first, copy});
   }
 
   void require_once(std::string_view attribute, const std::vector<int>& nodes) {
@@ -124,6 +151,8 @@ class AttachProjectiveConstraint final : public scene::InteractionProjectiveCons
   SystemSolver* integrator_ = nullptr;
   bool is_two_way_ = false;
   bool has_pairs_ = false, has_failed_ = false;
+  bool has_remarked_ = false;
+  std::vector<Tie> given_;  // of initial nodes
   std::vector<Tie> pairs_;
 };
 

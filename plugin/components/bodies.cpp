@@ -8,6 +8,7 @@
 #include "components/material_region.hpp"
 #include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/mesh/node_copies.hpp"
 #include "loaded_body.hpp"
 #include "parts/hexahedral_body.hpp"
 #include "scene/potential.hpp"
@@ -55,8 +56,16 @@ class HexahedronElastoplasticFEMForceField final : public ElasticForces<BodyFiel
     part_->end_step(state_->positions(), dt);
     announce();
   }
-  void reset() override { part_->reset(); }
-  void serialize(Archive& archive) override { part_->serialize(archive); }
+  void reset() override {
+    const bool was_split = elastic->copies().is_split();
+    part_->reset();
+    if (was_split) scene::announce_nodes(*this, {});
+  }
+  void serialize(Archive& archive) override {
+    const bool was_split = elastic->copies().is_split();
+    part_->serialize(archive);
+    if (archive.reads() && (was_split || elastic->copies().is_split())) scene::announce_nodes(*this, {});
+  }
 
   double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
   const std::vector<Hexahedron>* hexahedra() const override { return hexahedra_; }
@@ -66,6 +75,13 @@ class HexahedronElastoplasticFEMForceField final : public ElasticForces<BodyFiel
     announce_change();
     part_->remove(elements);
     announce();
+  }
+
+  void open(std::span<const int> joints) override {
+    scene::require_followers(*this);
+    announce_change();
+    const std::vector<int> split_from = part_->open(joints);
+    if (!split_from.empty()) scene::announce_nodes(*this, split_from);
   }
 
   double potential_energy(double, ConstPoints x) const override { return elastic->energy(x); }

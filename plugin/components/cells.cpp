@@ -5,6 +5,9 @@
 
 #include <algorithm>
 
+#include "hexaplast/body.hpp"
+#include "hexaplast/mesh/node_copies.hpp"
+
 namespace hexaplast::components {
 
 template <std::size_t N>
@@ -44,6 +47,20 @@ template std::vector<std::int64_t> flattened<2>(std::span<const Edge>, std::span
 template std::vector<std::int64_t> flattened<3>(std::span<const Triangle>, std::span<const int>);
 template std::vector<std::int64_t> flattened<4>(std::span<const Quad>, std::span<const int>);
 template std::vector<std::int64_t> flattened<8>(std::span<const Hexahedron>, std::span<const int>);
+
+const std::vector<Hexahedron>& present_hexahedra(const std::vector<Hexahedron>& of_topology,
+                                                 const scene::MechanicalState& state) {
+  return state.split_by() ? state.split_by()->mesh().hexahedra() : of_topology;
+}
+
+std::string are_others(const std::vector<Hexahedron>& of_topology, const Body& body) {
+  const std::vector<int>& initial = body.copies().initial();
+  const bool are_same =
+      std::ranges::equal(of_topology, body.mesh().hexahedra(), [&](const Hexahedron& own, const Hexahedron& present) {
+        return std::ranges::equal(own, present, {}, {}, [&](int node) { return initial[node]; });
+      });
+  return are_same ? "" : "has other hexahedra than the body";
+}
 
 void require_same_nodes(scene::Component& component, scene::Topology& topology, int num_nodes) {
   const Eigen::Index count = topology.positions().rows();

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "scene/interfaces.hpp"
@@ -30,6 +31,14 @@ inline std::vector<double> flattened(const PointArray& points) {
 /// there are none, when the topology has another number of nodes, or when a hexahedron has a node that the state has
 /// not.
 const std::vector<Hexahedron>& hexahedra_on(scene::Component& component, scene::Topology& topology, int num_nodes);
+
+/// The hexahedra of a topology with the corners that they have at present, where nodes of a state have split; the
+/// topology keeps those of the beginning.
+const std::vector<Hexahedron>& present_hexahedra(const std::vector<Hexahedron>& of_topology,
+                                                 const scene::MechanicalState& state);
+
+/// Why that cannot be, for FollowsNodes::cannot_follow: the hexahedra are not those of the body. Empty: they are.
+std::string are_others(const std::vector<Hexahedron>& of_topology, const Body& body);
 
 /// Rejects the scene when the topology has nodes, and another number of them than the state.
 void require_same_nodes(scene::Component& component, scene::Topology& topology, int num_nodes);

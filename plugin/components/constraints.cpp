@@ -11,6 +11,7 @@
 #include "components/part.hpp"
 #include "components/system_solver.hpp"
 #include "hexaplast/base/error.hpp"
+#include "parts/spread_nodes.hpp"
 #include "scene/interfaces.hpp"
 #include "scene/supports.hpp"
 #include "solve/loads.hpp"
@@ -18,14 +19,18 @@
 namespace hexaplast::components {
 namespace {
 
-/// Some nodes, held in some directions while it is active.
-class NodeConstraint : public scene::ProjectiveConstraint, public scene::Changeable {
+/// Some nodes with all their copies, held in some directions while it is active.
+class NodeConstraint : public scene::ProjectiveConstraint, public scene::Changeable, public scene::FollowsNodes {
  public:
   using ProjectiveConstraint::ProjectiveConstraint;
 
   void refresh(std::span<const std::string_view>) override {
     init();
     constraints_changed();
+  }
+
+  void nodes_changed(scene::MechanicalState& state, std::span<const int>) override {
+    if (acts_on(*this, state)) spread_nodes(state);
   }
 
   void provide(scene::Data& output) override {
@@ -65,21 +70,25 @@ class NodeConstraint : public scene::ProjectiveConstraint, public scene::Changea
     if (auto* solver = dynamic_cast<SystemSolver*>(node().nearest<scene::OdeSolver>())) solver->constraints_changed();
   }
 
-  int num_nodes() { return needed_ready<scene::MechanicalState>().num_nodes(); }
-  void take_nodes() { nodes_ = indices("indices", num_nodes()); }
-  void take_nodes_or_all() {
-    take_nodes();
-    if (!boolean("fixAll")) return;
-    nodes_.resize(num_nodes());
-    std::iota(nodes_.begin(), nodes_.end(), 0);
+  void take_nodes(bool all = false) {
+    auto& state = needed_ready<scene::MechanicalState>();
+    given_ = indices("indices", state.num_initial_nodes());
+    if (all) {
+      given_.resize(static_cast<std::size_t>(state.num_initial_nodes()));
+      std::iota(given_.begin(), given_.end(), 0);
+    }
+    spread_nodes(state);
   }
+  void spread_nodes(const scene::MechanicalState& state) { nodes_ = parts::spread(given_, state.copies()).nodes; }
+
   void take_directions(std::string_view attribute) {
     const std::vector<std::int64_t>& given = integers(attribute);
     if (given.size() != 3) reject(attribute, fmt::format("{} numbers given, must be three", given.size()));
     for (int axis = 0; axis < 3; ++axis) held_[axis] = given[axis] == 1;
   }
 
-  std::vector<int> nodes_;
+  std::vector<int> given_;  // initial nodes
+  std::vector<int> nodes_;  // all copies of these
   std::array<bool, 3> held_{true, true, true};
 };
 
@@ -89,7 +98,7 @@ class FixedConstraint final : public NodeConstraint {
   using NodeConstraint::NodeConstraint;
 
   void init() override {
-    take_nodes_or_all();
+    take_nodes(boolean("fixAll"));
     const bool is_partial = find_data("fixedDirections");
     if (is_partial) take_directions("fixedDirections");
     takes_velocity_ = boolean(is_partial ? "projectVelocity" : "activate_projectVelocity");
@@ -127,6 +136,20 @@ class KeyedMotion final : public NodeConstraint, public scene::Stateful {
 
   void begin_step() override { is_running_ = true; }
 
+  void nodes_changed(scene::MechanicalState& state, std::span<const int> split_from) override {
+    if (&state != state_) return;
+    NodeConstraint::nodes_changed(state, split_from);
+    if (split_from.empty()) {
+      anchors_ = state.positions();  // those of the beginning; a state that is read has others
+      joined_.clear();
+      return;
+    }
+    const auto count = static_cast<int>(anchors_.rows());
+    append_rows(split_from, anchors_);
+    for (std::size_t i = 0; i < split_from.size(); ++i)
+      if (std::ranges::count(joined_, split_from[i]) > 0) joined_.push_back(count + static_cast<int>(i));
+  }
+
   void reset() override {
     is_running_ = false;
     joined_.clear();
@@ -134,16 +157,18 @@ class KeyedMotion final : public NodeConstraint, public scene::Stateful {
   }
 
   void serialize(Archive& archive) override {
-    std::vector<int> nodes = nodes_, joined = joined_;
+    std::vector<int> nodes = given_, joined = joined_;
     PointArray anchors(std::ssize(joined), 3);
     for (std::size_t k = 0; k < joined.size(); ++k) anchors.row(static_cast<Eigen::Index>(k)) = anchors_.row(joined[k]);
     archive(is_running_, nodes, joined, anchors);
     if (!archive.reads()) return;
     const auto is_there = [&](int node) { return node >= 0 && node < anchors_.rows(); };
-    if (!std::ranges::all_of(nodes, is_there) || !std::ranges::all_of(joined, is_there) ||
+    const auto is_initial = [&](int node) { return node >= 0 && node < state_->num_initial_nodes(); };
+    if (!std::ranges::all_of(nodes, is_initial) || !std::ranges::all_of(joined, is_there) ||
         anchors.rows() != std::ssize(joined) || !anchors.allFinite())
       throw InputError("a prescribed motion is saved of other nodes");
-    nodes_ = std::move(nodes);
+    given_ = std::move(nodes);
+    spread_nodes(*state_);
     joined_ = std::move(joined);
     for (std::size_t k = 0; k < joined_.size(); ++k)
       anchors_.row(joined_[k]) = anchors.row(static_cast<Eigen::Index>(k));

@@ -78,8 +78,17 @@ class RegionOfInterest : public scene::Engine {
   }
 
   PointArray given_points() {
-    return is_given("position") ? PointArray(vectors3("position"))
-                                : needed_ready<scene::MechanicalState>().rest_positions();
+    if (!is_given("position")) return initial_nodes(needed_ready<scene::MechanicalState>().rest_positions());
+    return initial_nodes(vectors3("position"));
+  }
+
+  // Of positions of a state whose nodes have split: one copy of each, in the order of the topology.
+  PointArray initial_nodes(ConstPoints points) {
+    const scene::Data* source = find_data("position");
+    while (source->source()) source = source->source();
+    auto* state = dynamic_cast<scene::MechanicalState*>(&source->owner());
+    if (!is_given("position")) state = node().nearest<scene::MechanicalState>();
+    return state && state->copies() ? PointArray(points.topRows(state->num_initial_nodes())) : PointArray(points);
   }
 
   /// The cells whose corners or centre lie in the region.

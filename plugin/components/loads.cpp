@@ -12,6 +12,7 @@
 #include "components/cells.hpp"
 #include "components/components.hpp"
 #include "components/part.hpp"
+#include "parts/spread_nodes.hpp"
 #include "scene/interfaces.hpp"
 #include "scene/load.hpp"
 #include "solve/contact_loads.hpp"
@@ -20,7 +21,10 @@ namespace hexaplast::components {
 namespace {
 
 /// Prescribed forces: they do not depend on velocity and have no stiffness.
-class PrescribedLoad : public scene::ForceField, public scene::Changeable, public scene::Load {
+class PrescribedLoad : public scene::ForceField,
+                       public scene::Changeable,
+                       public scene::Load,
+                       public scene::FollowsNodes {
  public:
   using ForceField::ForceField;
 
@@ -28,15 +32,21 @@ class PrescribedLoad : public scene::ForceField, public scene::Changeable, publi
   std::span<const int> loaded_nodes() const override { return loaded_; }
   bool is_in_matrix() const override { return false; }
   void refresh(std::span<const std::string_view>) override { init(); }
+  void nodes_changed(scene::MechanicalState& state, std::span<const int>) override {
+    if (acts_on(*this, state)) spread_load(state);
+  }
 
  protected:
+  virtual void spread_load(const scene::MechanicalState& state) = 0;  ///< to the copies of its nodes
+
   void note_loaded(std::vector<int> nodes) {
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     loaded_ = std::move(nodes);
   }
 
-  int num_nodes() { return needed_ready<scene::MechanicalState>().num_nodes(); }
+  scene::MechanicalState& state() { return needed_ready<scene::MechanicalState>(); }
+  int num_nodes() { return state().num_initial_nodes(); }
 
  private:
   std::vector<int> loaded_;
@@ -48,22 +58,28 @@ class ConstantForceField final : public PrescribedLoad {
 
   void init() override {
     const int count = num_nodes();
-    nodes_ = indices("indices", count);
-    if (nodes_.empty()) {
-      nodes_.resize(count);
-      std::iota(nodes_.begin(), nodes_.end(), 0);
+    given_ = indices("indices", count);
+    if (given_.empty()) {
+      given_.resize(static_cast<std::size_t>(count));
+      std::iota(given_.begin(), given_.end(), 0);
     }
     forces_ = forces_of_nodes();
-    note_loaded(nodes_);
+    spread_load(state());
   }
 
   void add_load(double, ConstPoints, ConstPoints, Points f) const override {
-    for (std::size_t i = 0; i < nodes_.size(); ++i) f.row(nodes_[i]) += forces_.row(static_cast<Eigen::Index>(i));
+    for (std::size_t i = 0; i < spread_.nodes.size(); ++i)
+      f.row(spread_.nodes[i]) += spread_.shares[i] * forces_.row(spread_.entries[i]);
   }
 
  private:
+  void spread_load(const scene::MechanicalState& state) override {
+    spread_ = parts::spread(given_, state.copies());
+    note_loaded(spread_.nodes);
+  }
+
   PointArray forces_of_nodes() {
-    const auto count = static_cast<Eigen::Index>(nodes_.size());
+    const auto count = static_cast<Eigen::Index>(given_.size());
     if (is_given("forces")) {
       if (is_given("totalForce")) remark(scene::Severity::kWarning, "totalForce", "is ignored: forces counts");
       const PointArray given = vectors3("forces");
@@ -76,8 +92,9 @@ class ConstantForceField final : public PrescribedLoad {
     return (vector3("totalForce") / static_cast<double>(count)).transpose().replicate(count, 1);
   }
 
-  std::vector<int> nodes_;
-  PointArray forces_;  // [N] one row per node
+  std::vector<int> given_;  // initial nodes
+  parts::SpreadNodes spread_;
+  PointArray forces_;  // [N] one row per initial node
 };
 
 class LinearForceField final : public PrescribedLoad {
@@ -85,11 +102,11 @@ class LinearForceField final : public PrescribedLoad {
   LinearForceField() : PrescribedLoad(attributes::kLinearForceField) {}
 
   void init() override {
-    nodes_ = indices("points", num_nodes());
+    given_ = indices("points", num_nodes());
     forces_ = vectors3("forces");
     times_ = key_times(*this, "times", "forces", static_cast<std::size_t>(forces_.rows()));
     factor_ = real("force");
-    note_loaded(nodes_);
+    spread_load(state());
   }
 
   void add_load(double time, ConstPoints, ConstPoints, Points f) const override {
@@ -97,11 +114,17 @@ class LinearForceField final : public PrescribedLoad {
     if (phase.key < 0) return;
     const bool is_over = phase.key + 1 == forces_.rows();  // then SOFA leaves the factor out
     const Eigen::RowVector3d force = (is_over ? 1 : factor_) * interpolate(phase, forces_);
-    for (const int node : nodes_) f.row(node) += force;
+    for (std::size_t i = 0; i < spread_.nodes.size(); ++i) f.row(spread_.nodes[i]) += spread_.shares[i] * force;
   }
 
  private:
-  std::vector<int> nodes_;
+  void spread_load(const scene::MechanicalState& state) override {
+    spread_ = parts::spread(given_, state.copies());
+    note_loaded(spread_.nodes);
+  }
+
+  std::vector<int> given_;  // initial nodes
+  parts::SpreadNodes spread_;
   std::vector<double> times_;  // [s]
   PointArray forces_;          // [N] one row per time
   double factor_ = 1;
@@ -115,11 +138,11 @@ class FaceLoad : public PrescribedLoad, public scene::Stateful {
 
   void hexahedra_removed(const scene::ForceField&, std::span<const int>) override {
     has_lost_faces_ = true;
-    leave_out(scene::SurvivingCells(needed_ready<scene::MechanicalState>()));
+    find_faces();
   }
   void refresh(std::span<const std::string_view>) override {
     init();
-    if (has_lost_faces_) leave_out(scene::SurvivingCells(needed_ready<scene::MechanicalState>()));
+    if (has_lost_faces_ || state().copies()) find_faces();
   }
   void reset() override {
     if (has_lost_faces_) init();
@@ -128,11 +151,14 @@ class FaceLoad : public PrescribedLoad, public scene::Stateful {
   void serialize(Archive& archive) override {
     if (archive.reads()) reset();
     archive(has_lost_faces_);
-    if (archive.reads() && has_lost_faces_) leave_out(scene::SurvivingCells(needed_ready<scene::MechanicalState>()));
+    if (archive.reads() && (has_lost_faces_ || state().copies())) find_faces();
   }
 
  protected:
-  virtual void leave_out(const scene::SurvivingCells& surviving) = 0;  ///< all faces that are not left
+  /// Of the faces that it was given: those that are left, with their present nodes.
+  virtual void take_faces(const scene::PresentCells& present, const scene::SurvivingCells& surviving) = 0;
+  void find_faces() { take_faces(scene::PresentCells(state()), scene::SurvivingCells(state())); }
+  void spread_load(const scene::MechanicalState&) override { find_faces(); }
 
   scene::Topology& fitting_topology() {
     scene::Topology& topology = linked<scene::Topology>("topology");
@@ -168,10 +194,12 @@ class SurfacePressureForceField final : public FaceLoad {
     scene::Topology& topology = fitting_topology();
     const bool chooses_quads = !integers("quadIndices").empty(),
                chooses_triangles = !integers("triangleIndices").empty();
-    quads_ = chooses_quads ? chosen<4>("quadIndices", topology.quads()) : topology.quads();
-    triangles_ = chooses_triangles ? chosen<3>("triangleIndices", topology.triangles()) : topology.triangles();
-    require_nodes<4>(quads_);
-    require_nodes<3>(triangles_);
+    given_quads_ = chooses_quads ? chosen<4>("quadIndices", topology.quads()) : topology.quads();
+    given_triangles_ = chooses_triangles ? chosen<3>("triangleIndices", topology.triangles()) : topology.triangles();
+    require_nodes<4>(given_quads_);
+    require_nodes<3>(given_triangles_);
+    quads_ = given_quads_;
+    triangles_ = given_triangles_;
 
     const Vec3 min = vector3("min"), max = vector3("max");
     const bool is_everywhere = min.isZero(0) && max.isZero(0);
@@ -191,10 +219,14 @@ class SurfacePressureForceField final : public FaceLoad {
   }
 
  private:
-  void leave_out(const scene::SurvivingCells& surviving) override {
-    const auto has_gone = [&](const auto& face) { return !surviving.has(face); };
-    std::erase_if(quads_, has_gone);
-    std::erase_if(triangles_, has_gone);
+  void take_faces(const scene::PresentCells& present, const scene::SurvivingCells& surviving) override {
+    const auto take = [&](auto& faces, const auto& given) {
+      faces.clear();
+      for (const auto& face : given)
+        if (const auto now = present(face); surviving.has(now)) faces.push_back(now);
+    };
+    take(quads_, given_quads_);
+    take(triangles_, given_triangles_);
   }
 
   template <std::size_t N>
@@ -214,25 +246,29 @@ class SurfacePressureForceField final : public FaceLoad {
     note_loaded(std::move(nodes));
   }
 
-  std::vector<Quad> quads_;
-  std::vector<Triangle> triangles_;
+  std::vector<Quad> given_quads_, quads_;  // by their initial nodes, and by their present ones
+  std::vector<Triangle> given_triangles_, triangles_;
   std::optional<Eigen::AlignedBox3d> box_;
   bool quads_depend_on_box_ = false, triangles_depend_on_box_ = false;
   double pressure_ = 0;  // [Pa]
 };
 
-class PlaneForceField final : public scene::ForceField, public scene::Changeable, public scene::Load {
+class PlaneForceField final : public scene::ForceField,
+                              public scene::Changeable,
+                              public scene::Load,
+                              public scene::FollowsNodes {
  public:
   PlaneForceField() : ForceField(attributes::kPlaneForceField) {}
 
   void init() override {
-    needed_ready<scene::MechanicalState>();
+    const auto& state = needed_ready<scene::MechanicalState>();
     obstacle_ = {.normal = vector3("normal"),
                  .distance = real("d"),
                  .stiffness = real("stiffness"),
                  .damping = real("damping"),
                  .max_force = real("maxForce"),
-                 .bilateral = boolean("bilateral")};
+                 .bilateral = boolean("bilateral"),
+                 .share = state.copies() ? state.copies()->share() : std::vector<double>()};
     rayleigh_stiffness_ = real("rayleighStiffness");
     if (obstacle_.normal.isZero(0)) reject("normal", "is zero, must have a direction");
     if (std::abs(obstacle_.normal.norm() - 1) > 1e-6)
@@ -241,6 +277,9 @@ class PlaneForceField final : public scene::ForceField, public scene::Changeable
           fmt::format("has length {:.6g}: it is taken as it is, and scales depth and force", obstacle_.normal.norm()));
   }
   void refresh(std::span<const std::string_view>) override { init(); }
+  void nodes_changed(scene::MechanicalState& state, std::span<const int>) override {
+    if (acts_on(*this, state)) obstacle_.share = state.copies()->share();
+  }
 
   void add_force(double, ConstPoints x, ConstPoints v, Points f) override {
     obstacle_.touching_at(x, touching_);

@@ -14,7 +14,7 @@ namespace hexaplast::components {
 namespace {
 
 /// Knows which state follows which.
-class StateMapping : public scene::Mapping {
+class StateMapping : public scene::Mapping, public scene::FollowsNodes {
  public:
   using Mapping::Mapping;
 
@@ -68,6 +68,13 @@ class BarycentricMapping final : public StateMapping {
  public:
   BarycentricMapping() : StateMapping(attributes::kBarycentricMapping) {}
 
+  void nodes_changed(scene::MechanicalState& state, std::span<const int>) override {
+    if (&state == input()) embedding_->follow(present_hexahedra(*hexahedra_, state), state.num_nodes());
+  }
+  std::string cannot_follow(const scene::MechanicalState& state, const Body& body) const override {
+    return &state == input() ? are_others(*hexahedra_, body) : "";
+  }
+
   void apply(ConstPoints above, Points below) const override { embedding_->apply(above, below); }
   void add_transposed(ConstPoints below, Points above) const override { embedding_->add_transposed(below, above); }
   void add_transposed_blocks(const BlockMatrix& below, BlockMatrix& above) const override {
@@ -82,7 +89,8 @@ class BarycentricMapping final : public StateMapping {
     scene::Topology* topology = is_given("input_topology") ? &linked<scene::Topology>("input_topology")
                                                            : above.node().nearest<scene::Topology>();
     if (!topology) reject("needs a Topology at the state that is followed");
-    const std::vector<Hexahedron>& hexahedra = hexahedra_on(*this, *topology, above.num_nodes());
+    hexahedra_ = &hexahedra_on(*this, *topology, above.num_nodes());
+    const std::vector<Hexahedron>& hexahedra = *hexahedra_;
     if (boolean("useRestPosition"))
       embedding_.emplace(above.rest_positions(), hexahedra, below.rest_positions());
     else
@@ -93,12 +101,16 @@ class BarycentricMapping final : public StateMapping {
                          embedding_->num_outside(), embedding_->num_points(), embedding_->greatest_distance()));
   }
 
+  const std::vector<Hexahedron>* hexahedra_ = nullptr;
   std::optional<Embedding> embedding_;
 };
 
 class IdentityMapping final : public StateMapping, public scene::GivesPoints {
  public:
   IdentityMapping() : StateMapping(attributes::kIdentityMapping) {}
+
+  void nodes_changed(scene::MechanicalState&, std::span<const int>) override {}
+  bool is_node_by_node() const override { return true; }
 
   void apply(ConstPoints above, Points below) const override { below = above; }
   void add_transposed(ConstPoints below, Points above) const override { above += below; }

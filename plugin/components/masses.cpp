@@ -4,26 +4,40 @@
 #include "attributes/stock.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
+#include "hexaplast/body.hpp"
+#include "hexaplast/mesh/node_copies.hpp"
 #include "loaded_body.hpp"
 
 namespace hexaplast::components {
 namespace {
 
-/// A mass at every node.
-class LumpedMass : public LumpedMasses<scene::Mass> {
+/// A mass at every node. Where nodes split, each copy has its share.
+class LumpedMass : public LumpedMasses<scene::Mass>, public scene::FollowsNodes {
  public:
   using LumpedMasses::LumpedMasses;
 
   void init() override {
-    const auto num_nodes = static_cast<Eigen::Index>(needed_ready<scene::MechanicalState>().num_nodes());
-    masses = nodal_masses(num_nodes);
+    state_ = &needed_ready<scene::MechanicalState>();
+    masses = initial_ = nodal_masses(state_->num_initial_nodes());
     rayleigh_mass_ = real("rayleighMass");
+    if (state_->copies()) masses = masses_of_copies(*state_);
+  }
+
+  void nodes_changed(scene::MechanicalState& state, std::span<const int>) override {
+    if (&state == state_) masses = masses_of_copies(state);
   }
 
   double rayleigh_mass() const override { return rayleigh_mass_; }
 
  protected:
-  virtual Eigen::VectorXd nodal_masses(Eigen::Index num_nodes) = 0;  ///< [kg]
+  virtual Eigen::VectorXd nodal_masses(Eigen::Index num_nodes) = 0;  ///< [kg] of the initial nodes
+
+  virtual Eigen::VectorXd masses_of_copies(const scene::MechanicalState& state) const {
+    const NodeCopies& copies = *state.copies();
+    Eigen::VectorXd all(copies.num_nodes());
+    for (int n = 0; n < copies.num_nodes(); ++n) all[n] = copies.share()[n] * initial_[copies.initial()[n]];
+    return all;
+  }
 
   /// Says which of several given attributes counts.
   void remark_unused(std::string_view used, std::string_view unused) {
@@ -31,6 +45,8 @@ class LumpedMass : public LumpedMasses<scene::Mass> {
   }
 
  private:
+  scene::MechanicalState* state_ = nullptr;
+  Eigen::VectorXd initial_;  // [kg] of the initial nodes
   double rayleigh_mass_ = 0;
 };
 
@@ -59,11 +75,13 @@ class DiagonalMass final : public LumpedMass {
     if (is_given("totalMass") || (!by_density && !by_node)) {
       for (const char* unused : {"massDensity", "vertexMass"}) remark_unused("totalMass", unused);
       const Eigen::VectorXd volumes = rest_volumes(num_nodes);
-      return real_if_given("totalMass").value_or(1) / volumes.sum() * volumes;
+      density_ = real_if_given("totalMass").value_or(1) / volumes.sum();
+      return density_ * volumes;
     }
     if (by_density) {
       remark_unused("massDensity", "vertexMass");
-      return real("massDensity") * rest_volumes(num_nodes);
+      density_ = real("massDensity");
+      return density_ * rest_volumes(num_nodes);
     }
     const std::vector<double>& each = reals("vertexMass");
     const auto num_given = static_cast<Eigen::Index>(each.size());
@@ -75,9 +93,26 @@ class DiagonalMass final : public LumpedMass {
 
   Eigen::VectorXd rest_volumes(Eigen::Index num_nodes) {
     auto& state = *node().nearest<scene::MechanicalState>();
-    return nodal_volumes(boolean("computeMassOnRest") ? state.rest_positions() : state.positions(),
-                         hexahedra_on(*this, linked<scene::Topology>("topology"), static_cast<int>(num_nodes)));
+    hexahedra_ = &hexahedra_on(*this, linked<scene::Topology>("topology"), static_cast<int>(num_nodes));
+    volumes_ = element_volumes(boolean("computeMassOnRest") ? state.rest_positions() : state.positions(),
+                               present_hexahedra(*hexahedra_, state));
+    return hexaplast::nodal_masses(static_cast<int>(num_nodes), *hexahedra_, volumes_);
   }
+
+  std::string cannot_follow(const scene::MechanicalState& state, const Body& body) const override {
+    return hexahedra_ && acts_on(*this, state) ? are_others(*hexahedra_, body) : "";
+  }
+
+  // Hexahedra keep their masses: the sums over their present corners.
+  Eigen::VectorXd masses_of_copies(const scene::MechanicalState& state) const override {
+    if (!hexahedra_) return LumpedMass::masses_of_copies(state);
+    return density_ *
+           hexaplast::nodal_masses(state.copies()->num_nodes(), present_hexahedra(*hexahedra_, state), volumes_);
+  }
+
+  const std::vector<Hexahedron>* hexahedra_ = nullptr;  // that have mass; null: nodes have
+  std::vector<double> volumes_;                         // [m^3] of these
+  double density_ = 0;                                  // [kg/m^3]
 };
 
 }  // namespace

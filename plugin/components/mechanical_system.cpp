@@ -138,6 +138,11 @@ ConstPoints NodeSystem::rows_of_state(const scene::MechanicalState& state, Const
   return rows_of(layers_[layer], of_all);
 }
 
+int NodeSystem::first_node_of(const scene::MechanicalState& state) const {
+  const std::size_t layer = layer_of(&state);
+  return layer < num_roots_ ? layers_[layer].first_node : -1;
+}
+
 void NodeSystem::require_mass() const {
   std::vector<bool> has_mass(layers_.size());
   for (std::size_t i = layers_.size(); i-- > 0;) {

@@ -30,6 +30,9 @@ class NodeSystem final : public LayeredSystem {
   /// The rows of a field of the system that belong to an independent state of it.
   ConstPoints rows_of_state(const scene::MechanicalState& state, ConstPoints of_all) const;
 
+  /// The first node of a state in the system; -1: it is no independent state of it.
+  int first_node_of(const scene::MechanicalState& state) const;
+
   /// Rejects the scene, naming what no assembled matrix has: constraints that couple nodes, and forces between states
   /// of which one follows another one. `why`: who asks for a matrix.
   void require_matrix(const std::string& why) const;

@@ -32,7 +32,7 @@ class PartField;
 /// What those on one state and those between two have in common.
 template <class Part, class In, class Out, class... FirstNodes>
 class PartField<Part, Forces<In, Out, FirstNodes...>>
-    : public BaseOfPart<Part>, public scene::Changeable, public scene::Stateful {
+    : public BaseOfPart<Part>, public scene::Changeable, public scene::Stateful, public scene::FollowsNodes {
  public:
   PartField() : BaseOfPart<Part>(Part::description()) {}
 
@@ -54,6 +54,16 @@ class PartField<Part, Forces<In, Out, FirstNodes...>>
   void refresh(std::span<const std::string_view>) override {
     accepted(*this, [&] { part_->set_options(options()); });
     say_warnings();
+  }
+
+  void nodes_changed(scene::MechanicalState& state, std::span<const int> split_from) override {
+    for (int k = 0; k < Part::kNumStates; ++k)
+      if (states_[k] == &state) part_->nodes_changed(k, *state.copies(), split_from);
+  }
+  std::string cannot_follow(const scene::MechanicalState& state, const Body&) const override {
+    if constexpr (Part::kNumStates == 2)  // known from init on
+      if (states_[0] == &state && states_[1] == &state) return std::string(Part::kCannotFollowWithinOne);
+    return {};
   }
 
   void begin_step() override {
@@ -107,9 +117,11 @@ class PartField<Part, Forces<In, Out, FirstNodes...>>
       integrator_ = touching.integrator;
       around.bodies = touching.bodies;
     }
-    for (std::size_t k = 0; k < 2; ++k) around.num_nodes[k] = states_[k]->num_nodes();
+    for (std::size_t k = 0; k < 2; ++k) around.num_nodes[k] = states_[k]->num_initial_nodes();
     accepted(*this, [&] {
       part_.emplace(options(), around);
+      for (int k = 0; k < Part::kNumStates; ++k)
+        if (const NodeCopies* copies = states_[k]->copies()) part_->nodes_changed(k, *copies, {});
       part_->look_at_start(this->node().clock().time, positions());
     });
     say_warnings();

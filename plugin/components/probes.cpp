@@ -5,20 +5,36 @@
 #include <span>
 
 #include "attributes/parts.hpp"
+#include "components/cells.hpp"
 #include "components/components.hpp"
 #include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/embed.hpp"
+#include "hexaplast/mesh/node_copies.hpp"
 #include "parts/probe.hpp"
 #include "scene/interfaces.hpp"
 
 namespace hexaplast::components {
 namespace {
 
-class Probe final : public scene::Probe {
+class Probe final : public scene::Probe, public scene::FollowsNodes {
  public:
   Probe() : scene::Probe(attributes::kProbe) {}
+
+  // An index stays with the copy that keeps it.
+  void nodes_changed(scene::MechanicalState& state, std::span<const int>) override {
+    if (points_) {
+      if (&state == &needed_ready<scene::MechanicalState>())
+        points_->follow(present_hexahedra(needed_ready<scene::Topology>().hexahedra(), state), state.num_nodes());
+    } else if (probe_ && holds_vectors() && is_of_nodes(state)) {
+      probe_->follow(*state.copies());
+    }
+  }
+  std::string cannot_follow(const scene::MechanicalState& state, const Body& body) const override {
+    if (!points_ || node().nearest<scene::MechanicalState>() != &state) return {};
+    return are_others(node().nearest<scene::Topology>()->hexahedra(), body);
+  }
 
   // When the outputs of all components are there.
   void bwd_init() override {
@@ -58,6 +74,14 @@ class Probe final : public scene::Probe {
       remark(scene::Severity::kWarning, "points",
              fmt::format("{} of {} lie outside of all hexahedra, by up to {:.3g} m: they follow the nearest one",
                          points_->num_outside(), points_->num_points(), points_->greatest_distance()));
+  }
+
+  /// Whether the value has a vector for each node of a state.
+  bool is_of_nodes(const scene::MechanicalState& state) {
+    const scene::Object& owner = source().owner();
+    const auto* field = dynamic_cast<const scene::ForceField*>(&owner);
+    return dynamic_cast<const scene::MechanicalState*>(&owner) == &state ||
+           (field && field->body() && scene::acts_on(*field, state));
   }
 
   const std::vector<double>& at_points(const std::vector<double>& nodes) {

@@ -13,6 +13,7 @@
 #include "components/between_states.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
+#include "parts/spread_nodes.hpp"
 #include "scene/visuals.hpp"
 
 namespace hexaplast::components {
@@ -22,7 +23,8 @@ namespace {
 class SpringForceField final : public scene::ForceField,
                                public scene::Interaction,
                                public scene::Changeable,
-                               public scene::ShowsSprings {
+                               public scene::ShowsSprings,
+                               public scene::FollowsNodes {
  public:
   SpringForceField() : ForceField(attributes::kSpringForceField) {}
 
@@ -51,6 +53,10 @@ class SpringForceField final : public scene::ForceField,
     make_springs();
   }
 
+  void nodes_changed(scene::MechanicalState& state, std::span<const int>) override {
+    if (&state == &end(0) || &state == &end(1)) spread_springs();
+  }
+
   void add_force(double, ConstPoints x, ConstPoints v, Points f) override { springs_.add_force(x, v, f); }
   void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
     springs_.add_stiffness_product(factor, dx, df);
@@ -72,8 +78,7 @@ class SpringForceField final : public scene::ForceField,
   double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
 
   std::vector<scene::SpringLine> spring_lines() const override {
-    auto* own = node().nearest<scene::MechanicalState>();
-    const SpringEnds first(states_[0] ? *states_[0] : *own), second(states_[1] ? *states_[1] : *own);
+    const SpringEnds first(end(0)), second(end(1));
     std::vector<scene::SpringLine> lines;
     for (const Spring& spring : springs_.springs()) {
       const std::optional from = first.at(spring.a), to = second.at(spring.b);
@@ -86,13 +91,31 @@ class SpringForceField final : public scene::ForceField,
   static constexpr double kTaut = 1e-6;  // of the rest length: rounding does not make a spring slack
 
   void make_springs() {
-    if (!states_[0]) {
-      const int num_nodes = needed_ready<scene::MechanicalState>().num_nodes();
-      springs_ = Springs(make({num_nodes, num_nodes}), num_nodes);
-    } else {
-      const std::array num_nodes = {states_[0]->num_nodes(), states_[1]->num_nodes()};
-      springs_ = Springs(make(num_nodes), num_nodes);
+    if (!states_[0]) needed_ready<scene::MechanicalState>();
+    given_ = make({end(0).num_initial_nodes(), end(1).num_initial_nodes()});
+    spread_springs();
+  }
+
+  scene::MechanicalState& end(int k) const {
+    return states_[k] ? *states_[k] : *node().nearest<scene::MechanicalState>();
+  }
+
+  /// Between all copies of the two nodes, each with the product of their shares.
+  void spread_springs() {
+    std::vector<Spring> springs;
+    for (const Spring& spring : given_) {
+      const auto first = parts::spread(std::array{spring.a}, end(0).copies()),
+                 second = parts::spread(std::array{spring.b}, end(1).copies());
+      for (std::size_t i = 0; i < first.nodes.size(); ++i)
+        for (std::size_t j = 0; j < second.nodes.size(); ++j) {
+          Spring& one = springs.emplace_back(spring);
+          one.a = first.nodes[i];
+          one.b = second.nodes[j];
+          one.stiffness *= first.shares[i] * second.shares[j];
+          one.damping *= first.shares[i] * second.shares[j];
+        }
     }
+    springs_ = Springs(std::move(springs), {end(0).num_nodes(), end(1).num_nodes()});
   }
 
   std::vector<Spring> make(std::array<int, 2> num_nodes) {
@@ -141,6 +164,7 @@ class SpringForceField final : public scene::ForceField,
   }
 
   std::array<scene::MechanicalState*, 2> states_ = {};  // null: one state, the nearest
+  std::vector<Spring> given_;                           // between initial nodes
   Springs springs_;
   double rayleigh_stiffness_ = 0;
 };
@@ -148,22 +172,24 @@ class SpringForceField final : public scene::ForceField,
 /// To the rest positions, or to where another state is at the moment.
 class RestShapeSpringsForceField final : public scene::ForceField,
                                          public scene::Changeable,
-                                         public scene::ShowsSprings {
+                                         public scene::ShowsSprings,
+                                         public scene::FollowsNodes {
  public:
   RestShapeSpringsForceField() : ForceField(attributes::kRestShapeSpringsForceField) {}
 
   void init() override {
     state_ = &needed_ready<scene::MechanicalState>();
-    nodes_ = indices("points", state_->num_nodes());
-    if (nodes_.empty()) {
-      nodes_.resize(static_cast<std::size_t>(state_->num_nodes()));
-      std::iota(nodes_.begin(), nodes_.end(), 0);
+    given_ = indices("points", state_->num_initial_nodes());
+    if (given_.empty()) {
+      given_.resize(static_cast<std::size_t>(state_->num_initial_nodes()));
+      std::iota(given_.begin(), given_.end(), 0);
     }
-    stiffness_ = reals("stiffness");
-    if (stiffness_.size() == 1) stiffness_.resize(nodes_.size(), stiffness_[0]);
-    if (stiffness_.size() != nodes_.size())
-      reject("stiffness",
-             fmt::format("{} values given for {} nodes, must be one or as many", stiffness_.size(), nodes_.size()));
+    given_stiffness_ = reals("stiffness");
+    if (given_stiffness_.size() == 1) given_stiffness_.resize(given_.size(), given_stiffness_[0]);
+    if (given_stiffness_.size() != given_.size())
+      reject("stiffness", fmt::format("{} values given for {} nodes, must be one or as many", given_stiffness_.size(),
+                                      given_.size()));
+    spread_springs();
     rayleigh_stiffness_ = real("rayleighStiffness");
     if (is_given("external_points") && !is_given("external_rest_shape"))
       reject("external_points", "given without external_rest_shape, the state that has them");
@@ -173,17 +199,21 @@ class RestShapeSpringsForceField final : public scene::ForceField,
   void bwd_init() override {
     if (!is_given("external_rest_shape")) return;
     external_ = &linked<scene::MechanicalState>("external_rest_shape");
-    const int num_points = external_->num_nodes();
-    anchors_ = indices("external_points", num_points);
+    const int num_points = external_->num_initial_nodes();
+    given_anchors_ = indices("external_points", num_points);
     if (!is_given("external_points")) {
-      anchors_.resize(static_cast<std::size_t>(num_points));
-      std::iota(anchors_.begin(), anchors_.end(), 0);
+      given_anchors_.resize(static_cast<std::size_t>(num_points));
+      std::iota(given_anchors_.begin(), given_anchors_.end(), 0);
     }
-    if (anchors_.size() != nodes_.size())
+    if (given_anchors_.size() != given_.size())
       reject(is_given("external_points") ? "external_points" : "external_rest_shape",
-             fmt::format("{} points of '{}' for {} nodes, must be as many", anchors_.size(), external_->name(),
-                         nodes_.size()));
-    rest_ = state_->rest_positions();
+             fmt::format("{} points of '{}' for {} nodes, must be as many", given_anchors_.size(), external_->name(),
+                         given_.size()));
+    spread_springs();
+  }
+
+  void nodes_changed(scene::MechanicalState& state, std::span<const int>) override {
+    if (&state == state_) spread_springs();
   }
 
   void refresh(std::span<const std::string_view>) override {
@@ -216,7 +246,23 @@ class RestShapeSpringsForceField final : public scene::ForceField,
   }
 
  private:
+  /// One to each copy of a node, by its share. An anchor keeps its number.
+  void spread_springs() {
+    const parts::SpreadNodes spread = parts::spread(given_, state_->copies());
+    nodes_ = spread.nodes;
+    stiffness_.clear();
+    anchors_.clear();
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      const auto entry = static_cast<std::size_t>(spread.entries[i]);
+      stiffness_.push_back(spread.shares[i] * given_stiffness_[entry]);
+      if (!given_anchors_.empty()) anchors_.push_back(given_anchors_[entry]);
+    }
+    rest_ = state_->rest_positions();
+  }
+
   scene::MechanicalState* state_ = nullptr;
+  std::vector<int> given_, given_anchors_;  // initial nodes, and those of the external state
+  std::vector<double> given_stiffness_;     // [N/m] of each
   std::vector<int> nodes_;
   std::vector<double> stiffness_;               // [N/m] of each
   scene::MechanicalState* external_ = nullptr;  // null: the rest positions count

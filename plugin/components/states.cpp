@@ -8,12 +8,16 @@
 #include "components/components.hpp"
 #include "geometry/placement.hpp"
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/mesh/node_copies.hpp"
 #include "scene/interfaces.hpp"
 
 namespace hexaplast::components {
 namespace {
 
-class MechanicalObject final : public scene::MechanicalState, public scene::Changeable, public scene::Stateful {
+class MechanicalObject final : public scene::MechanicalState,
+                               public scene::Changeable,
+                               public scene::Stateful,
+                               public scene::FollowsNodes {
  public:
   MechanicalObject() : MechanicalState(attributes::kMechanicalObject) {}
 
@@ -25,6 +29,8 @@ class MechanicalObject final : public scene::MechanicalState, public scene::Chan
     if (real("restScale") != 1) rest_positions_ *= real("restScale");
     first_velocities_ = one_row_per_node("velocity");
     external_force_ = one_row_per_node("externalForce");
+    first_rest_positions_ = rest_positions_;
+    first_external_force_ = external_force_;
     positions_ = first_positions_;
     velocities_ = first_velocities_;
   }
@@ -38,12 +44,22 @@ class MechanicalObject final : public scene::MechanicalState, public scene::Chan
   bool may_change(std::string_view) const override { return false; }
 
   void reset() override {
-    positions_ = first_positions_;
-    velocities_ = first_velocities_;
+    positions_ = of_copies(first_positions_);
+    velocities_ = of_copies(first_velocities_);
+  }
+
+  void nodes_changed(scene::MechanicalState& state, std::span<const int> split_from) override {
+    if (&state != this) return;
+    rest_positions_ = of_copies(first_rest_positions_);
+    external_force_ = of_copies(first_external_force_);
+    for (Eigen::Index n = 0; n < external_force_.rows(); ++n) external_force_.row(n) *= copies()->share()[n];
+    if (split_from.empty()) return reset();
+    append_rows(split_from, positions_);
+    append_rows(split_from, velocities_);
   }
 
   void serialize(Archive& archive) override {
-    const Eigen::Index num_rows = first_positions_.rows();
+    const Eigen::Index num_rows = rest_positions_.rows();
     archive(positions_, velocities_);
     if (positions_.rows() != num_rows || velocities_.rows() != num_rows)
       throw InputError(fmt::format("{} positions and {} velocities are saved for {} nodes", positions_.rows(),
@@ -73,6 +89,11 @@ class MechanicalObject final : public scene::MechanicalState, public scene::Chan
     return nodes.rows() > 0 ? nodes : own;
   }
 
+  // The rows of initial nodes, for all copies.
+  PointArray of_copies(const PointArray& initial) const {
+    return copies() ? PointArray(initial(copies()->initial(), Eigen::all)) : initial;
+  }
+
   // Zero where not given.
   PointArray one_row_per_node(std::string_view name) {
     const Eigen::Index num_rows = first_positions_.rows();
@@ -85,6 +106,7 @@ class MechanicalObject final : public scene::MechanicalState, public scene::Chan
   PointArray positions_, velocities_;
   PointArray rest_positions_, external_force_;
   PointArray first_positions_, first_velocities_;  // what reset returns to
+  PointArray first_rest_positions_, first_external_force_;
 };
 
 }  // namespace

@@ -7,12 +7,13 @@
 #include <utility>
 
 #include "components/mechanical_system.hpp"
+#include "components/node_rows.hpp"
 #include "hexaplast/base/error.hpp"
 
 namespace hexaplast::components {
 
 /// Moves everything of its node and below, by linear systems of a LinearSolver.
-class SystemSolver : public scene::OdeSolver, public scene::Stateful {
+class SystemSolver : public scene::OdeSolver, public scene::Stateful, public scene::FollowsNodes {
  public:
   using OdeSolver::OdeSolver;
 
@@ -35,6 +36,18 @@ class SystemSolver : public scene::OdeSolver, public scene::Stateful {
     if (system_) system_->constraints_changed();
   }
 
+  void nodes_changed(scene::MechanicalState& state, std::span<const int> split_from) override {
+    if (!system_) return;
+    const int first = system_->first_node_of(state),
+              end = first + state.num_nodes() - static_cast<int>(split_from.size());
+    const int num_before = system_->num_nodes();
+    system_.emplace(node());
+    if (split_from.empty()) return memory().reset();  // what begins anew, or is read
+    if (first < 0) return;
+    if (memory().start.rows() == num_before) insert_rows(memory().start, split_from, first, end);
+    nodes_split(split_from, first, end);
+  }
+
   void reset() override {
     memory().reset();
     system_->project_motion(0);
@@ -53,6 +66,9 @@ class SystemSolver : public scene::OdeSolver, public scene::Stateful {
 
  protected:
   virtual SolverMemory& memory() = 0;  ///< of its integrator
+
+  /// Nodes have come after those of a state, whose rows go from first to end.
+  virtual void nodes_split(std::span<const int> /*split_from*/, int /*first*/, int /*end*/) {}
 
   hexaplast::LinearSolver& linear_solver() { return linear_solver_->method(); }
 

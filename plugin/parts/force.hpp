@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -17,8 +18,8 @@ class Body;
 
 namespace hexaplast::parts {
 
-/// What a force acts on: each state's nodes, and for contact its body, which must outlive the force. Of one state, or
-/// of one twice, both are the same.
+/// What a force acts on: each state's initial nodes, and for contact its body, which must outlive the force. Of one
+/// state, or of one twice, both are the same.
 struct Surroundings {
   std::array<int, 2> num_nodes = {};
   std::array<const Body*, 2> bodies = {};
@@ -52,6 +53,8 @@ class Force : public StepForces {
 
   /// f += what of it loads the body from outside [N], for files and pictures; changes nothing but f.
   virtual void add_load(double time, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, Pair<Points> f) const = 0;
+
+  std::string cannot_follow() const override { return {}; }
 
   /// [J] where forces are minus a gradient.
   virtual std::optional<double> potential_energy(double /*time*/, ConstPoints /*x*/) const { return std::nullopt; }

@@ -11,6 +11,7 @@
 #include "attributes/parts.hpp"
 #include "hexaplast/base/error.hpp"
 #include "parts/key_times.hpp"
+#include "parts/spread_nodes.hpp"
 #include "solve/loads.hpp"
 
 namespace hexaplast::parts {
@@ -36,23 +37,52 @@ void check(const GraspOptions& options, int num_nodes) {
 
 const attributes::Description& Grasp::description() { return attributes::kGraspForceField; }
 
-Grasp::Grasp(GraspOptions options, const Surroundings& around) : num_nodes_(around.num_nodes[0]) {
+Grasp::Grasp(GraspOptions options, const Surroundings& around)
+    : num_initial_(around.num_nodes[0]), num_nodes_(num_initial_) {
   set_options(std::move(options));
 }
 
 void Grasp::set_options(GraspOptions options) {
-  check(options, num_nodes_);
+  check(options, num_initial_);
   options_ = std::move(options);
   release_time_ = options_.release_time.value_or(kInfinity);
+  spread_candidates();
+  grip_.stiffness = options_.stiffness;
+  grip_.max_force = options_.max_force.value_or(kInfinity);
+  grip_.damping = options_.damping;
+}
+
+void Grasp::spread_candidates() {
   if (options_.indices) {
-    candidates_ = *options_.indices;
+    candidates_ = spread(*options_.indices, copies_).nodes;
   } else {
     candidates_.resize(static_cast<std::size_t>(num_nodes_));
     std::iota(candidates_.begin(), candidates_.end(), 0);
   }
-  grip_.stiffness = options_.stiffness;
-  grip_.max_force = options_.max_force.value_or(kInfinity);
-  grip_.damping = options_.damping;
+}
+
+void Grasp::nodes_changed(int /*state*/, const NodeCopies& copies, std::span<const int> split_from) {
+  const int num_before = copies.num_nodes() - static_cast<int>(split_from.size());
+  copies_ = &copies;
+  num_nodes_ = copies.num_nodes();
+  spread_candidates();
+  if (split_from.empty()) return open();  // what is read comes after
+  for (std::size_t i = 0, num_held = grip_.nodes.size(); i < num_held; ++i)
+    for (std::size_t k = 0; k < split_from.size(); ++k) {
+      if (split_from[k] != grip_.nodes[i]) continue;
+      grip_.nodes.push_back(num_before + static_cast<int>(k));
+      for (PointArray* rows : {&grip_.arms, &elongations_}) {
+        rows->conservativeResize(rows->rows() + 1, 3);
+        rows->bottomRows(1) = rows->row(static_cast<Eigen::Index>(i)).eval();
+      }
+    }
+  share_out();
+}
+
+// Where no node has split, a grip has the bits of one that knows of none.
+void Grasp::share_out() {
+  grip_.weights.clear();
+  if (copies_ && copies_->is_split()) grip_.share_out(copies_->share());
 }
 
 void Grasp::begin_step(const Step& step, const Pair<ConstPoints>& x, const Pair<ConstPoints>& /*v*/) {
@@ -78,10 +108,9 @@ void Grasp::end_step(const Pair<ConstPoints>& x) {
   drag_moment_.setZero();
   if (grip_.nodes.empty()) return;
   const Vec3 tool_velocity = tool_velocity_at(0);
-  const double damping = grip_.damping / static_cast<double>(grip_.nodes.size());
   for (Eigen::Index i = 0; i < begin.rows(); ++i) {
     const Vec3 velocity = (begin.row(i) - elongations_.row(i)).transpose() / dt_,
-               force = damping * (tool_velocity - velocity);
+               force = grip_.part(grip_.damping, static_cast<std::size_t>(i)) * (tool_velocity - velocity);
     drag_ += force;
     drag_moment_ += (grip_.arms.row(i) - elongations_.row(i)).transpose().cross(force);
   }
@@ -106,6 +135,7 @@ void Grasp::serialize(Archive& archive) {
     throw InputError("a grip is saved with numbers that are not finite");
   grip_.nodes = std::move(nodes);
   grip_.arms = std::move(arms);
+  share_out();
   elongations_ = std::move(elongations);
   drag_ = drag;
   drag_moment_.setZero();
@@ -143,6 +173,7 @@ void Grasp::close(const Vec3& tool, double time, ConstPoints x) {
          fmt::format("the grip closes on nothing: no node within {:.6g} m of ({:.6g}, {:.6g}, {:.6g}) at t = {:.6g} s",
                      options_.radius.value_or(kInfinity), tool[0], tool[1], tool[2], time));
   grip_.close(std::move(held), tool, x);
+  share_out();
   elongations_ = PointArray::Zero(grip_.arms.rows(), 3);
   has_closed_ = true;
 }

@@ -67,6 +67,9 @@ class Grasp final : public Force {
   /// Where it is prescribed, forces become those by which the step was solved: at its end.
   void end_step(const Pair<ConstPoints>& x) override;
 
+  /// Copies of nodes that are held are held too.
+  void nodes_changed(int state, const NodeCopies& copies, std::span<const int> split_from) override;
+
   /// Open, as it was made.
   void reset() override;
 
@@ -123,10 +126,14 @@ class Grasp final : public Force {
   void close(const Vec3& tool, double time, ConstPoints x);
   void open();
 
-  int num_nodes_;
+  void spread_candidates();
+  void share_out();
+
+  int num_initial_, num_nodes_;
   GraspOptions options_;
-  std::vector<int> candidates_;  // nodes that can be held
-  double release_time_ = 0;      // [s] infinite: never
+  std::vector<int> candidates_;         // nodes that can be held
+  const NodeCopies* copies_ = nullptr;  // null: no node has ever split
+  double release_time_ = 0;             // [s] infinite: never
 
   Grip grip_;
   bool has_closed_ = false;

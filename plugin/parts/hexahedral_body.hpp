@@ -71,6 +71,7 @@ class HexahedralBody {
   void end_step(ConstPoints x, double dt);
 
   void remove(std::span<const int> elements) { body_.remove(elements); }
+  std::vector<int> open(std::span<const int> joints) { return body_.open(joints); }  ///< Body::open
   void reset();
   void serialize(Archive& archive);
 

@@ -10,6 +10,7 @@
 #include "attributes/contact.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/geometry/embed.hpp"
+#include "hexaplast/mesh/node_copies.hpp"
 #include "parts/path.hpp"
 
 namespace hexaplast::parts {
@@ -127,7 +128,7 @@ void Instrument::set_options(InstrumentOptions options) {
          fmt::format("samples of the surface are up to {:.3g} m apart; {:.3g} m, half of the instrument's smallest "
                      "radius, would be needed so that nothing of it slips between them",
                      samples.spacing, wanted));
-  num_removed_ = body_.removed().size();
+  revision_ = body_.revision();
   contact_.emplace(solid, settings, std::move(samples));
   has_samples_ = false;
 }
@@ -153,15 +154,17 @@ SurfaceSamples Instrument::planned_samples(const Solid& solid) const {
   });
 }
 
-void Instrument::make_samples() {
+void Instrument::make_samples(const SplitNodes& split) {
   const double wanted = kPerRadius * contact_->solid().smallest_radius();
   const int max_parts = options_.contact.max_subdivision;
   if (!has_samples_) contact_->set_samples({});  // gives back the memory that was planned
   contact_->set_samples(fitting_samples([&] {
-    if (options_.embedded_triangles.empty()) return SurfaceSamples::on(body_.mesh(), body_.alive(), wanted, max_parts);
-    return SurfaceSamples::on_embedded(body_.mesh(), body_.alive(), options_.embedded_positions,
-                                       options_.embedded_triangles, wanted, max_parts);
-  }));
+                          if (options_.embedded_triangles.empty())
+                            return SurfaceSamples::on(body_.mesh(), body_.alive(), wanted, max_parts);
+                          return SurfaceSamples::on_embedded(body_.mesh(), body_.alive(), options_.embedded_positions,
+                                                             options_.embedded_triangles, wanted, max_parts);
+                        }),
+                        split);
   has_samples_ = true;
 }
 
@@ -222,9 +225,15 @@ void Instrument::look(const char* option, const char* begins, const Pose& pose, 
 }
 
 void Instrument::follow_surface() {
-  if (body_.removed().size() == num_removed_) return;
-  num_removed_ = body_.removed().size();
+  if (body_.revision() == revision_) return;
+  revision_ = body_.revision();
   if (has_samples_) make_samples();
+}
+
+void Instrument::nodes_changed(int /*state*/, const NodeCopies& copies, std::span<const int> split_from) {
+  if (split_from.empty()) return;  // reset and serialize follow
+  if (has_samples_) make_samples({copies.num_nodes() - static_cast<int>(split_from.size()), split_from});
+  revision_ = body_.revision();
 }
 
 Pose Instrument::pose_at(double time) const {
@@ -267,7 +276,7 @@ void Instrument::serialize(Archive& archive) {
   bool has_samples = has_samples_;
   archive(has_samples);
   if (archive.reads()) {
-    num_removed_ = body_.removed().size();  // as many may have gone, and others
+    revision_ = body_.revision();
     has_looked_ = options_.contact.active;
     if (has_samples) {
       make_samples();

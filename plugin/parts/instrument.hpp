@@ -78,6 +78,9 @@ class Instrument final : public ContactForce {
   /// it is active. Throws OptionError for a stiffness far beyond that of the body, or a damping.
   void begin_step(const Step& step, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v) override;
 
+  /// What touched goes on touching, on each side of what has opened.
+  void nodes_changed(int state, const NodeCopies& copies, std::span<const int> split_from) override;
+
   /// Warns, once, that it is deeper than contact can hold it.
   void end_step(const Pair<ConstPoints>& x) override;
 
@@ -99,17 +102,17 @@ class Instrument final : public ContactForce {
  private:
   ContactSettings accepted_settings(const ContactOptions& options, double stiffness) const;
   SurfaceSamples planned_samples(const Solid& solid) const;
-  void make_samples();
+  void make_samples(const SplitNodes& split = {});
   bool comes_near(ConstPoints x, ConstPoints v, double dt, const Pose& from, const Pose& to) const;
   bool path_comes_near(ConstPoints x) const;
   void look(const char* option, const char* begins, const Pose& pose, ConstPoints x);
-  void follow_surface();  // where hexahedra have gone since the last call
+  void follow_surface();  // where the body has another one since the last call
 
   const Body& body_;
   double edge_;                   // [m] of its hexahedra
   double default_stiffness_ = 0;  // [Pa/m] in the settings of the contact
   double young_modulus_ = 0;      // [Pa] of the body when the options were accepted
-  std::size_t num_removed_ = 0;
+  long revision_ = 0;             // of the body, that the surface is of
   InstrumentOptions options_;
   std::optional<InstrumentContact> contact_;
   bool has_samples_ = false;  // made when it first comes near: they may be millions

@@ -26,6 +26,14 @@ double Probe::component_of(const std::array<double, 3>& entry) const {
   return std::hypot(entry[0], entry[1], entry[2]);
 }
 
+void Probe::follow(const NodeCopies& copies) {
+  if (first_.size() < 3 * static_cast<std::size_t>(copies.num_initial())) return;  // no entries of nodes
+  std::vector<double> first;
+  for (const int node : copies.initial())
+    for (int axis = 0; axis < 3; ++axis) first.push_back(first_[static_cast<std::size_t>(3 * node + axis)]);
+  first_ = std::move(first);
+}
+
 double Probe::read(std::span<const double> values, std::span<const unsigned char> alive) {
   using Statistic = ProbeOptions::Statistic;
   const int count = static_cast<int>(values.size()) / width_;

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "hexaplast/mesh/node_copies.hpp"
 #include "parts/option.hpp"
 
 namespace hexaplast::parts {
@@ -36,6 +37,9 @@ class Probe {
 
   /// Other options; the first reading stays.
   void set_options(ProbeOptions options) { options_ = std::move(options); }
+
+  /// Of vectors of initial nodes, which are those of their copies from now on: what had come at first was theirs.
+  void follow(const NodeCopies& copies);
 
   /// alive: which entries count, as hexahedra that are not removed; empty: all. 0 where none of them does. Throws
   /// OptionError where an entry is not there, where there is none, for a part of a vector, and for a change of another

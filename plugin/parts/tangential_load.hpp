@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "parts/force.hpp"
+#include "parts/spread_nodes.hpp"
 
 namespace hexaplast::parts {
 
@@ -39,12 +40,17 @@ class TangentialLoad final : public Force {
   void set_options(TangentialLoadOptions options);
 
   void add_load(double time, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, Pair<Points> f) const override;
+  void nodes_changed(int state, const NodeCopies& copies, std::span<const int> split_from) override;
   bool is_in_matrix() const override { return false; }
   std::span<const int> loaded_nodes() const override { return loaded_; }
 
  private:
-  int num_nodes_;
+  void spread_nodes();
+
+  int num_initial_;
   TangentialLoadOptions options_;
+  const NodeCopies* copies_ = nullptr;  // null: no node has ever split
+  SpreadNodes spread_;
   std::vector<int> loaded_;  // ascending
 };
 

@@ -7,6 +7,7 @@
 
 #include "attributes/contact.hpp"
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/mesh/node_copies.hpp"
 #include "parts/option.hpp"
 
 namespace hexaplast::parts {
@@ -43,7 +44,7 @@ void Tissues::set_options(const ContactOptions& options) {
   if (!contact_ || options.active) young_moduli_ = young_moduli();
   if (other) {
     contact_ = std::move(other);
-    num_removed_ = num_removed();
+    revisions_ = revisions();
   } else {
     contact_->set_settings(settings);
   }
@@ -66,9 +67,21 @@ double Tissues::default_stiffness() const {
 }
 
 void Tissues::follow_surface() {
-  if (num_removed() == num_removed_) return;
-  num_removed_ = num_removed();
+  if (revisions() == revisions_) return;
+  revisions_ = revisions();
   set_surface(*contact_);
+}
+
+void Tissues::nodes_changed(int state, const NodeCopies& copies, std::span<const int> split_from) {
+  if (split_from.empty()) return;  // reset and serialize follow
+  std::array<SplitNodes, 2> split;
+  split[static_cast<std::size_t>(state)] = {copies.num_nodes() - static_cast<int>(split_from.size()), split_from};
+  revisions_ = revisions();
+  set_surface(*contact_, split);
+}
+
+std::string Tissues::cannot_follow() const {
+  return bodies_[0] == bodies_[1] ? std::string(kCannotFollowWithinOne) : std::string();
 }
 
 std::array<double, 2> Tissues::young_moduli() const {
@@ -113,7 +126,7 @@ void Tissues::reset() {
 
 void Tissues::serialize(Archive& archive) {
   if (archive.reads()) {  // as many may have gone, and others
-    num_removed_ = num_removed();
+    revisions_ = revisions();
     set_surface(*contact_);
     has_looked_ = options_.active;
   }

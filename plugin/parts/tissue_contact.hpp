@@ -16,6 +16,7 @@ class Tissues final : public ContactForce {
  public:
   using Options = ContactOptions;
   static constexpr int kNumStates = 2;
+  static constexpr std::string_view kCannotFollowWithinOne = "cannot keep the sides of a cut in one body apart";
   static const attributes::Description& description();
 
   /// Throws OptionError. One body twice touches itself.
@@ -36,6 +37,9 @@ class Tissues final : public ContactForce {
   void begin_step(const Step& step, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v) override;
   void end_step(const Pair<ConstPoints>& x) override { contact_->end_step(x); }
 
+  void nodes_changed(int state, const NodeCopies& copies, std::span<const int> split_from) override;
+  std::string cannot_follow() const override;
+
   void reset() override;
   void serialize(Archive& archive) override;
 
@@ -49,11 +53,11 @@ class Tissues final : public ContactForce {
   const TissueContact& contact() const { return *contact_; }
 
  private:
-  void set_surface(TissueContact& contact) const { contact.set_alive(bodies_[0]->alive(), bodies_[1]->alive()); }
-  std::array<std::size_t, 2> num_removed() const {
-    return {bodies_[0]->removed().size(), bodies_[1]->removed().size()};
+  void set_surface(TissueContact& contact, const std::array<SplitNodes, 2>& split = {}) const {
+    contact.set_alive(bodies_[0]->alive(), bodies_[1]->alive(), split);
   }
-  void follow_surface();  // where hexahedra have gone since the last call
+  std::array<long, 2> revisions() const { return {bodies_[0]->revision(), bodies_[1]->revision()}; }
+  void follow_surface();  // where a body has another one since the last call
   void look(const char* to_touch, const Pair<ConstPoints>& x);
   ContactSettings accepted_settings(const ContactOptions& options, double stiffness) const;
   double default_stiffness() const;
@@ -63,7 +67,7 @@ class Tissues final : public ContactForce {
   std::array<double, 2> edges_;              // [m] of their hexahedra
   double default_stiffness_ = 0;             // [Pa/m] in the settings of the contact
   std::array<double, 2> young_moduli_ = {};  // [Pa] when the options were accepted
-  std::array<std::size_t, 2> num_removed_ = {};
+  std::array<long, 2> revisions_ = {};       // of the bodies, that the surfaces are of
   ContactOptions options_;
   std::optional<TissueContact> contact_;
   bool has_looked_ = false;  // whether they overlap when it is first active

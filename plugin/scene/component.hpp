@@ -23,6 +23,9 @@ class Node;
 ///   end_step    at time t_n + dt, positions accepted: the only call in which a component may change plastic history
 ///   hexahedra_removed
 ///               from within the end_step of a body that has lost hexahedra, or between two steps
+///   nodes_changed
+///               of those that follow nodes (FollowsNodes), where joints of a body open after the end of a step, and
+///               from within the reset and the serialize of such a body
 /// and at any time between steps reset and serialize, of those that are Stateful.
 ///
 /// Any of them may refuse the scene with reject() or InputError, and give up with NumericalError.

@@ -5,6 +5,7 @@
 
 #include "hexaplast/body.hpp"
 #include "hexaplast/mesh/faces.hpp"
+#include "hexaplast/mesh/node_copies.hpp"
 
 namespace hexaplast::scene {
 
@@ -29,6 +30,31 @@ const std::vector<Triangle>& Topology::triangles() {
 const std::vector<Edge>& Topology::edges() {
   static const std::vector<Edge> none;
   return none;
+}
+
+const NodeCopies* MechanicalState::copies() const { return split_by_ ? &split_by_->copies() : nullptr; }
+
+int MechanicalState::num_initial_nodes() { return split_by_ ? split_by_->copies().num_initial() : num_nodes(); }
+
+void PresentCells::follow(std::span<int> cell) const {
+  if (!body_) return;
+  const HexMesh& mesh = body_->mesh();
+  const NodeCopies& copies = body_->copies();
+  const auto corner_at = [&](int element, int initial) {
+    const Hexahedron& corners = mesh.hexahedra()[element];
+    const auto at = std::ranges::find(corners, initial, [&](int node) { return copies.initial()[node]; });
+    return at == corners.end() ? -1 : *at;
+  };
+  int lowest = -1;
+  for (const int copy : copies.of(cell.front()))
+    for (const auto& [element, corner] : mesh.incident(copy)) {
+      const bool is_better = lowest < 0 || (body_->alive()[element] > body_->alive()[lowest]) ||
+                             (body_->alive()[element] == body_->alive()[lowest] && element < lowest);
+      if (is_better && std::ranges::all_of(cell, [&](int node) { return corner_at(element, node) >= 0; }))
+        lowest = element;
+    }
+  if (lowest >= 0)
+    for (int& node : cell) node = corner_at(lowest, node);
 }
 
 SurvivingCells::SurvivingCells(MechanicalState& state) {

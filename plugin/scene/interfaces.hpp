@@ -5,6 +5,7 @@
 #include <memory>
 #include <set>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -15,6 +16,7 @@
 
 namespace hexaplast {
 class Body;
+class NodeCopies;
 struct FlowReport;
 }  // namespace hexaplast
 
@@ -39,6 +41,8 @@ class Topology : public Component {
   virtual std::span<const double> fill() { return {}; }
 };
 
+class ForceField;
+
 /// What time integrators move and mappings carry.
 class MechanicalState : public Component, public NodalState {
  public:
@@ -46,6 +50,31 @@ class MechanicalState : public Component, public NodalState {
   using Component::Component;
 
   virtual const PointArray& rest_positions() const = 0;  ///< [m]
+
+  /// The body that its nodes split with, where joints of it have been opened once (ForceField::open); null: none has.
+  const Body* split_by() const { return split_by_; }
+  /// What its nodes have become; null where none ever split. What a scene gives for nodes is for the initial ones.
+  const NodeCopies* copies() const;
+  int num_initial_nodes();
+
+ private:
+  friend void announce_nodes(ForceField& field, std::span<const int> split_from);
+  const Body* split_by_ = nullptr;
+};
+
+/// A component that acts on nodes, and goes on where they split: some of a state become several at one place, and are
+/// one again after reset. A body with other components on its state is not opened.
+class FollowsNodes {
+ public:
+  virtual ~FollowsNodes() = default;
+
+  /// The nodes of a state, any one of the scene, are others than before: see state.copies(). split_from: of the last
+  /// ones, which have come since, the one that each was split from; empty after reset, and where a state is read. The
+  /// body has its new nodes; states come first, integrators last. Must not fail.
+  virtual void nodes_changed(MechanicalState& state, std::span<const int> split_from) = 0;
+
+  /// Why the nodes of a state cannot split with a body; empty: they can. Asked before anything changes.
+  virtual std::string cannot_follow(const MechanicalState& /*state*/, const Body& /*body*/) const { return {}; }
 };
 
 /// Of the nearest mechanical state.
@@ -71,6 +100,11 @@ class ForceField : public Component, public NodalForces {
 
   /// Takes hexahedra out of the body, between two steps.
   virtual void remove_elements(std::span<const int> /*elements*/) {}
+
+  /// Opens joints of the body (Body::open), between two steps, or at the end of one, when all of end_step is done. What
+  /// acts on its nodes follows (FollowsNodes). Rejects the scene, and nothing has changed, where something cannot;
+  /// throws InputError for joints that are not there.
+  virtual void open(std::span<const int> /*joints*/) {}
 };
 
 /// Forces between two mechanical states, or within one. A state may follow another one; one of the two may be at rest,
@@ -115,6 +149,9 @@ class Mapping : public Component, public NodalMapping {
   virtual MechanicalState* input() const = 0;
   virtual MechanicalState* output() const = 0;
 
+  /// Whether each node of the state that follows is one of the other state, and splits with it.
+  virtual bool is_node_by_node() const { return false; }
+
   /// Whether a cell of the state that follows is left: `above` tells of nodes of the followed state.
   virtual bool is_left(std::span<const int> cell, const SurvivingCells& above) const = 0;
 };
@@ -133,6 +170,24 @@ class SurvivingCells {
   std::vector<const Body*> bodies_;              // on the state
   const Mapping* mapping_ = nullptr;             // that the state follows; null: none
   std::unique_ptr<const SurvivingCells> above_;  // of the followed state
+};
+
+/// Cells of initial nodes as they are now where nodes of a state have split: with the corners of the lowest hexahedron
+/// that is left and has the whole cell; of a cell that none has, each node keeps its number.
+class PresentCells {
+ public:
+  explicit PresentCells(const MechanicalState& state) : body_(state.split_by()) {}
+
+  template <std::size_t N>
+  std::array<int, N> operator()(std::array<int, N> cell) const {
+    follow(cell);
+    return cell;
+  }
+
+ private:
+  void follow(std::span<int> cell) const;
+
+  const Body* body_;  // null: no node has split
 };
 
 /// The states below a node that follow no other one.

@@ -81,6 +81,11 @@ Component& Scene::add(Node& node, std::unique_ptr<Component> component, std::str
 void Scene::reset() {
   trouble_ = "a reset has failed";
   root_->clock().time = 0;
+  // bodies first: the others meet the nodes that there were at first
+  root_->for_each<ForceField>([](ForceField& field) {
+    auto* stateful = dynamic_cast<Stateful*>(&field);
+    if (field.body() && stateful) stateful->reset();
+  });
   const auto reset_parts = [&] {
     root_->for_each<Stateful>([](Stateful& component) {
       if (!dynamic_cast<OdeSolver*>(&component)) component.reset();
@@ -127,6 +132,15 @@ SolveReport Scene::step() {
   }
 }
 
+void Scene::open(ForceField& field, std::span<const int> joints) {
+  require_whole();
+  try {
+    field.open(joints);
+  } catch (const Rejection& rejection) {
+    throw SceneError(rejection.what());
+  }
+}
+
 void Scene::require_whole() const {
   if (trouble_)
     throw InputError(fmt::format("{}: the scene continues after reset, or after a state is loaded", trouble_));
@@ -147,8 +161,10 @@ void Scene::restore_motion() {
   root_->clock().time = time_before_;
   auto before = motion_before_.begin();
   root_->for_each<MechanicalState>([&](MechanicalState& state) {
-    state.positions() = before->positions;
-    state.velocities() = before->velocities;
+    if (state.num_nodes() == before->positions.rows()) {  // else it has split: then the step had come to its end
+      state.positions() = before->positions;
+      state.velocities() = before->velocities;
+    }
     ++before;
   });
 }
@@ -221,8 +237,9 @@ void Scene::restore(Archive& archive) {
   };
   // what follows others is made anew from their state, and its own memory, which may be of another size by then, comes
   // on top of that; what had not followed when it was saved does so in the next step
-  for (const Saved& saved : all)
-    if (is_followed(saved)) read(saved);
+  for (const bool of_bodies : {true, false})
+    for (const Saved& saved : all)
+      if (is_followed(saved) && is_body(saved) == of_bodies) read(saved);
   try {
     for (const bool of_contacts : {false, true})
       for (const Saved& saved : all)
@@ -254,6 +271,75 @@ void begin_step(Node& node) {
 
 void end_step(Node& node, double dt) {
   node.for_each<Component>([dt](Component& component) { component.end_step(dt); });
+}
+
+namespace {
+
+/// The state of a body, and those that follow it node by node.
+std::vector<MechanicalState*> states_that_split(const ForceField& field) {
+  std::vector<MechanicalState*> states{field.node().nearest<MechanicalState>()};
+  const std::vector<Mapping*> mappings = field.node().root().all<Mapping>();
+  for (std::size_t k = 0; k < states.size(); ++k)
+    for (const Mapping* mapping : mappings)
+      if (mapping->input() == states[k] && mapping->output() && mapping->is_node_by_node())
+        states.push_back(mapping->output());
+  return states;
+}
+
+/// Whether what a component does refers to nodes of a state.
+bool refers_to(Component& component, const MechanicalState& state) {
+  const auto is_one = [&](std::array<MechanicalState*, 2> states) { return std::ranges::count(states, &state) > 0; };
+  const auto* interaction = dynamic_cast<const Interaction*>(&component);
+  if (interaction && interaction->states()[0]) return is_one(interaction->states());
+  if (const auto* tie = dynamic_cast<const InteractionProjectiveConstraint*>(&component)) return is_one(tie->states());
+  if (const auto* mapping = dynamic_cast<const Mapping*>(&component)) return mapping->input() == &state;
+  if (dynamic_cast<const OdeSolver*>(&component)) {
+    const auto below = component.node().all<MechanicalState>();
+    return std::ranges::count(below, &state) > 0;
+  }
+  const bool acts = dynamic_cast<const ForceField*>(&component) || dynamic_cast<const Mass*>(&component) ||
+                    dynamic_cast<const ProjectiveConstraint*>(&component);
+  return &component == &state || (acts && acts_on(component, state));
+}
+
+}  // namespace
+
+void require_followers(ForceField& field) {
+  const std::vector<MechanicalState*> states = states_that_split(field);
+  field.node().root().for_each<Component>([&](Component& component) {
+    const auto* mapping = dynamic_cast<const Mapping*>(&component);
+    if (mapping && mapping->output() == states.front())
+      field.reject("is on a state that follows another one: its joints cannot be opened");
+    for (const MechanicalState* state : states) {
+      if (&component == &field) continue;
+      std::string reason;
+      const auto* other = dynamic_cast<const ForceField*>(&component);
+      if (const auto* follower = dynamic_cast<const FollowsNodes*>(&component))
+        reason = follower->cannot_follow(*state, *field.body());
+      else if (refers_to(component, *state))
+        reason = other && other->body() ? "is a second body on the same nodes" : "does not know of nodes that split";
+      if (!reason.empty())
+        component.reject(
+            fmt::format("{}: no joint of {} '{}' can be opened", reason, field.class_name(), field.name()));
+    }
+  });
+}
+
+void announce_nodes(ForceField& field, std::span<const int> split_from) {
+  const std::vector<MechanicalState*> states = states_that_split(field);
+  for (MechanicalState* state : states) state->split_by_ = field.body();
+  const auto tell = [&](auto is_told) {
+    field.node().root().for_each<Component>([&](Component& component) {
+      auto* follower = dynamic_cast<FollowsNodes*>(&component);
+      if (follower && is_told(component))
+        for (MechanicalState* state : states) follower->nodes_changed(*state, split_from);
+    });
+  };
+  const auto is_state = [](Component& component) { return dynamic_cast<MechanicalState*>(&component) != nullptr; };
+  const auto is_solver = [](Component& component) { return dynamic_cast<OdeSolver*>(&component) != nullptr; };
+  tell(is_state);
+  tell([&](Component& component) { return !is_state(component) && !is_solver(component); });
+  tell(is_solver);
 }
 
 void announce_removed(const ForceField& field, std::span<const int> hexahedra) {

@@ -41,6 +41,10 @@ class Scene {
   /// InputError, until reset or until a state is read; so it is after a state that could not be read.
   SolveReport step();
 
+  /// Opens joints of a body of the scene, between two steps: ForceField::open. Throws SceneError, naming it, where a
+  /// component cannot follow, and InputError for joints that are not there; nothing has changed then.
+  void open(ForceField& field, std::span<const int> joints);
+
   /// Time and all components (Stateful::serialize): into a checkpoint between two steps, or from one right after init.
   /// Throws InputError when the components of the scene are not those that were written, or keep another state, and
   /// where a step has failed, of which no state is written.
@@ -76,6 +80,12 @@ class Scene {
 /// The events that an AnimationLoop sends to everything in a node and below.
 void begin_step(Node& node);
 void end_step(Node& node, double dt);
+
+/// Rejects the scene, naming it, where a component that acts on the nodes of a body cannot follow when they split.
+void require_followers(ForceField& field);
+
+/// What a body sends to the scene when its nodes are others: FollowsNodes::nodes_changed.
+void announce_nodes(ForceField& field, std::span<const int> split_from);
 
 /// What a body sends to the whole scene that it belongs to, when hexahedra have gone: Component::hexahedra_removed.
 void announce_removed(const ForceField& field, std::span<const int> hexahedra);
