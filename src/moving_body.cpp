@@ -129,7 +129,9 @@ MovingBody& MovingBody::operator=(MovingBody&&) noexcept = default;
 MovingBody::~MovingBody() = default;
 
 std::vector<int> MovingBody::open(std::span<const int> joints) {
-  if (!forces_.empty()) throw InputError("MovingBody: joints cannot open while other forces act");
+  for (const StepForces* forces : forces_)
+    if (const std::string reason = forces->cannot_follow(); !reason.empty())
+      throw InputError(fmt::format("MovingBody: joints cannot open: {}", reason));
   require_rows("MovingBody", "positions", positions, body.mesh().num_nodes());
   require_rows("MovingBody", "velocities", velocities, body.mesh().num_nodes());
   std::vector<int> parents = body.open(joints);
@@ -139,6 +141,7 @@ std::vector<int> MovingBody::open(std::span<const int> joints) {
   append_rows(parents, held_);
   if (PointArray& start = euler_.memory().start; start.rows() > 0) append_rows(parents, start);
   take_nodes();
+  for (StepForces* forces : forces_) forces->nodes_changed(0, body.copies(), parents);
   return parents;
 }
 
@@ -256,7 +259,11 @@ std::vector<unsigned char> MovingBody::fixed() const {
 void MovingBody::add(StepForces& forces) {
   if (settings_.first_order || settings_.trapezoidal)
     throw InputError("MovingBody: other forces need implicit Euler, neither of first order nor trapezoidal");
-  if (body.copies().is_split()) throw InputError("MovingBody: other forces act only while all joints are closed");
+  if (body.copies().is_split()) {
+    if (const std::string reason = forces.cannot_follow(); !reason.empty())
+      throw InputError(fmt::format("MovingBody: joints are open: {}", reason));
+    forces.nodes_changed(0, body.copies(), {});
+  }
   forces_.push_back(&forces);
   system_->add(forces);
 }
@@ -264,7 +271,10 @@ void MovingBody::add(StepForces& forces) {
 void MovingBody::reset() {
   held_.resize(static_cast<std::size_t>(body.copies().num_initial()));
   body.reset();
-  for (StepForces* forces : forces_) forces->reset();
+  for (StepForces* forces : forces_) {
+    forces->nodes_changed(0, body.copies(), {});
+    forces->reset();
+  }
   euler_.memory().reset();
   positions = body.mesh().positions();
   velocities = PointArray::Zero(positions.rows(), 3);
@@ -306,7 +316,12 @@ void MovingBody::load_forces(std::istream& in) {
   if (forces_.empty()) return;
   const std::vector<std::byte> bytes = read_saved(in, kSavedForces, forces_.size(), kMaxSavedForces);
   Archive archive{std::span<const std::byte>(bytes)};
-  for (StepForces* forces : forces_) forces->serialize(archive);
+  for (StepForces* forces : forces_) {
+    if (const std::string reason = forces->cannot_follow(); body.copies().is_split() && !reason.empty())
+      throw InputError(fmt::format("the saved motion has open joints: {}", reason));
+    forces->nodes_changed(0, body.copies(), {});
+    forces->serialize(archive);
+  }
   if (archive.rest() != 0) throw InputError("the saved forces are others");
 }
 
@@ -332,8 +347,6 @@ void MovingBody::load(std::istream& in) {
   body.load(in);
   try {
     if (x.rows() != body.mesh().num_nodes()) throw InputError("the saved motion is of another body");
-    if (!forces_.empty() && body.copies().is_split())
-      throw InputError("the saved motion has open joints, which other forces cannot follow");
     load_forces(in);  // by the hexahedra that are left
   } catch (const InputError&) {
     body.load(before);

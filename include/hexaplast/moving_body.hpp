@@ -84,7 +84,7 @@ class MovingBody {
 
   /// Body::open between two steps, all else following: new nodes have position, velocity and fixing of those that they
   /// were split from, masses are those of the hexahedra. Throws InputError for numbers that are not there, and where
-  /// forces have been added; everything is then as before.
+  /// forces that were added cannot follow; everything is then as before.
   std::vector<int> open(std::span<const int> joints);
 
   /// From now on `forces` act too, such as contacts and grips (parts/instrument.hpp, parts/grasp.hpp). They must
