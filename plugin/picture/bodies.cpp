@@ -23,6 +23,17 @@ HexMesh mesh_of_all(std::span<const Bodies::Entry> entries) {
   return {std::move(positions), std::move(hexahedra)};
 }
 
+/// Behind one another.
+void place(std::span<Bodies::Entry> entries) {
+  int num_nodes = 0, num_hexahedra = 0;
+  for (Bodies::Entry& entry : entries) {
+    entry.first_node = num_nodes;
+    entry.first_hexahedron = num_hexahedra;
+    num_nodes += entry.body->mesh().num_nodes();
+    num_hexahedra += entry.body->mesh().num_elements();
+  }
+}
+
 bool is_joined(const Body& body) { return body.settings().rest_shape == RestShape::kJoined; }
 
 }  // namespace
@@ -30,14 +41,24 @@ bool is_joined(const Body& body) { return body.settings().rest_shape == RestShap
 Bodies::Bodies(const Body& only) : entries_{{.name = "body", .body = &only}} {}
 
 Bodies::Bodies(std::vector<Entry> entries) : entries_(std::move(entries)) {
-  int num_nodes = 0, num_hexahedra = 0;
-  for (Entry& entry : entries_) {
-    entry.first_node = num_nodes;
-    entry.first_hexahedron = num_hexahedra;
-    num_nodes += entry.body->mesh().num_nodes();
-    num_hexahedra += entry.body->mesh().num_elements();
-  }
-  if (!is_one()) mesh_ = std::make_shared<const HexMesh>(mesh_of_all(entries_));
+  place(entries_);
+  if (is_one()) return;
+  mesh_ = std::make_shared<HexMesh>(mesh_of_all(entries_));
+  for (const Entry& entry : entries_) revisions_.push_back(entry.body->revision());
+}
+
+void Bodies::update() const {
+  if (is_one()) return;
+  const auto revision_of = [](const Entry& entry) { return entry.body->revision(); };
+  if (std::ranges::equal(entries_, revisions_, {}, revision_of)) return;
+  std::ranges::transform(entries_, revisions_.begin(), revision_of);
+  place(entries_);
+  HexMesh present = mesh_of_all(entries_);
+  if (present.hexahedra() != mesh_->hexahedra()) *mesh_ = std::move(present);
+}
+
+bool Bodies::are_split() const {
+  return std::ranges::any_of(entries_, [](const Entry& entry) { return entry.body->copies().is_split(); });
 }
 
 std::span<const unsigned char> Bodies::alive() const {
@@ -53,21 +74,21 @@ std::span<const unsigned char> Bodies::alive() const {
 const PointArray& Bodies::plastic_rest_positions() const {
   if (is_one()) return entries_[0].body->plastic_rest_positions();
   plastic_rest_positions_.resize(mesh().num_nodes(), 3);
-  for (const Entry& entry : entries_) rows(entry, plastic_rest_positions_) = entry.body->plastic_rest_positions();
+  for (const Entry& entry : all()) rows(entry, plastic_rest_positions_) = entry.body->plastic_rest_positions();
   return plastic_rest_positions_;
 }
 
 ElementFields Bodies::fields(ConstPoints positions) const {
   if (is_one()) return entries_[0].body->fields(positions);
-  ElementFields all;
-  for (const Entry& entry : entries_) {
+  ElementFields fields;
+  for (const Entry& entry : all()) {
     const ElementFields own = entry.body->fields(rows(entry, positions));
     for (std::vector<double> ElementFields::*member :
          {&ElementFields::plastic_strain, &ElementFields::yield_stress, &ElementFields::volume_ratio,
           &ElementFields::stress_norm, &ElementFields::strain})
-      (all.*member).insert((all.*member).end(), (own.*member).begin(), (own.*member).end());
+      (fields.*member).insert((fields.*member).end(), (own.*member).begin(), (own.*member).end());
   }
-  return all;
+  return fields;
 }
 
 namespace {
@@ -81,19 +102,19 @@ double sum_over(std::span<const Bodies::Entry> entries, const Value& value) {
 }  // namespace
 
 double Bodies::energy(ConstPoints positions) const {
-  return sum_over(entries_, [&](const Entry& entry) { return entry.body->energy(rows(entry, positions)); });
+  return sum_over(all(), [&](const Entry& entry) { return entry.body->energy(rows(entry, positions)); });
 }
 
 double Bodies::dissipated_energy() const {
-  return sum_over(entries_, [](const Entry& entry) { return entry.body->dissipated_energy(); });
+  return sum_over(all(), [](const Entry& entry) { return entry.body->dissipated_energy(); });
 }
 
 double Bodies::volume(ConstPoints positions) const {
-  return sum_over(entries_, [&](const Entry& entry) { return entry.body->volume(rows(entry, positions)); });
+  return sum_over(all(), [&](const Entry& entry) { return entry.body->volume(rows(entry, positions)); });
 }
 
 double Bodies::initial_volume() const {
-  return sum_over(entries_, [](const Entry& entry) { return entry.body->initial_volume(); });
+  return sum_over(all(), [](const Entry& entry) { return entry.body->initial_volume(); });
 }
 
 bool Bodies::has_plastic_rest_at_hand() const {
@@ -103,7 +124,7 @@ bool Bodies::has_plastic_rest_at_hand() const {
 
 // Flow at isolated quadrature points keeps the volume of each hexahedron.
 double Bodies::plastic_volume() const {
-  return sum_over(entries_, [](const Entry& entry) {
+  return sum_over(all(), [](const Entry& entry) {
     const Body& body = *entry.body;
     return body.volume(is_joined(body) ? body.plastic_rest_positions() : body.mesh().positions());
   });

@@ -24,11 +24,20 @@ class Bodies {
   Bodies(const Body& only);  // NOLINT(google-explicit-constructor): what takes several takes one
   explicit Bodies(std::vector<Entry> entries);
 
-  std::span<const Entry> all() const { return entries_; }
+  std::span<const Entry> all() const {
+    update();
+    return entries_;
+  }
   bool is_empty() const { return entries_.empty(); }
   bool is_one() const { return entries_.size() == 1; }
 
-  const HexMesh& mesh() const { return is_one() ? entries_[0].body->mesh() : *mesh_; }
+  const HexMesh& mesh() const {
+    update();
+    return is_one() ? entries_[0].body->mesh() : *mesh_;
+  }
+
+  /// Whether nodes have split.
+  bool are_split() const;
 
   /// The same as those of Body, for all. Views are valid until the next call, or until a body changes.
   std::span<const unsigned char> alive() const;
@@ -46,15 +55,18 @@ class Bodies {
   /// [m^3] of the remaining hexahedra without elastic deformation.
   double plastic_volume() const;
 
-  /// The rows of one body.
+  /// The rows of one body, which is an entry of all().
   template <class Field>
   static auto rows(const Entry& entry, Field& field) {
     return field.middleRows(entry.first_node, entry.body->mesh().num_nodes());
   }
 
  private:
-  std::vector<Entry> entries_;
-  std::shared_ptr<const HexMesh> mesh_;  // of several
+  void update() const;  // of several, where their nodes are others
+
+  mutable std::vector<Entry> entries_;
+  mutable std::vector<long> revisions_;  // of the bodies that mesh_ is of
+  std::shared_ptr<HexMesh> mesh_;        // of several; stays where it is
   mutable std::vector<unsigned char> alive_;
   mutable PointArray plastic_rest_positions_;
 };

@@ -118,6 +118,8 @@ Shapes::Shapes(const HexMesh& mesh, Staging staging_of_all)
     : staging(std::move(staging_of_all)),
       mesh_(mesh),
       longest_arrow_(kLongestArrow * diagonal(mesh.positions())),
+      original_hexahedra_(mesh.hexahedra()),
+      current_hexahedra_(mesh.hexahedra()),
       original_(std::make_shared<Boundary>(mesh, std::span<const unsigned char>())),
       current_(original_) {
   for (const EmbeddedSurface& embedded : staging.embedded_surfaces) {
@@ -131,11 +133,17 @@ Shapes::Shapes(const HexMesh& mesh, Staging staging_of_all)
 // What is left from now on.
 void Shapes::follow(std::span<const unsigned char> alive) {
   const bool all_alive = std::ranges::all_of(alive, [](unsigned char is_alive) { return is_alive != 0; });
-  if (all_alive) {
+  const bool has_split = mesh_.hexahedra() != current_hexahedra_;
+  if (has_split) {
+    current_hexahedra_ = mesh_.hexahedra();
+    for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s)
+      embedded_surfaces_[s].embedding.follow(staging.embedded_surfaces[s].carriers(mesh_), mesh_.num_nodes());
+  }
+  if (all_alive && current_hexahedra_ == original_hexahedra_) {
     current_ = original_;
     for (Carried& embedded : embedded_surfaces_) embedded.current = embedded.whole;
     current_alive_.clear();
-  } else if (!std::ranges::equal(alive, current_alive_)) {
+  } else if (has_split || !std::ranges::equal(alive, current_alive_)) {
     current_ = std::make_shared<Boundary>(mesh_, alive);
     for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s) {
       Carried& embedded = embedded_surfaces_[s];

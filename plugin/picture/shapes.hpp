@@ -172,7 +172,8 @@ class Shapes {
   void draw_surface(const Moment::Shown& shown, float scale, Geometry::Vertices& vertices) const;
 
   const HexMesh& mesh_;
-  float longest_arrow_;  // [m]
+  float longest_arrow_;                                             // [m]
+  std::vector<Hexahedron> original_hexahedra_, current_hexahedra_;  // until nodes split they are the same
   std::vector<Carried> embedded_surfaces_;
   std::shared_ptr<const Boundary> original_, current_;
   std::map<int, std::shared_ptr<const Surface>> tools_;  // by the number of the instrument, as it was last

@@ -301,8 +301,9 @@ void Recorder::Files::write_state() {
   };
   if (surfaces) {
     const std::vector<double> strains = nodal_means(bodies.mesh(), fields.plastic_strain, alive);
-    write(*surfaces, kSurface,
-          [&](const fs::path& file) { embedded_surfaces.write(file, latest_positions, strains, alive); });
+    write(*surfaces, kSurface, [&](const fs::path& file) {
+      embedded_surfaces.write(file, bodies.mesh(), latest_positions, strains, alive);
+    });
   }
   if (instruments)
     write(*instruments, kInstruments,

@@ -9,6 +9,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "hexaplast/base/error.hpp"
 #include "record/files.hpp"
 
 namespace hexaplast::output {
@@ -90,6 +91,8 @@ StateStream::StateStream(int descriptor, Bodies bodies, StatePlan plan)
 }
 
 void StateStream::record(const StreamState& state) {
+  if (bodies_.are_split())
+    throw InputError("joints of a body have been opened: the data of a run has no place for nodes that split");
   const auto step = static_cast<std::int64_t>(state.step);
   write(&step, sizeof step);
   write(&state.time, sizeof state.time);

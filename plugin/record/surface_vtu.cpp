@@ -14,8 +14,10 @@ CarriedSurfaces::CarriedSurfaces(const HexMesh& mesh, std::vector<EmbeddedSurfac
   for (const EmbeddedSurface& embedded : embedded_surfaces_) embeddings_.push_back(embedded.embedding(mesh));
 }
 
-void CarriedSurfaces::write(const std::filesystem::path& file, ConstPoints positions,
-                            const std::vector<double>& strains, std::span<const unsigned char> alive) const {
+void CarriedSurfaces::write(const std::filesystem::path& file, const HexMesh& mesh, ConstPoints positions,
+                            const std::vector<double>& strains, std::span<const unsigned char> alive) {
+  for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s)
+    embeddings_[s].follow(embedded_surfaces_[s].carriers(mesh), mesh.num_nodes());
   Eigen::Index num_points = 0;
   for (const EmbeddedSurface& embedded : embedded_surfaces_) num_points += embedded.points.rows();
   PointArray points(num_points, 3), displacement(num_points, 3), blended(num_points, 3);

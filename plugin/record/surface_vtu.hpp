@@ -22,10 +22,11 @@ class CarriedSurfaces {
   ///
   ///   point data: displacement [m], surface (number of the embedded surface), plastic_strain [-]
   ///
-  /// strains: plastic strain at the nodes, which is blended between them; alive: one per hexahedron, 0 for those that
-  /// are removed: faces go with the hexahedra that carry them. Throws OutputError.
-  void write(const std::filesystem::path& file, ConstPoints positions, const std::vector<double>& strains,
-             std::span<const unsigned char> alive) const;
+  /// mesh: the present one, some of whose nodes may have split; strains: plastic strain at the nodes, which is blended
+  /// between them; alive: one per hexahedron, 0 for those that are removed: faces go with the hexahedra that carry
+  /// them. Throws OutputError.
+  void write(const std::filesystem::path& file, const HexMesh& mesh, ConstPoints positions,
+             const std::vector<double>& strains, std::span<const unsigned char> alive);
 
  private:
   std::vector<EmbeddedSurface> embedded_surfaces_;

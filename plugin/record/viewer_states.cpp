@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "formats/readable_file.hpp"
 #include "hexaplast/base/error.hpp"
@@ -148,6 +149,11 @@ void ViewerStates::add(long step, double time, ConstPoints positions, ConstPoint
   state.time = time;
   for (Eigen::Index node = 0; node < positions.rows(); ++node)
     for (int axis = 0; axis < 3; ++axis) state.positions.push_back(static_cast<float>(positions(node, axis)));
+  const std::vector<Hexahedron>& hexahedra = bodies_.mesh().hexahedra();
+  if (!states_.empty() && *states_.back().hexahedra == hexahedra)
+    state.hexahedra = states_.back().hexahedra;
+  else
+    state.hexahedra = std::make_shared<const std::vector<Hexahedron>>(hexahedra);
   const ElementFields fields = bodies_.fields(positions);
   for (const Quantity quantity : quantities_) state.values.push_back(nodal_values(quantity, fields, velocities));
   const std::span<const unsigned char> alive = bodies_.alive();
@@ -180,6 +186,16 @@ bool ViewerStates::is_shown(std::size_t quantity) const {
   return max - min > 1e-6f * std::max(std::abs(min), std::abs(max));
 }
 
+// Corners of hexahedra tell which node another one was before it was split.
+std::vector<int> ViewerStates::rows_in(const State& state) const {
+  const std::vector<Hexahedron>& present = bodies_.mesh().hexahedra();
+  std::vector<int> rows(static_cast<std::size_t>(bodies_.mesh().num_nodes()));
+  std::iota(rows.begin(), rows.end(), 0);
+  for (std::size_t e = 0; e < present.size(); ++e)
+    for (int a = 0; a < kCorners; ++a) rows[present[e][a]] = (*state.hexahedra)[e][a];
+  return rows;
+}
+
 std::string ViewerStates::json() const {
   const HexMesh& mesh = bodies_.mesh();
   const auto num_nodes = static_cast<std::size_t>(mesh.num_nodes());
@@ -197,8 +213,9 @@ std::string ViewerStates::json() const {
   const std::vector<Vector3f> initial = single(mesh.positions());
   for (const Vector3f& place : initial) box.extend(place);
   for (const State& state : states_) {
-    for (std::size_t node = 0; node < num_nodes; ++node) {
-      places.emplace_back(state.positions[3 * node], state.positions[3 * node + 1], state.positions[3 * node + 2]);
+    for (const int row : rows_in(state)) {
+      const float* place = &state.positions[3 * static_cast<std::size_t>(row)];
+      places.emplace_back(place[0], place[1], place[2]);
       box.extend(places.back());
     }
     for (const Tool& tool : state.tools)
@@ -237,8 +254,10 @@ std::string ViewerStates::json() const {
     std::vector<std::uint8_t> values;
     values.reserve(states_.size() * num_nodes);
     for (const State& state : states_)
-      for (const float value : state.values[q])
+      for (const int row : rows_in(state)) {
+        const float value = state.values[q][static_cast<std::size_t>(row)];
         values.push_back(std::isfinite(value) ? quantiser.operator()<std::uint8_t>(value) : kNoValue8);
+      }
     numbers.add(fmt::format("values_{}", entry.word), values, num_nodes);
     fields.push_back({{"word", entry.word},
                       {"label", entry.label},

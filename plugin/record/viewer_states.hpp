@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,10 +28,11 @@ inline constexpr std::string_view kViewerName = "viewer.json";
 ///    entry `stride` before it (to 0 at first), as 2 d if d is not negative, otherwise as -2 d - 1; sums are modulo
 ///    2^bits
 ///
-/// `hexahedra` has eight nodes each, `positions` three numbers per node and state, 0 to 65535 from end to end of `box`
-/// [m], and `values_...` one, 0 to 254 from `least` to `most` of the field, 255 for no value. `regions` has the number
-/// of each hexahedron's region, an entry of the list of that name, which has names and colours; `shownRegions` are
-/// those that are shown within the body.
+/// Nodes are those of the last state; in a state before they split, copies lie where their node was. `hexahedra` has
+/// eight nodes each, `positions` three numbers per node and state, 0 to 65535 from end to end of `box` [m], and
+/// `values_...` one, 0 to 254 from `least` to `most` of the field, 255 for no value. `regions` has the number of each
+/// hexahedron's region, an entry of the list of that name, which has names and colours; `shownRegions` are those that
+/// are shown within the body.
 class ViewerStates {
  public:
   static constexpr int kMaxStates = 60, kFewestStates = 6;
@@ -68,11 +70,12 @@ class ViewerStates {
   };
   struct State {
     long step = 0;
-    double time = 0;                         // [s]
-    std::vector<float> positions;            // [m] three per node
-    std::vector<std::vector<float>> values;  // of each quantity, one per node
-    std::vector<int> gone;                   // hexahedra that have gone since the state before
-    std::vector<int> fixed;                  // nodes
+    double time = 0;                                           // [s]
+    std::shared_ptr<const std::vector<Hexahedron>> hexahedra;  // as they were, of states until nodes split
+    std::vector<float> positions;                              // [m] three per node
+    std::vector<std::vector<float>> values;                    // of each quantity, one per node
+    std::vector<int> gone;                                     // hexahedra that have gone since the state before
+    std::vector<int> fixed;                                    // nodes
     std::vector<Load> loads;
     std::vector<Tool> tools;
     std::vector<Eigen::Vector3f> spring_ends;  // [m] two of each spring
@@ -83,7 +86,8 @@ class ViewerStates {
   std::vector<Load> loads_of(const BoundaryConditions& conditions) const;
   Tool tool_of(const Instrument& instrument, ConstPoints positions);
   bool is_shown(std::size_t quantity) const;
-  double bytes_of_state() const;  // before it is deflated
+  double bytes_of_state() const;                       // before it is deflated
+  std::vector<int> rows_in(const State& state) const;  // of the present nodes
 
   const Bodies& bodies_;
   std::string title_;

@@ -43,6 +43,15 @@ void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoi
   grid.add_cells(hexahedra.size(), kVtkHexahedron, kCorners);
   grid.point_data = {vectors("displacement", displacement),
                      vectors("plastic_rest_position", bodies.plastic_rest_positions()), vectors("velocity", velocity)};
+  std::vector<std::int32_t> initial_nodes;  // in the mesh of all bodies as it was at first
+  if (bodies.are_split()) {
+    int first = 0;
+    for (const Bodies::Entry& entry : bodies.all()) {
+      for (const int node : entry.body->copies().initial()) initial_nodes.push_back(first + node);
+      first += entry.body->copies().num_initial();
+    }
+    grid.point_data.push_back(scalars("Int32", "initial_node", initial_nodes));
+  }
   if (!conditions.fixed.empty()) grid.point_data.push_back(scalars("UInt8", "fixed", conditions.fixed));
   if (conditions.loads.rows() > 0) grid.point_data.push_back(vectors("load", conditions.loads));
   grid.cell_data = {scalars("Int32", "id", ids),

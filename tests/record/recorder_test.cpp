@@ -8,7 +8,9 @@
 #include "formats/xml.hpp"
 #include "page/plot.hpp"
 #include "picture/axis.hpp"
+#include "record/state_arrays.hpp"
 #include "support/output.hpp"
+#include "support/vtu_reader.hpp"
 
 namespace hexaplast {
 namespace {
@@ -68,6 +70,33 @@ TEST(HistoryTable, LeavesOutTheShapeWithoutLoadWhereItIsNotWanted) {
   });
   EXPECT_EQ(run.history().columns(), expected);
   EXPECT_EQ(run.history().number(2, "current_elongation"), output::summarise(run.body, run.x).current_elongation);
+}
+
+// Two hexahedra that come apart between two states.
+TEST(MeshFiles, HaveACopyOfANodeOnEachSideOfACut) {
+  const Scratch scratch;
+  Body body(block({2, 1, 1}, 0.1), {Material()});
+  Recorder recorder(scratch / "run", body, plan(1, 1));
+  PointArray x = body.mesh().positions(), v = PointArray::Zero(x.rows(), 3);
+  recorder.record({.step = 0, .time = 0}, x, v);
+  const std::vector<int> parents = body.open(std::array{0});
+  append_rows(parents, x);
+  append_rows(parents, v);
+  for (const int node : body.mesh().hexahedra()[1]) x(node, 0) += 0.05;
+  recorder.record({.step = 1, .time = 0.01}, x, v);
+  recorder.finish();
+
+  const auto files = series_in(scratch / "run");
+  ASSERT_EQ(files.size(), 2u);
+  const ImportedState whole = read_vtu_state(files[0].second), cut = read_vtu_state(files[1].second);
+  EXPECT_EQ(whole.mesh.positions.rows(), 12);
+  EXPECT_FALSE(output::has_point_data(whole, "initial_node")) << "as in runs without cuts";
+  EXPECT_EQ(cut.mesh.positions, x);
+  EXPECT_EQ(cut.mesh.hexahedra, body.mesh().hexahedra());
+  EXPECT_EQ(output::point_numbers(files[1].second, cut, "initial_node"), body.copies().initial());
+  EXPECT_EQ(output::cell_scalars(files[0].second, whole, "part"), (std::vector<double>{0, 0}));
+  EXPECT_EQ(output::cell_scalars(files[1].second, cut, "part"), (std::vector<double>{0, 1}));
+  EXPECT_EQ(Csv(content(scratch / "run/history.csv")).number(1, "current_volume_ratio"), 1);
 }
 
 /// Bars of hexahedra that do not touch, each stretched to its own share in every step: they break one after another.

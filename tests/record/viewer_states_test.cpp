@@ -121,6 +121,37 @@ TEST(ViewerFile, HasThePositionsOfEveryStateAndWhatTheyCarry) {
   }
 }
 
+// The mesh is the last one: three hexahedra in a row, of which one comes off after each state.
+TEST(ViewerFile, HasCopiesWhereTheirNodesWereBeforeTheySplit) {
+  Body body(block({3, 1, 1}, 0.1), {Material()});
+  ViewerStates states(body, "cut", 2, 0.01, {});
+  PointArray x = body.mesh().positions();
+  std::vector<PointArray> recorded;
+  for (int step = 0; step <= 2; ++step) {
+    if (step > 0) append_rows(body.open(std::array{step - 1}), x);
+    for (const int node : body.mesh().hexahedra()[2]) x(node, 2) += 0.03;
+    recorded.push_back(x);
+    states.add(step, 0.01 * step, x, PointArray::Zero(x.rows(), 3), {});
+  }
+  const Json all = Json::parse(states.json());
+  ASSERT_EQ(all.at("nodes"), 24);
+  const std::vector<double> box = all.at("box");
+  const std::vector<std::uint32_t> numbers = unpacked(all, "positions");
+  ASSERT_EQ(numbers.size(), 3u * 3 * 24);
+  const std::vector<int>& initial = body.copies().initial();
+  for (int step = 0; step <= 2; ++step)
+    for (int n = 0; n < 24; ++n) {
+      const auto height = [&](int node) {
+        return box[2] + (box[5] - box[2]) * numbers[3 * (24 * step + node) + 2] / 65535.0;
+      };
+      if (n < recorded[step].rows()) {
+        EXPECT_NEAR(height(n), recorded[step](n, 2), 1e-5);
+      } else if (step == 0) {
+        EXPECT_EQ(height(n), height(initial[n]));
+      }
+    }
+}
+
 TEST(ViewerFile, HasStrainsBetweenThoseOfTheHexahedraAroundANode) {
   const Viewed viewed;
   const Json& fields = viewed.all.at("fields");
