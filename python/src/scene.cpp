@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "body.hpp"
@@ -67,15 +68,26 @@ class SceneBody final : public BodyState {
             std::shared_ptr<std::atomic_flag> taken)
       : BodyState(std::shared_ptr<const hexaplast::Body>(scene, of.field->body()), std::move(taken)),
         name_(of.name),
+        field_(of.field),
         state_(of.state) {}
 
   const std::string& name() const { return name_; }
+  scene::ForceField& field() { return *field_; }
   const PointArray& positions() { return state_->positions(); }
-  const PointArray& velocities() { return state_->velocities(); }
+  py::array shown_positions() { return shown_positions_.view(state_->positions()); }
+  py::array shown_velocities() { return shown_velocities_.view(state_->velocities()); }
+
+  void refresh() {
+    BodyState::refresh();
+    shown_positions_.refresh(state_->positions());
+    shown_velocities_.refresh(state_->velocities());
+  }
 
  private:
   std::string name_;
+  scene::ForceField* field_;
   scene::MechanicalState* state_;
+  ShownField shown_positions_, shown_velocities_;
 };
 
 /// What a scene is read from.
@@ -143,6 +155,14 @@ class Scene {
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     }
     return report;
+  }
+
+  void open(SceneBody& body, const std::vector<int>& joints) {
+    if (std::ranges::find(bodies_, &body, &std::shared_ptr<SceneBody>::get) == bodies_.end())
+      throw InputError("the body is another scene's");
+    scene_->open(body.field(), joints);
+    refresh();
+    warn(*scene_);
   }
 
   void reset() {
@@ -215,9 +235,11 @@ class Scene {
     return shown->page(num_steps_, positions(), velocities(), {});
   }
 
-  /// Of the bodies, of several those of one behind those of another; in places that stay.
+  /// Of the bodies, of several those of one behind those of another.
   const PointArray& positions() { return shown_states_.size() == 1 ? shown_states_[0]->positions() : positions_; }
   const PointArray& velocities() { return shown_states_.size() == 1 ? shown_states_[0]->velocities() : velocities_; }
+  py::array shown_positions() { return shown_positions_.view(positions()); }
+  py::array shown_velocities() { return shown_velocities_.view(velocities()); }
   const std::vector<std::shared_ptr<SceneBody>>& bodies() const { return bodies_; }
   std::shared_ptr<SceneBody> body() const {
     if (bodies_.size() <= 1) return bodies_.empty() ? nullptr : bodies_.front();
@@ -289,6 +311,8 @@ class Scene {
       scene::velocities_of(shown_states_, velocities_);
     }
     for (const std::shared_ptr<SceneBody>& one : bodies_) one->refresh();
+    shown_positions_.refresh(positions());
+    shown_velocities_.refresh(velocities());
   }
 
   void advance(RunReport& report) {
@@ -321,6 +345,7 @@ class Scene {
   std::shared_ptr<std::atomic_flag> taken_ = std::make_shared<std::atomic_flag>();  // of the scene with its bodies
   std::vector<std::shared_ptr<SceneBody>> bodies_;
   PointArray positions_, velocities_;  // of several shown states
+  ShownField shown_positions_, shown_velocities_;
   std::optional<long> planned_steps_;
   long num_steps_ = 0;
   std::string title_;
@@ -380,8 +405,8 @@ void add_scene(py::module_& module) {
   py::class_<SceneBody, BodyState, std::shared_ptr<SceneBody>>(
       module, "SceneBody", "One of the bodies of a Scene. positions and velocities are read-only views that follow it.")
       .def_property_readonly("name", &SceneBody::name, "that of its node, or body_2 where that is no name or another's")
-      .def_property_readonly("positions", view_of<SceneBody>(&SceneBody::positions), "(n, 3) [m]")
-      .def_property_readonly("velocities", view_of<SceneBody>(&SceneBody::velocities), "(n, 3) [m/s]");
+      .def_property_readonly("positions", in_turn([](SceneBody& b) { return b.shown_positions(); }), "(n, 3) [m]")
+      .def_property_readonly("velocities", in_turn([](SceneBody& b) { return b.shown_velocities(); }), "(n, 3) [m/s]");
 
   py::class_<SceneInstrument, Instrument, std::shared_ptr<SceneInstrument>>(module, "SceneInstrument",
                                                                             "An instrument or grip of a Scene")
@@ -399,9 +424,10 @@ void add_scene(py::module_& module) {
       .def_property_readonly(
           "body", &Scene::body,
           "The only SceneBody; None where the scene has only masses. ValueError where it has several")
-      .def_property_readonly("positions", view_of<Scene>(&Scene::positions),
+      .def_property_readonly("positions", in_turn([](Scene& s) { return s.shown_positions(); }),
                              "(n, 3) [m]; of several bodies the nodes of one behind those of another")
-      .def_property_readonly("velocities", view_of<Scene>(&Scene::velocities), "(n, 3) [m/s], as positions")
+      .def_property_readonly("velocities", in_turn([](Scene& s) { return s.shown_velocities(); }),
+                             "(n, 3) [m/s], as positions")
       .def_property_readonly("dt", &Scene::dt, "[s]")
       .def_property_readonly("time", &Scene::time, "[s]")
       .def_property_readonly("num_steps", &Scene::num_steps, "steps so far")
@@ -414,6 +440,16 @@ void add_scene(py::module_& module) {
       .def("record", &Scene::record,
            "From now on, states are kept for show(): of all steps at most 60, at equal distances. reset begins anew")
       .def("_page", &Scene::page)
+      .def("open", in_turn([](Scene& s, SceneBody& body, py::handle joints) {
+             s.open(body, indices("joints", joints, body.body().joints().count()));
+           }),
+           py::arg("body"), py::arg("joints"),
+           "Opens joints of one of the bodies (numbers of body.joints, or a mask) between two steps: nodes that no "
+           "closed\n"
+           "joint holds together any more are split, and what acts on them acts on all copies, by their shares. "
+           "ValueError,\n"
+           "and nothing has changed, where a component of the scene cannot follow. Arrays taken before keep what they "
+           "show")
       .def("reset", &Scene::reset, "Back to the beginning")
       .def(
           "set", in_turn([](Scene& s, const std::string& path, py::object value) { s.set(path, value); }),

@@ -46,6 +46,31 @@ def test_steps_runs_and_resets_are_one_motion():
     assert scene.elastic_energy > 0 and scene.kinetic_energy > 0
 
 
+def test_joints_open_in_a_run_and_close_with_reset():
+    scene = hexaplast.Scene(BAR)
+    scene.run(20)
+    before, once = scene.positions, scene.state_hash()
+    kept = before.copy()
+    scene.open(scene.body, range(0, len(scene.body.joints), 2))
+    assert scene.positions.shape[0] == scene.body.positions.shape[0] > kept.shape[0]
+    assert (before == kept).all(), "an array that was taken before keeps what it showed"
+    assert (scene.positions[: len(kept)] == kept).all()
+
+    other = scene.copy()
+    for one in (scene, other):
+        one.run(5)
+    assert scene.state_hash() == other.state_hash()
+    assert (before == kept).all()
+    with pytest.raises(ValueError, match="another scene's"):
+        scene.open(other.body, [0])
+    with pytest.raises(ValueError, match="joints"):
+        scene.open(scene.body, [-1])
+    scene.reset()
+    assert scene.positions.shape == kept.shape
+    scene.run(20)
+    assert scene.state_hash() == once
+
+
 def test_the_same_bar_from_arrays_moves_alike():
     scene = hexaplast.Scene(BAR)
     positions, hexahedra = hexaplast.grid((3, 3, 10), (-0.15, -0.15, -0.5), (0.15, 0.15, 0.5))
