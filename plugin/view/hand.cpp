@@ -203,7 +203,12 @@ void Hand::close_grip(const Vec3& place, const HandSettings& settings) {
   offset_.setZero();
   at_ = target_ = place;
   const double time = scene_.time();
-  change(grip, "indices", std::vector<std::int64_t>(held.begin(), held.end()), messages_);
+  std::vector<std::int64_t> initial;  // a grip takes all copies of a node
+  for (const int node : held)
+    if (const int first = bodies_[nearest].field->body()->copies().initial()[node];
+        std::ranges::find(initial, first) == initial.end())
+      initial.push_back(first);
+  change(grip, "indices", std::move(initial), messages_);
   change(grip, "stiffness", settings.stiffness, messages_);
   change(grip, "maxForce", settings.max_force, messages_);
   change(grip, "damping", settings.damping, messages_);

@@ -134,7 +134,10 @@ Session::Session(Subject subject, MakeComponent make)
       shown_(entries_of(bodies_)),
       dt_(subject_.scene.dt()),
       hand_(subject_.scene, bodies_, std::move(make), size_of(shown_.mesh())),
-      measurement_(shown_) {
+      measurement_(shown_),
+      present_mesh_(std::make_shared<const HexMesh>(shown_.mesh())),
+      taken_mesh_(present_mesh_),
+      mesh_(*taken_mesh_) {
   for (const scene::SceneBody& of : bodies_)
     for (const Row<Material>& row : material_rows())  // what a body may take anew between two steps
       if (scene::Data* data = of.field->find_data(row.name)) {
@@ -315,6 +318,10 @@ bool Session::take(Snapshot& snapshot) {
     is_wanted_ = true;
   }
   wake_.notify_one();
+  if (is_taken && snapshot.mesh != taken_mesh_) {
+    taken_mesh_ = snapshot.mesh;
+    mesh_ = *taken_mesh_;  // in its place: pictures look at it
+  }
   return is_taken;
 }
 
@@ -426,7 +433,7 @@ void Session::note_change(const Parameter& parameter) {
 /// A field of all bodies.
 const PointArray& Session::gather(PointArray& (scene::MechanicalState::*field)(), PointArray& all) const {
   if (shown_.is_one()) return (bodies_.front().state->*field)();
-  all.resize(mesh().num_nodes(), 3);
+  all.resize(shown_.mesh().num_nodes(), 3);
   for (std::size_t k = 0; k < bodies_.size(); ++k)
     output::Bodies::rows(shown_.all()[k], all) = (bodies_[k].state->*field)();
   return all;
@@ -441,10 +448,10 @@ void Session::publish_values(const ElementFields& fields) {
     return;
   }
   if (quantity_ == Quantity::kRegion)  // which the window knows
-    back_.of_hexahedra.assign(static_cast<std::size_t>(mesh().num_elements()), 0);
+    back_.of_hexahedra.assign(static_cast<std::size_t>(shown_.mesh().num_elements()), 0);
   else
     back_.of_hexahedra = output::values_in(fields, quantity_);
-  back_.values = nodal_means(mesh(), back_.of_hexahedra, shown_.alive());
+  back_.values = nodal_means(shown_.mesh(), back_.of_hexahedra, shown_.alive());
 }
 
 /// Without the hand's instruments that are out of the way.
@@ -473,9 +480,12 @@ void Session::publish() {
   back_.failure = failure_;
   for (const std::string& message : hand_.take_messages()) messages_.push_back(message);
   back_.messages = std::exchange(messages_, {});
+  if (present_mesh_->hexahedra() != shown_.mesh().hexahedra())
+    present_mesh_ = std::make_shared<const HexMesh>(shown_.mesh());
+  back_.mesh = present_mesh_;
   back_.positions = x;
   const bool wants_rest = wants_plastic_rest();
-  back_.plastic_rest = wants_rest ? shown_.plastic_rest_positions() : mesh().positions();
+  back_.plastic_rest = wants_rest ? shown_.plastic_rest_positions() : shown_.mesh().positions();
   const std::span<const unsigned char> alive = shown_.alive();
   back_.alive.assign(alive.begin(), alive.end());
   publish_values(fields);

@@ -95,7 +95,7 @@ class Session final : public Source {
 
   // what does not change while it runs
   const std::string& title() const override { return subject_.title; }
-  const HexMesh& mesh() const override { return shown_.mesh(); }
+  const HexMesh& mesh() const override { return mesh_; }
   const std::vector<Parameter>& parameters() const { return parameters_; }
   const HandSettings& suggested_hand() const { return suggested_hand_; }
   const std::string& touch_refusal() const { return hand_.touch_refusal(); }
@@ -157,7 +157,12 @@ class Session final : public Source {
   bool has_changed_ = true;  // since the latest snapshot
   std::deque<Saved> saved_;  // the latest at the end
   std::vector<Change> changes_;
+  std::shared_ptr<const HexMesh> present_mesh_;
   Snapshot back_;
+
+  // read and written by the caller alone
+  std::shared_ptr<const HexMesh> taken_mesh_;
+  HexMesh mesh_;  // the same
 
   std::mutex mutex_;  // over what follows
   std::condition_variable wake_;

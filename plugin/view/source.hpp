@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,12 +37,13 @@ struct Sample {
 struct Snapshot {
   long step = 0;
   bool is_running = false;
-  bool is_late = false;               ///< steps take longer than the pace asks for
-  std::string failure;                ///< why it cannot go on before a reset; empty: it can
-  std::vector<std::string> messages;  ///< that came since the last snapshot
-  PointArray positions;               ///< [m]
-  PointArray plastic_rest;            ///< [m] what the body would be without forces
-  std::vector<unsigned char> alive;   ///< per hexahedron
+  bool is_late = false;                      ///< steps take longer than the pace asks for
+  std::string failure;                       ///< why it cannot go on before a reset; empty: it can
+  std::vector<std::string> messages;         ///< that came since the last snapshot
+  std::shared_ptr<const HexMesh> mesh = {};  ///< of a session: the present one, the same until nodes split
+  PointArray positions;                      ///< [m]
+  PointArray plastic_rest;                   ///< [m] what the body would be without forces
+  std::vector<unsigned char> alive;          ///< per hexahedron
   Quantity quantity = Quantity::kPlasticStrain;
   std::vector<double> values;        ///< of the quantity, per node; infinite for the yield stress of what never yields
   std::vector<double> of_hexahedra;  ///< the same per hexahedron; of the speed: empty
@@ -72,8 +74,9 @@ class Source {
   virtual bool take(Snapshot& snapshot) = 0;
 
   virtual const std::string& title() const = 0;
-  virtual const HexMesh& mesh() const = 0;  ///< of all bodies (output::Bodies)
-  virtual double dt() const = 0;            ///< [s]
+  /// Of all bodies (output::Bodies), as in the snapshot that was taken last; its nodes may be others after `take`.
+  virtual const HexMesh& mesh() const = 0;
+  virtual double dt() const = 0;  ///< [s]
 };
 
 }  // namespace hexaplast::view
