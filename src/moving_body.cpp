@@ -140,6 +140,7 @@ std::vector<int> MovingBody::open(std::span<const int> joints) {
   append_rows(parents, velocities);
   append_rows(parents, held_);
   if (PointArray& start = euler_.memory().start; start.rows() > 0) append_rows(parents, start);
+  euler_.memory().radii.clear();  // those of another matrix, whatever it has in common with the next
   take_nodes();
   for (StepForces* forces : forces_) forces->nodes_changed(0, body.copies(), parents);
   return parents;
