@@ -8,8 +8,8 @@
 
 namespace hexaplast {
 
-/// Where the hexahedra of an initial mesh lie on lattices, along which coarse cells of twice the edge length cover up to
-/// 2 x 2 x 2 of them, and where the cells of each coarser mesh do. Found once: it holds for the same hexahedra when
+/// Where the hexahedra of an initial mesh lie on lattices, along which coarse cells of twice the edge length cover up
+/// to 2 x 2 x 2 of them, and where the cells of each coarser mesh do. Found once: it holds for the same hexahedra when
 /// their nodes have split (coarsen).
 ///
 /// Neighbours across faces lie a step apart on the lattice of a chart. What nodes have in common that lie at one place
@@ -20,7 +20,7 @@ struct Charts {
   /// A hexahedron in its cell.
   struct Element {
     int cell;
-    std::array<unsigned char, kCorners> place;  ///< of its corners: x + 3 y + 9 z, each 0, 1 or 2 half edges of the cell
+    std::array<unsigned char, kCorners> place;  ///< of its corners in it: x + 3 y + 9 z, each 0, 1 or 2 half edges
     unsigned char slot;                         ///< corner of the cell at which it lies
     unsigned char centre;                       ///< its corner in the middle of the cell
   };

@@ -27,11 +27,11 @@ struct Cells {
   std::vector<int> of_element;  // -1: in none
   std::vector<int> chart_cell;
   std::vector<std::array<int, kCorners>> children;
-  std::vector<int> twin;  // per cell: one before it with the same corners, which has a child in its place; or -1
 
   int count() const { return static_cast<int>(chart_cell.size()); }
 };
 
+/// A child that a slit divides, though not its cell, is there twice; then so is the cell, with the same corners.
 Cells find_cells(const Elements& elements) {
   Cells cells;
   cells.of_element.resize(elements.count());
@@ -40,19 +40,14 @@ Cells find_cells(const Elements& elements) {
   for (int e = 0; e < elements.count(); ++e) {
     const Charts::Element& element = elements[e];
     const int middle = elements.nodes[e][element.centre];
-    int cell = latest[element.cell], twin = -1;
-    for (; cell >= 0; cell = before[cell]) {
-      if (centre[cell] != middle) continue;
-      if (cells.children[cell][element.slot] < 0) break;
-      twin = cell;
-    }
+    int cell = latest[element.cell];
+    while (cell >= 0 && (centre[cell] != middle || cells.children[cell][element.slot] >= 0)) cell = before[cell];
     if (cell < 0) {
       cell = cells.count();
       before.push_back(std::exchange(latest[element.cell], cell));
       centre.push_back(middle);
       cells.chart_cell.push_back(element.cell);
       cells.children.emplace_back().fill(-1);
-      cells.twin.push_back(twin);
     }
     cells.of_element[e] = cell;
     cells.children[cell][element.slot] = e;
@@ -83,7 +78,6 @@ void remove_crumbs(const Elements& elements, Cells& cells) {
     number[c] = left.count();
     left.chart_cell.push_back(cells.chart_cell[c]);
     left.children.push_back(cells.children[c]);
-    left.twin.push_back(cells.twin[c] < 0 ? -1 : number[cells.twin[c]]);
   }
   for (const int cell : cells.of_element) left.of_element.push_back(number[cell]);
   cells = std::move(left);
@@ -128,7 +122,6 @@ void find_nodes(const Elements& elements, const Cells& cells, Coarsening& out) {
       if (is_split[point] || there < 0) {
         node = sets.num_members();
         sets.add();
-        if (cells.twin[c] >= 0) sets.join(out.cells[cells.twin[c]][a], node);
       }
       if (is_split[point])
         has_split[c] = 1;
@@ -147,7 +140,6 @@ void find_nodes(const Elements& elements, const Cells& cells, Coarsening& out) {
     if (cell < 0 || !has_split[cell]) continue;
     for (int a = 0; a < kCorners; ++a) {
       const CornersAround& around = kCornersAround[elements[e].place[a]];
-      if (around.count == kCorners) continue;  // it is in no other cell
       int& first_here = first[elements.nodes[e][a]];
       for (int k = 0; k < around.count; ++k) {
         const int corner = around.corner[k], point = elements.charts.cells[cells.chart_cell[cell]][corner];

@@ -65,7 +65,8 @@ HexMesh split(const HexMesh& initial, const Opens& opens) {
 }
 
 /// Opens the faces in the plane x_axis = at, where `where` holds for their middle.
-Opens plane(int axis, double at, const std::function<bool(const Vec3&)>& where = [](const Vec3&) { return true; }) {
+Opens plane(
+    int axis, double at, const std::function<bool(const Vec3&)>& where = [](const Vec3&) { return true; }) {
   return [=](const Vec3& a, const Vec3& b) { return (a[axis] < at) != (b[axis] < at) && where((a + b) / 2); };
 }
 
@@ -155,15 +156,30 @@ TEST(SplitMesh, LipsOfASlitShareNoCoarseNode) {
     }
 }
 
+// A slit one cell deep, which the next coarser cells do not resolve, through cells that they have as children: these
+// are there twice, in cells with the same corners.
+TEST(SplitMesh, CellsTakeBothSidesOfAChildThatASlitDivides) {
+  const HexMesh whole = block({16, 16, 12}, 0.1);
+  const HexMesh mesh = split(whole, plane(0, 0.3, [](const Vec3& at) { return at.y() < 0.2; }));
+  const Charts charts(whole);
+  const auto of_whole = coarse_meshes(charts, whole, Partition(whole)),
+             found = coarse_meshes(charts, mesh, Partition(mesh));
+  ASSERT_EQ(found.size(), of_whole.size());
+  EXPECT_EQ(found[0].partition->num_elements, of_whole[0].partition->num_elements + 6);
+  EXPECT_EQ(found[0].partition->num_nodes, of_whole[0].partition->num_nodes + 2 * 7);
+  EXPECT_EQ(found[1].partition->num_elements, of_whole[1].partition->num_elements + 3);
+  EXPECT_EQ(found[1].partition->num_nodes, of_whole[1].partition->num_nodes);
+}
+
 // Two cuts that cross, one that ends at another, and a piece that is cut loose within.
 TEST(SplitMesh, CoarsePiecesAreThoseOfTheMesh) {
   const HexMesh whole = block({10, 8, 8}, 0.1);
   const Opens first = plane(0, 0.5), second = plane(1, 0.3);
   const auto is_inside = [](const Vec3& at) { return ((at - Vec3(0.5, 0.4, 0.4)).array().abs() < 0.2).all(); };
   for (const Opens& opens :
-       {Opens([&](const Vec3& a, const Vec3& b) { return first(a, b) || second(a, b); }),
-        Opens([&](const Vec3& a, const Vec3& b) { return first(a, b) || (second(a, b) && a.x() < 0.5); }),
-        Opens([&](const Vec3& a, const Vec3& b) { return is_inside(a) != is_inside(b); })}) {
+       {Opens([&](const Vec3&a, const Vec3&b) { return first(a, b) || second(a, b); }),
+        Opens([&](const Vec3&a, const Vec3&b) { return first(a, b) || (second(a, b) && a.x() < 0.5); }),
+        Opens([&](const Vec3&a, const Vec3&b) { return is_inside(a) != is_inside(b); })}) {
     const HexMesh mesh = split(whole, opens);
     ASSERT_GT(mesh.num_nodes(), whole.num_nodes());
     expect_sound(mesh, coarsened(whole, mesh));
@@ -246,6 +262,18 @@ TEST(SplitMesh, TakesAsManyIterationsAsTheWhole) {
           << "slits from " << cut << " on, to " << tolerance;
     }
   }
+}
+
+// Of one node alone, which is fixed: neither the free degrees of freedom nor the diagonal tell.
+TEST(SpectralRadii, AreFoundAnewWhenJointsOpen) {
+  MovingBody bar(Body(block({4, 4, 16}, 0.01), {{}}), {.gravity = {1, 0, -9}, .fixed = {0, 1, 2, 3, 4}},
+                 std::make_unique<PreconditionedConjugateGradients>(1e-2, 100, Preconditioner::kMultigrid));
+  for (int step = 0; step < 2; ++step) bar.step();
+  EXPECT_EQ(bar.solver_memory().radii.at(0).num_solves, 2);
+  const std::array opened = {bar.body.joints().find(Joints::Face{0, 3})};
+  EXPECT_EQ(bar.open(opened), std::vector<int>{1});
+  bar.step();
+  EXPECT_EQ(bar.solver_memory().radii.at(0).num_solves, 1);
 }
 
 // Halves are more slender than the whole. What is cut through to three quarters takes no more than they do.
