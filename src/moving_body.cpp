@@ -146,7 +146,14 @@ std::vector<int> MovingBody::open(std::span<const int> joints) {
   return parents;
 }
 
+/// Others than the motion may have opened, reset or loaded its body.
+void MovingBody::require_own_nodes() const {
+  if (std::ssize(held_) != body.mesh().num_nodes())
+    throw InputError("MovingBody: the nodes of the body are others: open, load and reset the motion, not its body");
+}
+
 FlowReport MovingBody::step() {
+  require_own_nodes();
   require_rows("MovingBody", "positions", positions, body.mesh().num_nodes());
   require_rows("MovingBody", "velocities", velocities, body.mesh().num_nodes());
   positions_before_ = positions;
@@ -218,6 +225,7 @@ RunReport MovingBody::run(int steps) {
 }
 
 void MovingBody::fix(std::span<const int> nodes) {
+  require_own_nodes();
   require_nodes("MovingBody", nodes, body.mesh().num_nodes());
   require_rows("MovingBody", "velocities", velocities, body.mesh().num_nodes());
   for (const int n : nodes) {
@@ -242,6 +250,7 @@ void MovingBody::prescribe(std::span<const int> nodes, ConstPoints target) {
 }
 
 void MovingBody::release(std::span<const int> nodes) {
+  require_own_nodes();
   require_nodes("MovingBody", nodes, body.mesh().num_nodes());
   require_rows("MovingBody", "velocities", velocities, body.mesh().num_nodes());
   for (const int n : nodes) {

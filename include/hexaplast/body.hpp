@@ -145,17 +145,16 @@ class Body {
   /// bodies, 50 to 100 of one that is about to snap through; each connected part is laid on its initial positions.
   /// Nothing else depends on it.                                                               theory.md section 5.9
   const PointArray& plastic_rest_positions() const;
-  bool plastic_rest_has_converged() const;               ///< if not, they are less exact: the best of 100 iterations
-  std::span<const unsigned char> alive() const;          ///< per hexahedron: 0 once it is removed
-  std::span<const int> removed() const;                  ///< in the order of their removal
-  std::span<const CornerValues> yield_stress() const;    ///< [Pa] per hexahedron; infinite if it never yields
-  std::span<const CornerValues> plastic_strain() const;  ///< [-] per hexahedron, accumulated
-  const HexMesh& initial_mesh() const;                   ///< before nodes were split
-  const Joints& joints() const;                          ///< of the initial mesh, found when first asked for
-  const NodeCopies& copies() const;                      ///< of the initial nodes
-  std::span<const int> opened() const;                   ///< joints, in the order of the calls of `open`
-  long revision()
-      const;  ///< grows where hexahedra are removed or joints opened, and with reset, load and new materials
+  bool plastic_rest_has_converged() const;                 ///< if not, they are less exact: the best of 100 iterations
+  std::span<const unsigned char> alive() const;            ///< per hexahedron: 0 once it is removed
+  std::span<const int> removed() const;                    ///< in the order of their removal
+  std::span<const CornerValues> yield_stress() const;      ///< [Pa] per hexahedron; infinite if it never yields
+  std::span<const CornerValues> plastic_strain() const;    ///< [-] per hexahedron, accumulated
+  const HexMesh& initial_mesh() const;                     ///< before nodes were split; until then it is mesh()
+  const Joints& joints() const;                            ///< of the initial mesh, found when first asked for
+  const NodeCopies& copies() const;                        ///< of the initial nodes
+  std::span<const int> opened() const;                     ///< joints, in the order of the calls of `open`
+  long revision() const;                                   ///< grows with remove, open, reset, load and set_materials
   double dissipated_energy() const;                        ///< [J] accumulated plastic work, and loss by relaxation
   ElementPoints element_rest_shape(int hexahedron) const;  ///< [m] its isolated one, Pi y, about its mean
 

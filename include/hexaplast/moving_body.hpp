@@ -126,11 +126,12 @@ class MovingBody {
 
   const std::vector<double>& mass() const { return mass_; }  ///< [kg] per present node
 
-  Body body;
+  Body body;              ///< joints open, and are closed by reset or load, through the motion alone
   PointArray positions;   ///< [m] num_nodes x 3
   PointArray velocities;  ///< [m/s] num_nodes x 3
 
  private:
+  void require_own_nodes() const;
   void take_nodes();  // the system, masses and fixed nodes, of the body's present ones
   void tell_fixed();  // the system, what held_ says
   void arrive();      // prescribed nodes are fixed from here on

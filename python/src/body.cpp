@@ -199,7 +199,7 @@ void add_joints(py::module_& module) {
             return two_columns(j.num_faces(),
                                [&](int k) { return std::pair(j.faces()[k].hexahedron, j.faces()[k].side); });
           },
-          "(f, 2): the lowest hexahedron that has the face, and its side (-x, +x, ... of kFaces)")
+          "(f, 2): the lowest hexahedron that has the face, and its side (of six)")
       .def_property_readonly(
           "hinges",
           [](const Joints& j) {
@@ -364,10 +364,10 @@ void add_owned_body(py::module_& module) {
            "Plastic history and materials, with a checksum: load() of a body with the same mesh and settings continues "
            "from them, bit for bit. Positions and velocities are not included")
       .def("load", in_turn([](Body& b, const py::bytes& data) {
-             const int num_nodes = b.body().mesh().num_nodes();
+             const std::vector<Hexahedron> corners = b.body().mesh().hexahedra();
              const py::bytes before = b.is_in_simulation() ? saved(b.body()) : py::bytes();
              load(b.body(), data);
-             if (b.is_in_simulation() && b.body().mesh().num_nodes() != num_nodes) {
+             if (b.is_in_simulation() && b.body().mesh().hexahedra() != corners) {
                load(b.body(), before);
                throw InputError(
                    "the body is in a simulation, and that one has other open joints: load the simulation's");

@@ -111,8 +111,8 @@ template <class Make>
 auto Simulation::add(const Make& make, const py::dict& arguments) {
   const Turn turn(taken());
   auto tool = make(body_, arguments);
-  tools_.push_back(tool);
   moving_->add(tool->acting());
+  tools_.push_back(tool);
   return tool;
 }
 
@@ -137,6 +137,8 @@ PointArray Simulation::forces_from(const char* name, const py::object& given) co
 }
 
 void Simulation::advance(const PointArray& forces, RunReport& report) {
+  if (forces.rows() != num_nodes())
+    throw InputError(fmt::format("forces: of {} nodes, the simulation has {} now", forces.rows(), num_nodes()));
   *forces_ = forces;
   for (const std::shared_ptr<Tool>& tool : tools_) tool->begin_step(moving_->dt());
   const FlowReport flowed = moving_->step();
@@ -166,9 +168,9 @@ RunReport Simulation::run(long steps, const py::object& forces) {
 std::vector<int> Simulation::open(const std::vector<int>& joints) {
   const Turn turn(taken());
   std::vector<int> parents = moving_->open(joints);
-  refresh();
+  if (parents.empty()) return parents;
   forces_->setZero(num_nodes(), 3);
-  if (record_) begin_record();
+  refresh();
   return parents;
 }
 
@@ -261,10 +263,12 @@ void Simulation::load(const py::bytes& data) {
 }
 
 void Simulation::set_state(py::handle positions, py::handle velocities) {
-  const RealArray x = points("positions", positions, num_nodes()), v = points("velocities", velocities, num_nodes());
+  const RealArray x = points("positions", positions), v = points("velocities", velocities);
+  const Turn turn(taken());
+  for (const auto& [name, field] : {std::pair{"positions", x}, std::pair{"velocities", v}})
+    points(name, field, num_nodes());
   if (!as_points(x).allFinite() || !as_points(v).allFinite())
     throw InputError("positions and velocities must be finite");
-  const Turn turn(taken());
   moving_->positions = as_points(x);
   moving_->velocities = as_points(v);
   moving_->solver_memory().reset();
@@ -360,19 +364,25 @@ void add_simulation(py::module_& module) {
           },
           py::arg("steps"), py::arg("forces") = py::none(),
           "Several steps under constant nodal forces (n, 3) [N]; reports the worst of them")
-      .def("fix", in_turn([](Simulation& s, py::handle nodes) { s.get().fix(indices("nodes", nodes, s.num_nodes())); }),
+      .def("fix", in_turn([](Simulation& s, py::handle nodes) {
+             s.get().fix(indices("nodes", nodes, s.num_nodes()));
+             s.refresh();
+           }),
            py::arg("nodes"), "Nodes (numbers, or a mask) keep their positions from now on")
       .def(
           "prescribe", in_turn([](Simulation& s, py::handle nodes, py::handle positions) {
             const std::vector<int> numbers = indices("nodes", nodes, s.num_nodes());
             const RealArray to = points("positions", positions, static_cast<Eigen::Index>(numbers.size()));
             s.get().prescribe(numbers, as_points(to));
+            s.refresh();
           }),
           py::arg("nodes"), py::arg("positions"),
           "Nodes (numbers, or a mask) move to positions (one row [m] per node) in the next step, and stand still after "
           "it")
-      .def("release",
-           in_turn([](Simulation& s, py::handle nodes) { s.get().release(indices("nodes", nodes, s.num_nodes())); }),
+      .def("release", in_turn([](Simulation& s, py::handle nodes) {
+             s.get().release(indices("nodes", nodes, s.num_nodes()));
+             s.refresh();
+           }),
            py::arg("nodes"), "Nodes (numbers, or a mask) move freely again")
       .def(
           "open",
@@ -429,8 +439,8 @@ void add_simulation(py::module_& module) {
       .def("set_state", &Simulation::set_state, py::arg("positions"), py::arg("velocities"),
            "Replaces positions (n, 3) [m] and velocities (n, 3) [m/s]")
       .def("record", &Simulation::record,
-           "From now on, states are kept for show(): of all steps at most 60, at equal distances. reset and set_state\n"
-           "begin anew")
+           "From now on, states are kept for show(): of all steps at most 60, at equal distances. reset, load and\n"
+           "set_state begin anew")
       .def("_page", &Simulation::page)
       .def(
           "picture", &Simulation::picture, py::arg("width") = 640, py::arg("height") = 360,

@@ -71,7 +71,10 @@ class Simulation {
   /// Steps under constant forces.
   RunReport run(long steps, const py::object& forces);
 
-  /// Joints of the body; what is recorded begins anew.
+  /// Brings what is shown of it up to date.
+  void refresh();
+
+  /// Joints of the body.
   std::vector<int> open(const std::vector<int>& joints);
 
   void set_state(py::handle positions, py::handle velocities);
@@ -83,7 +86,6 @@ class Simulation {
   void load(const py::bytes& data);
 
  private:
-  void refresh();  // what is shown of it
   output::BoundaryConditions conditions() const;
   std::shared_ptr<MotionRecord> new_record() const;
   void begin_record();

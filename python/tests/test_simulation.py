@@ -344,7 +344,18 @@ def test_a_bar_that_is_cut_through_falls_apart_and_goes_on_from_what_was_saved()
         assert other.state_hash() == simulation.state_hash()
     with pytest.raises(ValueError, match="other open joints"):
         body.load(bar((2, 2, 8), young_modulus=5000).save())
-    simulation.step(np.zeros((90, 3)))
+    with pytest.raises(ValueError, match="other open joints"):  # of as many nodes
+        other = bar((2, 2, 8), young_modulus=5000)
+        other.open(np.flatnonzero((centres[pairs[:, 0]] < 0.3) != (centres[pairs[:, 1]] < 0.3)))
+        body.load(other.save())
+    held = simulation.velocities
+    simulation.fix(np.arange(90))
+    assert (held == 0).all() and simulation.kinetic_energy == 0
+    batch = hexaplast.Batch([simulation, copy])
+    with pytest.raises(ValueError, match="forces: of 90 nodes"):
+        batch.step([None, None], act=lambda s, _: simulation.reset() if s is copy else None)
+    assert len(batch.simulations) == 2
+    simulation.step(np.zeros((81, 3)))
     simulation.reset()
     assert len(simulation.positions) == 81 and (simulation.positions == body.initial_positions).all()
     assert body.opened == [] and simulation.picture(64, 64).shape == (64, 64, 3)

@@ -27,9 +27,24 @@ NodeCopies::NodeCopies(int num_initial_nodes)
   std::iota(copies_.begin(), copies_.end(), 0);
 }
 
-std::vector<int> NodeCopies::split(const HexMesh& initial, const Joints& joints, std::span<const unsigned char> is_open,
-                                   std::span<const int> opened, std::span<const double> volume,
-                                   std::vector<Hexahedron>& hexahedra) {
+std::vector<int> NodeCopies::split(const HexMesh& initial, const Joints& joints, std::span<const int> opened,
+                                   std::span<const int> end_of_call, std::vector<unsigned char>& is_open,
+                                   std::span<const double> volume, std::vector<Hexahedron>& hexahedra) {
+  std::vector<int> parents;
+  int first = 0;
+  for (const int end : end_of_call) {
+    const std::span<const int> of_call = opened.subspan(first, end - first);
+    for (const int joint : of_call) is_open[joint] = 1;
+    split_call(initial, joints, of_call, is_open, hexahedra, parents);
+    first = end;
+  }
+  if (!parents.empty()) find_shares(initial, volume, hexahedra);
+  return parents;
+}
+
+void NodeCopies::split_call(const HexMesh& initial, const Joints& joints, std::span<const int> opened,
+                            std::span<const unsigned char> is_open, std::vector<Hexahedron>& hexahedra,
+                            std::vector<int>& parents) {
   std::vector<int> candidates;
   for (const int joint : opened)
     for (const int e : joints.hexahedra(joint))
@@ -37,7 +52,6 @@ std::vector<int> NodeCopies::split(const HexMesh& initial, const Joints& joints,
   std::ranges::sort(candidates);
   candidates.erase(std::ranges::unique(candidates).begin(), candidates.end());
 
-  std::vector<int> parents, changed;  // changed: initial nodes
   std::vector<HexMesh::Incidence> around;
   DisjointSets groups;
   for (const int node : candidates) {
@@ -74,10 +88,11 @@ std::vector<int> NodeCopies::split(const HexMesh& initial, const Joints& joints,
       }
       hexahedra[around[k].element][around[k].corner] = copy;
     }
-    changed.push_back(initial_[node]);
   }
-  if (parents.empty()) return parents;
+}
 
+void NodeCopies::find_shares(const HexMesh& initial, std::span<const double> volume,
+                             std::span<const Hexahedron> hexahedra) {
   first_.assign(num_initial_ + 1, 0);
   for (const int n : initial_) ++first_[n + 1];
   std::partial_sum(first_.begin(), first_.end(), first_.begin());
@@ -85,8 +100,9 @@ std::vector<int> NodeCopies::split(const HexMesh& initial, const Joints& joints,
   std::vector<int> next(first_.begin(), first_.end() - 1);
   for (int node = 0; node < num_nodes(); ++node) copies_[next[initial_[node]]++] = node;
 
-  share_.resize(initial_.size());
-  for (const int n : changed) {
+  share_.assign(initial_.size(), 1);
+  for (int n = 0; n < num_initial_; ++n) {
+    if (of(n).size() == 1) continue;
     double all = 0;
     for (const int copy : of(n)) share_[copy] = 0;
     for (const auto& [element, corner] : initial.incident(n)) {
@@ -95,7 +111,6 @@ std::vector<int> NodeCopies::split(const HexMesh& initial, const Joints& joints,
     }
     for (const int copy : of(n)) share_[copy] /= all;
   }
-  return parents;
 }
 
 }  // namespace hexaplast

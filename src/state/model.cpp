@@ -71,18 +71,14 @@ const Joints& Model::joints() const {
 }
 
 std::vector<int> Model::open(const History& history, int first_call) {
+  std::vector<int> ends(history.end_of_opening.begin() + first_call, history.end_of_opening.end());
+  const int first = first_call == 0 ? 0 : history.end_of_opening[first_call - 1];
+  for (int& end : ends) end -= first;
   std::vector<unsigned char> is_open(joints().count(), 0);
+  for (int k = 0; k < first; ++k) is_open[history.opened[k]] = 1;
   std::vector<Hexahedron> hexahedra = mesh.hexahedra();
-  std::vector<int> parents;
-  int first = 0;
-  for (int call = 0; call < std::ssize(history.end_of_opening); ++call) {
-    const std::span<const int> opened = std::span(history.opened).subspan(first, history.end_of_opening[call] - first);
-    first = history.end_of_opening[call];
-    for (const int joint : opened) is_open[joint] = 1;
-    if (call < first_call) continue;
-    const std::vector<int> of_call = copies.split(initial_mesh(), joints(), is_open, opened, volume, hexahedra);
-    parents.insert(parents.end(), of_call.begin(), of_call.end());
-  }
+  std::vector<int> parents = copies.split(initial_mesh(), joints(), std::span(history.opened).subspan(first), ends,
+                                          is_open, volume, hexahedra);
   if (parents.empty()) return parents;
   if (!initial_) initial_ = std::make_shared<const HexMesh>(mesh);
   take_mesh({*initial_, copies.initial(), std::move(hexahedra)});

@@ -114,10 +114,10 @@ TEST_P(OpenedBody, AllOpenFallsInParabolas) {
 
 // In whatever order and with however many threads joints open; saved, loaded and undone amid a cut.
 TEST_P(OpenedBody, GoesOnWithTheSameBits) {
-  const HexMesh mesh = block({8, 4, 4}, 0.02);
+  const HexMesh mesh = GetParam() == 2 ? block({8, 4, 4}, 0.02) : block({16, 8, 8}, 0.01);
   const auto made = [&] {
     MovingBody moving(Body(mesh, {soft_and_yielding()}, settings()), kFalling,
-                      std::make_unique<PreconditionedConjugateGradients>(1e-6, 500));
+                      std::make_unique<PreconditionedConjugateGradients>(1e-6, 500));  // multigrid where there is one
     moving.fix(support::nodes_at(mesh, 0, 0));
     return moving;
   };
@@ -204,6 +204,9 @@ TEST_P(OpenedBody, RefusesWhatIsNoJoint) {
   const long revision = moving.body.revision();
   EXPECT_TRUE(moving.open(std::vector{inside}).empty());
   EXPECT_EQ(moving.body.revision(), revision);
+
+  moving.body.open(joints_across(moving.body, 0, 0.15));
+  EXPECT_TRUE(refuses<InputError>([&] { moving.step(); }, {"not its body"}));
 }
 
 /// tests/data/cutting: the same masses and pieces as those of the reference.

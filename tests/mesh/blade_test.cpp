@@ -28,10 +28,9 @@ struct Cut {
   /// The joints that open in a step, whose initial nodes move from x to x_after. Copies move as they do.
   std::vector<int> step(const PointArray& x, const PointArray& x_after, const std::vector<BladeAt>& blade) {
     const std::vector<int> opened = cut.opened(hexahedra, present(x), present(x_after), blade, is_open);
-    for (const int joint : opened) is_open[joint] = 1;
     std::vector<double> volumes;
     for (const Hexahedron& corners : mesh.hexahedra()) volumes.push_back(volume(gather(mesh.positions(), corners)));
-    copies.split(mesh, joints, is_open, opened, volumes, hexahedra);
+    copies.split(mesh, joints, opened, std::vector{static_cast<int>(opened.size())}, is_open, volumes, hexahedra);
     return opened;
   }
 

@@ -28,6 +28,13 @@ std::vector<double> volumes(const HexMesh& mesh) {
   return volumes;
 }
 
+/// In one call.
+std::vector<int> split(NodeCopies& copies, const HexMesh& mesh, const Joints& joints, const std::vector<int>& opened,
+                       std::vector<unsigned char>& is_open, std::vector<Hexahedron>& hexahedra) {
+  return copies.split(mesh, joints, opened, std::vector{static_cast<int>(opened.size())}, is_open, volumes(mesh),
+                      hexahedra);
+}
+
 HexMesh some_of(const HexMesh& mesh, double fraction, support::Random& random) {
   std::vector<Hexahedron> kept;
   for (const Hexahedron& corners : mesh.hexahedra())
@@ -69,10 +76,8 @@ TEST_P(OpenedMesh, HasTheNodesAndSharesOfTheReference) {
   for (const Json& call : data["calls"]) {
     const std::vector<int> opened = numbers(call["open"]);
     ASSERT_TRUE(std::ranges::find(opened, -1) == opened.end());
-    for (const int joint : opened) is_open[joint] = 1;
     const std::vector<double> share_before = copies.share();
-    for (const int parent : copies.split(mesh, joints, is_open, opened, volumes(mesh), hexahedra))
-      parents.push_back(parent);
+    for (const int parent : split(copies, mesh, joints, opened, is_open, hexahedra)) parents.push_back(parent);
 
     const Json& after = call["after"];
     EXPECT_EQ(copies.num_nodes(), after["num_nodes"]);
@@ -107,8 +112,7 @@ TEST(NodeCopies, OfRandomOpeningsAreTheConnectedCorners) {
       std::vector<int> opened;
       for (int j = 0; j < joints.count(); ++j)
         if (!is_open[j] && random.uniform(0, 1) < 0.3) opened.push_back(j);
-      for (const int j : opened) is_open[j] = 1;
-      copies.split(mesh, joints, is_open, opened, volumes(mesh), hexahedra);
+      split(copies, mesh, joints, opened, is_open, hexahedra);
     }
 
     DisjointSets corners(8 * mesh.num_elements());
@@ -148,10 +152,9 @@ TEST(Joints, TieTheHexahedraOfEveryNode) {
     std::vector<Hexahedron> hexahedra = mesh.hexahedra();
     std::vector<int> all(joints.count());
     for (int j = 0; j < joints.count(); ++j) all[j] = j;
-    const std::vector<unsigned char> closed(joints.count(), 0);
-    EXPECT_TRUE(copies.split(mesh, joints, closed, all, volumes(mesh), hexahedra).empty());
-    const std::vector<unsigned char> open(joints.count(), 1);
-    copies.split(mesh, joints, open, all, volumes(mesh), hexahedra);
+    std::vector<unsigned char> is_open(joints.count(), 0);
+    EXPECT_TRUE(split(copies, mesh, joints, {}, is_open, hexahedra).empty());
+    split(copies, mesh, joints, all, is_open, hexahedra);
     EXPECT_EQ(copies.num_nodes(), 8 * mesh.num_elements() + std::ranges::count_if(copies.initial(), [&](int n) {
                                     return mesh.incident(n).empty();
                                   }));

@@ -11,11 +11,11 @@ namespace hexaplast {
 /// The present nodes of a mesh some joints of which are open: of each initial node one copy per group of hexahedra that
 /// closed joints connect there. The first copy keeps the initial node's number.                theory.md section 10
 ///
-/// What belongs to initial nodes (masses, forces, constraints) follows from their copies and shares: nothing needs to
-/// know the copies before.
+/// What belongs to initial nodes (forces, springs, constraints) follows from the present copies and their shares alone,
+/// whatever the copies were before.
 class NodeCopies {
  public:
-  explicit NodeCopies(int num_initial_nodes = 0);
+  explicit NodeCopies(int num_initial_nodes);
 
   int num_initial() const { return num_initial_; }
   int num_nodes() const { return static_cast<int>(initial_.size()); }
@@ -24,8 +24,8 @@ class NodeCopies {
   /// Per present node: the initial one that it is a copy of.
   const std::vector<int>& initial() const { return initial_; }
 
-  /// Per present node: the initial volume of its hexahedra over that of all at its initial node. The shares of an
-  /// initial node sum to 1.
+  /// Per present node: the initial volume of its hexahedra over that of all at its initial node. Up to rounding the
+  /// shares of an initial node sum to 1.
   const std::vector<double>& share() const { return share_; }
 
   /// The present nodes at an initial one, ascending: itself first.
@@ -33,16 +33,22 @@ class NodeCopies {
     return {copies_.data() + first_[initial], copies_.data() + first_[initial + 1]};
   }
 
-  /// Splits nodes at joints that have just opened.
-  ///   is_open: per joint, these included. volume: [m^3] per hexahedron, initial.
-  ///   hexahedra: present corners, which change.
-  /// Present nodes that split are taken in ascending order, their groups in the order of their lowest hexahedron: the
-  /// first keeps the number, the others get the next free ones. Returns per new node the one that it was split from.
-  std::vector<int> split(const HexMesh& initial, const Joints& joints, std::span<const unsigned char> is_open,
-                         std::span<const int> opened, std::span<const double> volume,
-                         std::vector<Hexahedron>& hexahedra);
+  /// Splits nodes at joints that open, call by call.
+  ///   opened: joints; end_of_call: per call, where its own end in `opened`. is_open: per joint, before and then after.
+  ///   volume: [m^3] per hexahedron, initial. hexahedra: present corners, which change.
+  /// In a call, present nodes that split are taken in ascending order, their groups in the order of their lowest
+  /// hexahedron: the first keeps the number, the others get the next free ones. Returns per new node the one that it
+  /// was split from.
+  std::vector<int> split(const HexMesh& initial, const Joints& joints, std::span<const int> opened,
+                         std::span<const int> end_of_call, std::vector<unsigned char>& is_open,
+                         std::span<const double> volume, std::vector<Hexahedron>& hexahedra);
 
  private:
+  void split_call(const HexMesh& initial, const Joints& joints, std::span<const int> opened,
+                  std::span<const unsigned char> is_open, std::vector<Hexahedron>& hexahedra,
+                  std::vector<int>& parents);
+  void find_shares(const HexMesh& initial, std::span<const double> volume, std::span<const Hexahedron> hexahedra);
+
   int num_initial_;
   std::vector<int> initial_;
   std::vector<double> share_;

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <sstream>
 
 #include "attributes/hexaplast.hpp"
 #include "hexaplast/body.hpp"
@@ -149,7 +150,14 @@ template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::loadPart(std::istream& in)
 {
     requireTopology();
+    std::stringstream before;
+    m_body->body().save(before);
     m_body->body().load(in);
+    if (m_body->body().copies().is_split())
+    {
+        m_body->body().load(before);
+        throw InputError("joints of the body are open: its nodes in SOFA do not split");
+    }
     followTopology();
     setOutputsDirty();
     tearTopology();
