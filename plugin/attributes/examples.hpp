@@ -103,6 +103,8 @@ inline constexpr std::array kExamples = {
     Example{"BoxROI", R"xml(<BoxROI name="shin" box="-0.01 -0.01 -0.01  0.11 0.11 0.06"/>)xml"},
     Example{"MaterialRegion", R"xml(<SphereROI name="tumour" centers="0.05 0.05 0.2" radii="0.06" strict="false"/>
 <MaterialRegion name="hard" hexahedra="@tumour.hexahedraInROI" youngModulus="3e5" yieldStress="2e4"/>)xml"},
+    Example{"BladeController", R"xml(<BladeController name="scalpel" points="0 -0.02 0  0 0.12 0" keyTimes="0.1 0.6"
+    positions="-0.02 0 0.31  0.12 0 0.31"/>)xml"},
     Example{"PlaneROI", R"xml(<PlaneROI name="slice" plane="0 0 0.1  0.1 0 0.1  0.1 0.1 0.1  0.02"/>)xml"},
     Example{"MeshROI", R"xml(<MeshROI name="wedge" ROIposition="0 0 0  0.1 0 0  0 0.1 0  0 0 0.4"
     ROItriangles="0 2 1  0 1 3  1 2 3  0 3 2"/>)xml"},

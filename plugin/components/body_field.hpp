@@ -27,7 +27,7 @@ std::optional<std::vector<double>> values_of(scene::Object& owner, const Row<Opt
   return {{owner.real(row.name)}};
 }
 
-/// A body as a force field, for the regions that it has.
+/// A body as a force field, for what refers to it by the attribute `body`.
 class BodyField : public scene::ForceField, public scene::Changeable {
  public:
   using ForceField::ForceField;
@@ -35,5 +35,12 @@ class BodyField : public scene::ForceField, public scene::Changeable {
   /// The hexahedra; null: not known yet.
   virtual const std::vector<Hexahedron>* hexahedra() const = 0;
 };
+
+/// The body that the attribute `body` of a component leads to, or its node; where it is not given, the nearest one.
+/// Null: there is none.
+BodyField* find_body(scene::Component& component);
+
+/// The same; rejects the scene where there is none.
+BodyField& needed_body(scene::Component& component);
 
 }  // namespace hexaplast::components

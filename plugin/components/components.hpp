@@ -28,5 +28,6 @@ void add_visuals(scene::Factory& factory);         // OglModel, VisualStyle, Int
 void add_probes(scene::Factory& factory);          // Probe
 void add_bodies(scene::Factory& factory);          // HexahedronElastoplasticFEMForceField
 void add_regions(scene::Factory& factory);         // MaterialRegion
+void add_blades(scene::Factory& factory);          // BladeController
 
 }  // namespace hexaplast::components

@@ -22,6 +22,7 @@ HEXAPLAST_PLUGIN(factory) {
   add_part_forces(factory);
   add_bodies(factory);
   add_regions(factory);
+  add_blades(factory);
   add_mappings(factory);
   add_visuals(factory);
   add_probes(factory);

@@ -14,15 +14,8 @@ MaterialRegion::MaterialRegion() : scene::MaterialRegion(attributes::kMaterialRe
 
 std::vector<MaterialRegion*> MaterialRegion::all_of(const BodyField& body) {
   std::vector<MaterialRegion*> regions = body.node().root().all<MaterialRegion>();
-  std::erase_if(regions, [&](MaterialRegion* region) { return region->find_body() != &body; });
+  std::erase_if(regions, [&](MaterialRegion* region) { return find_body(*region) != &body; });
   return regions;
-}
-
-BodyField* MaterialRegion::find_body() {
-  scene::Object* target = find_data("body")->target();
-  if (!target) return node().nearest<BodyField>();
-  const scene::Node* holder = dynamic_cast<scene::Node*>(target);
-  return holder ? holder->local<BodyField>() : dynamic_cast<BodyField*>(target);
 }
 
 const parts::MaterialRegion& MaterialRegion::values(const std::vector<Hexahedron>& of_body) {
@@ -38,23 +31,17 @@ const parts::MaterialRegion& MaterialRegion::values(const std::vector<Hexahedron
          });
 }
 
-void MaterialRegion::init() {
-  if (find_body()) return;
-  if (const scene::Object* target = find_data("body")->target())
-    reject("body", fmt::format("the link leads to {} '{}', must lead to a body of hexahedra", target->class_name(),
-                               target->name()));
-  reject("needs a body of hexahedra in its node or above, or a link to one");
-}
+void MaterialRegion::init() { needed_body(*this); }
 
 // What a body has not asked for, because it has failed before, is wrong all the same.
 void MaterialRegion::bwd_init() {
-  if (const std::vector<Hexahedron>* of_body = find_body()->hexahedra(); of_body && !was_asked_) values(*of_body);
-  if (present_.values.empty() && find_body()->stage() == Stage::kReady)
+  if (const std::vector<Hexahedron>* of_body = find_body(*this)->hexahedra(); of_body && !was_asked_) values(*of_body);
+  if (present_.values.empty() && find_body(*this)->stage() == Stage::kReady)
     remark(scene::Severity::kWarning, {}, "gives its hexahedra no value: it has no effect");
 }
 
 // The body takes what all of its regions give.
-void MaterialRegion::refresh(std::span<const std::string_view> changed) { find_body()->refresh(changed); }
+void MaterialRegion::refresh(std::span<const std::string_view> changed) { find_body(*this)->refresh(changed); }
 
 void add_regions(scene::Factory& factory) { factory.add<MaterialRegion>(attributes::kMaterialRegion); }
 

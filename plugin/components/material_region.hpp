@@ -25,11 +25,9 @@ class MaterialRegion final : public scene::MaterialRegion, public scene::Changea
   void refresh(std::span<const std::string_view> changed) override;
 
   std::span<const int> hexahedra() const override { return present_.hexahedra; }
-  const scene::ForceField* field() override { return find_body(); }
+  const scene::ForceField* field() override { return find_body(*this); }
 
  private:
-  BodyField* find_body();
-
   bool was_asked_ = false;
   parts::MaterialRegion present_;
 };

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "hexaplast/base/error.hpp"
+#include "scene/blade.hpp"
 #include "scene/links.hpp"
 
 namespace hexaplast::scene {
@@ -271,6 +273,16 @@ void begin_step(Node& node) {
 
 void end_step(Node& node, double dt) {
   node.for_each<Component>([dt](Component& component) { component.end_step(dt); });
+
+  std::vector<std::pair<ForceField*, std::vector<int>>> opened;  // all are found before any opens: that may fail
+  node.for_each<Blade>([&](Blade& blade) {
+    const std::span<const int> joints = blade.joints();
+    if (joints.empty()) return;
+    auto of_body = std::ranges::find(opened, &blade.field(), [](const auto& pair) { return pair.first; });
+    if (of_body == opened.end()) of_body = opened.insert(of_body, {&blade.field(), {}});
+    of_body->second.insert(of_body->second.end(), joints.begin(), joints.end());
+  });
+  for (const auto& [field, joints] : opened) field->open(joints);
 }
 
 namespace {

@@ -18,6 +18,7 @@ namespace hexaplast::scene {
 ///   t_n
 ///   3. time becomes t_n + dt
 ///   4. end_step of all: plastic flow at x_{n+1}
+///   5. blades open joints
 class Scene {
  public:
   Scene();
@@ -79,7 +80,7 @@ class Scene {
 
 /// The events that an AnimationLoop sends to everything in a node and below.
 void begin_step(Node& node);
-void end_step(Node& node, double dt);
+void end_step(Node& node, double dt);  ///< then the joints open that blades have met
 
 /// Rejects the scene, naming it, where a component that acts on the nodes of a body cannot follow when they split.
 void require_followers(ForceField& field);

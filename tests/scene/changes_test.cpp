@@ -52,6 +52,8 @@ std::string_view source_of(Type type) {
 
 /// Values that say more than what follows from the present one by itself.
 const std::map<std::string, std::string_view> kOtherValues = {
+    {"BladeController.orientations", "0.3 0 0 1  0.3 0 0 1"},
+    {"BladeController.points", "0 -0.02 0  0 0.05 0"},
     {"FixedProjectiveConstraint.indices", "0-7 40"},
     {"HexahedronElastoplasticFEMForceField.fractureStress", "12"},
     {"HexahedronElastoplasticFEMForceField.fractureStretch", "1.0001"},
@@ -74,6 +76,8 @@ constexpr attributes::Example kMoreScenes[] = {
   <UniformMass totalMass="0.02"/>
 </Node>
 <AttachProjectiveConstraint object1="@nodes" object2="@weight/points" indices1="80 78" indices2="0 1"/>)xml"},
+    {"BladeController", R"xml(<BladeController name="scalpel" points="0 -0.02 0  0 0.12 0" keyTimes="0 0.1"
+    positions="0.05 0 0.31  0.12 0 0.31" orientations="0 0 0 1  0 0 0 1"/>)xml"},
     {"GraspForceField", R"xml(<GraspForceField name="forceps" radius="0.06" graspTime="0.04" releaseTime="0.07"
     keyTimes="0.02 0.06 0.08" positions="0.05 0.05 0.4  0.05 0.1 0.45  0.08 0.1 0.45" stiffness="500" damping="1"
     rayleighStiffness="0.01" maxForce="5"/>)xml"},
@@ -187,11 +191,15 @@ std::vector<Value> others(const Attribute& attribute, const Value& present, cons
   return values;
 }
 
-using Motion = std::vector<std::vector<PointArray>>;  // positions of all states, after each step
+using Numbers = std::vector<double>;
+using Motion = std::vector<std::vector<Numbers>>;  // positions of all states, after each step
 
-std::vector<PointArray> positions(scene::Scene& scene) {
-  std::vector<PointArray> all;
-  for (scene::MechanicalState* state : scene.root().all<scene::MechanicalState>()) all.push_back(state->positions());
+std::vector<Numbers> positions(scene::Scene& scene) {
+  std::vector<Numbers> all;
+  for (scene::MechanicalState* state : scene.root().all<scene::MechanicalState>()) {
+    const PointArray& x = state->positions();  // of as many rows as there are nodes at present
+    all.emplace_back(x.data(), x.data() + x.size());
+  }
   return all;
 }
 

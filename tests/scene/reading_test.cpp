@@ -112,6 +112,8 @@ TEST(SceneReading, TheComponentsAreTheseAndNoOthers) {
       "HexahedronElastoplasticFEMForceField", "ConstantForceField", "LinearForceField", "TangentialForceField",
       "SurfacePressureForceField", "PlaneForceField", "GraspForceField", "InstrumentContactForceField",
       "TissueContactForceField", "RestShapeSpringsForceField", "SpringForceField",
+      // cutting
+      "BladeController",
       // constraints
       "FixedProjectiveConstraint", "PartialFixedProjectiveConstraint", "LinearMovementProjectiveConstraint",
       "PartialLinearMovementProjectiveConstraint", "AttachProjectiveConstraint",

@@ -200,7 +200,7 @@ std::vector<ComponentGroup> grouped(const Descriptions& components) {
   std::vector<ComponentGroup> groups;
   for (const std::string_view category :
        {"Node", "Settings", "AnimationLoop", "OdeSolver", "NewtonRaphsonSolver", "LinearSolver", "MeshLoader",
-        "Topology", "MechanicalState", "Mass", "ForceField", "InteractionForceField", "MaterialRegion",
+        "Topology", "MechanicalState", "Mass", "ForceField", "InteractionForceField", "MaterialRegion", "Controller",
         "ProjectiveConstraint", "InteractionProjectiveConstraint", "Engine", "Mapping", "Probe"})
     groups.push_back({category, {}});
   for (const Description* component : components) {
