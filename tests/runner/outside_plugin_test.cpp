@@ -98,7 +98,7 @@ TEST_F(OutsidePlugin, IsALibraryForOtherPrograms) {
   };
   shows("docs/api.md", "/main.cpp", strain.out);
   shows("include/hexaplast/README.md", "/main.cpp", strain.out);
-  shows("docs/api.md", "/forceps.cpp", shell("with_cmake/forceps").out);
+  EXPECT_TRUE(has(content(kSource / "docs/api.md"), "```\n" + shell("with_cmake/forceps").out + "```\n"));
 
   // pkg-config tells the same without CMake
   fs::copy(consumer + "/main.cpp", directory_ / "main.cpp");
