@@ -171,12 +171,12 @@ TEST(SurfaceFile, LosesFacesWithTheirHexahedra) {
   const Scratch scratch;
   const HexMesh mesh = distorted_block({2, 3, 5}, 0.1, 0.12, 11);
   const std::vector<output::EmbeddedSurface> embedded_surfaces = two_surfaces();
-  const output::CarriedSurfaces carried(mesh, embedded_surfaces);
+  output::CarriedSurfaces carried(mesh, embedded_surfaces);
   const std::vector<double> strains(mesh.num_nodes(), 0.1);
   std::vector<unsigned char> alive(mesh.num_elements(), 1);
   const Embedding embedding(mesh.positions(), mesh.hexahedra(), embedded_surfaces[0].points);
   alive[embedding.hexahedron_of(4)] = 0;  // only the triangle of the first embedded surface has this corner
-  carried.write(scratch / "torn.vtu", mesh.positions(), strains, alive);
+  carried.write(scratch / "torn.vtu", mesh, mesh.positions(), strains, alive);
   EXPECT_EQ(read_with_meshio(scratch, scratch / "torn.vtu", {"kinds"}).at("kinds"), "quad triangle");
 }
 

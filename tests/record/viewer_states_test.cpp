@@ -124,7 +124,8 @@ TEST(ViewerFile, HasThePositionsOfEveryStateAndWhatTheyCarry) {
 // The mesh is the last one: three hexahedra in a row, of which one comes off after each state.
 TEST(ViewerFile, HasCopiesWhereTheirNodesWereBeforeTheySplit) {
   Body body(block({3, 1, 1}, 0.1), {Material()});
-  ViewerStates states(body, "cut", 2, 0.01, {});
+  const output::Bodies bodies(body);
+  ViewerStates states(bodies, "cut", 2, 0.01, {});
   PointArray x = body.mesh().positions();
   std::vector<PointArray> recorded;
   for (int step = 0; step <= 2; ++step) {
