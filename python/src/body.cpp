@@ -225,7 +225,11 @@ void add_body_state(py::module_& module) {
       .def_property_readonly("num_hexahedra", [](const BodyState& b) { return b.body().mesh().num_elements(); })
       .def_property_readonly("initial_positions",
                              in_turn([](BodyState& b) { return taken(b.body().mesh().positions()); }), "(n, 3) [m]")
-      .def_property_readonly("hexahedra", in_turn([](BodyState& b) { return cells_of(b.body().mesh().hexahedra()); }),
+      .def_property_readonly("hexahedra", in_turn([](BodyState& b) {
+                               py::array cells = cells_of(b.body().mesh().hexahedra());
+                               cells.attr("setflags")(py::arg("write") = false);
+                               return cells;
+                             }),
                              "(m, 8) node numbers, in the corner order of VTK's hexahedron")
       .def_property_readonly("joints", in_turn([](BodyState& b) { return b.body().joints(); }),
                              "Joints that hold the hexahedra of the initial mesh together, open or not")
