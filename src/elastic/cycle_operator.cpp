@@ -83,7 +83,7 @@ CycleOperator::CycleOperator(const Model& model)
       keeps_its_own_(model.partition->num_blocks),
       is_thin_(model.partition->num_blocks) {
   for (int e = 0; e < model.mesh.num_elements(); ++e)
-    if (is_thin(model, e)) is_thin_[model.partition->place_of_element[e] / kBlock] = 1;
+    if (model.is_thin()[e]) is_thin_[model.partition->place_of_element[e] / kBlock] = 1;
   simple_.kind = {.sampling = {.assumes_strain = true, .corner_weight = sampling_of(model.settings).corner_weight},
                   .one_rotation = true};
   simple_.resize(std::vector<unsigned char>(model.partition->num_blocks, 0));

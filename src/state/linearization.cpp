@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "state/linearization.hpp"
 
+#include <algorithm>
+
 #include "base/simd.hpp"
 
 namespace hexaplast {
@@ -9,15 +11,10 @@ namespace {
 
 std::size_t per_element(const Model& model) { return static_cast<std::size_t>(model.partition->num_blocks) * kBlock; }
 
-bool has_thin_element(const Model& model) {
-  for (int e = 0; e < model.mesh.num_elements(); ++e)
-    if (is_thin(model, e)) return true;
-  return false;
-}
-
 decltype(Linearization::op) operator_of(const Model& model) {
   if (model.settings.precision == Precision::kDouble) return ElementOperator<double, double>(model.partition);
-  if (simd_has_half() && !has_thin_element(model)) return ElementOperator<float, Half>(model.partition);
+  if (simd_has_half() && std::ranges::count(model.is_thin(), 0) == model.mesh.num_elements())
+    return ElementOperator<float, Half>(model.partition);
   return ElementOperator<float, float>(model.partition);
 }
 

@@ -110,15 +110,21 @@ std::array<double, kCorners> Model::corner_jacobian(int element) const {
   return jacobian;
 }
 
-bool is_thin(const Model& model, int element) {
+const std::vector<unsigned char>& Model::is_thin() const {
   // they are up to 65504 in half precision, and grow as an element becomes thinner by flow
   constexpr double kGreatestCoefficient = 1e3;
-  const ElementPoints X = gather(model.mesh.positions(), model.mesh.hexahedra()[element]);
-  double longest = 0;  // squared
-  for (int a = 0; a < kCorners; ++a)
-    for (int b = 0; b < a; ++b) longest = std::max(longest, (X.row(a) - X.row(b)).squaredNorm());
-  const double min = std::ranges::min(model.corner_jacobian(element));
-  return !(model.length * longest < kCorners * kGreatestCoefficient * min);
+  std::call_once(thin_->found, [&] {
+    std::vector<unsigned char>& thin = thin_->value.emplace();
+    for (int e = 0; e < mesh.num_elements(); ++e) {
+      const ElementPoints X = gather(mesh.positions(), mesh.hexahedra()[e]);
+      double longest = 0;  // squared
+      for (int a = 0; a < kCorners; ++a)
+        for (int b = 0; b < a; ++b) longest = std::max(longest, (X.row(a) - X.row(b)).squaredNorm());
+      const double min = std::ranges::min(corner_jacobian(e));
+      thin.push_back(!(length * longest < kCorners * kGreatestCoefficient * min));
+    }
+  });
+  return *thin_->value;
 }
 
 const std::vector<CoarseMesh>& Model::coarse_meshes() const {

@@ -76,6 +76,10 @@ struct Model {
 
   const Material& material(int element) const { return materials[materials.size() == 1 ? 0 : element]; }
 
+  /// Per element, whether it is so thin beside `length` that its coefficients, that length over its thickness, may
+  /// leave half precision. Found when they are first asked for.
+  const std::vector<unsigned char>& is_thin() const;
+
   /// The meshes below `mesh` for multigrid, found when they are first asked for.
   const std::vector<CoarseMesh>& coarse_meshes() const;
 
@@ -92,12 +96,9 @@ struct Model {
   };
   std::shared_ptr<const HexMesh> initial_;  // once nodes have been split
   std::shared_ptr<Shared<Joints>> joints_ = std::make_shared<Shared<Joints>>();
+  std::shared_ptr<Shared<std::vector<unsigned char>>> thin_ = std::make_shared<Shared<std::vector<unsigned char>>>();
   std::shared_ptr<Shared<Charts>> charts_ = std::make_shared<Shared<Charts>>();  // of the initial mesh
   std::shared_ptr<Shared<std::vector<CoarseMesh>>> coarse_ = std::make_shared<Shared<std::vector<CoarseMesh>>>();
 };
-
-/// Whether an element is so thin beside Model::length that its coefficients, that length over its thickness, may leave
-/// half precision.
-bool is_thin(const Model& model, int element);
 
 }  // namespace hexaplast
