@@ -45,6 +45,7 @@ class SystemSolver : public scene::OdeSolver, public scene::Stateful, public sce
     if (split_from.empty()) return memory().reset();  // what begins anew, or is read
     if (first < 0) return;
     if (memory().start.rows() == num_before) insert_rows(memory().start, split_from, first, end);
+    memory().radii.clear();  // those of another matrix, whatever it has in common with the next
     nodes_split(split_from, first, end);
   }
 
