@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "formats/readable_file.hpp"
 #include "formats/xml.hpp"
@@ -86,6 +88,14 @@ std::vector<int> ids_of(const fs::path& file, const ImportedState& state) {
   return ids;
 }
 
+/// Of each node, the one of the initial mesh that it is a copy of.
+std::vector<int> initial_nodes_in(const fs::path& file, const ImportedState& state) {
+  if (has_point_data(state, "initial_node")) return point_numbers(file, state, "initial_node");
+  std::vector<int> own(static_cast<std::size_t>(state.mesh.positions.rows()));
+  std::iota(own.begin(), own.end(), 0);
+  return own;
+}
+
 /// What holds and loads the body, as far as the file holds it: earlier versions did not write it.
 BoundaryConditions conditions_in(const fs::path& file, const ImportedState& state) {
   BoundaryConditions conditions;
@@ -123,12 +133,64 @@ RecordedRun::RecordedRun(const fs::path& place) {
       regions_.of_hexahedra.push_back(static_cast<int>(number));
     }
   }
-  const PointArray initial = state.mesh.positions - point_vectors(first, state, "displacement");
-  try {
-    mesh_.emplace(initial, std::move(state.mesh.hexahedra));
-  } catch (const InputError& reason) {
-    throw InputError(fmt::format("{}: {}", first.string(), reason.what()));
+  std::vector<Hexahedron> hexahedra = std::move(state.mesh.hexahedra);
+  initial_node_ = initial_nodes_in(first, state);
+  const fs::path& last = entries_.back().file;
+  ImportedState end = entries_.size() > 1 ? read(last) : ImportedState();
+  has_split_ = end.mesh.positions.rows() > state.mesh.positions.rows();
+  if (has_split_) {
+    initial_node_ = initial_nodes_in(last, end);
+    std::vector<unsigned char> is_known(hexahedra.size(), 0);  // by the last state that has it
+    const auto take = [&](const fs::path& file, const ImportedState& from) {
+      const std::vector<int> ids = ids_of(file, from);
+      for (std::size_t cell = 0; cell < ids.size(); ++cell)
+        if (const std::size_t e = index_of(file, ids[cell]); !std::exchange(is_known[e], 1))
+          hexahedra[e] = from.mesh.hexahedra[cell];
+    };
+    take(last, end);
+    for (std::size_t k = entries_.size() - 1; k-- > 1 && std::ranges::find(is_known, 0) != is_known.end();)
+      take(entries_[k].file, read(entries_[k].file));
+    state = std::move(end);
   }
+  const fs::path& of_nodes = has_split_ ? last : first;
+  try {
+    mesh_.emplace(state.mesh.positions - point_vectors(of_nodes, state, "displacement"), std::move(hexahedra));
+  } catch (const InputError& reason) {
+    throw InputError(fmt::format("{}: {}", of_nodes.string(), reason.what()));
+  }
+}
+
+std::size_t RecordedRun::index_of(const fs::path& file, int id) const {
+  const auto found = std::ranges::lower_bound(id_of_hexahedron_, id);
+  if (found == id_of_hexahedron_.end() || *found != id) refuse_hexahedron(file, id);
+  return static_cast<std::size_t>(found - id_of_hexahedron_.begin());
+}
+
+void RecordedRun::refuse_hexahedron(const fs::path& file, int id) const {
+  throw InputError(
+      fmt::format("{}: hexahedron {} is not that of {}", file.string(), id, entries_.front().file.string()));
+}
+
+std::vector<int> RecordedRun::rows_of_nodes(const fs::path& file, const ImportedState& state,
+                                            const std::vector<int>& ids) const {
+  const std::vector<int> initial = initial_nodes_in(file, state);
+  std::vector<int> rows(initial_node_.size(), -1);
+  for (std::size_t cell = 0; cell < ids.size(); ++cell)
+    for (int a = 0; a < kCorners; ++a) {
+      const auto node = static_cast<std::size_t>(mesh_->hexahedra()[index_of(file, ids[cell])][a]);
+      const int here = state.mesh.hexahedra[cell][a];
+      if (initial[static_cast<std::size_t>(here)] != initial_node_[node] || (rows[node] >= 0 && rows[node] != here))
+        refuse_hexahedron(file, ids[cell]);
+      rows[node] = here;
+    }
+  for (std::size_t n = 0; n < rows.size(); ++n) {  // without hexahedron
+    if (rows[n] >= 0) continue;
+    const auto found = std::ranges::find(initial, initial_node_[n]);
+    if (found == initial.end())
+      throw InputError(fmt::format("{}: has no node {} of the initial mesh", file.string(), initial_node_[n]));
+    rows[n] = static_cast<int>(found - initial.begin());
+  }
+  return rows;
 }
 
 std::vector<EmbeddedSurface> RecordedRun::embedded_surfaces() const {
@@ -140,18 +202,20 @@ std::vector<EmbeddedSurface> RecordedRun::embedded_surfaces() const {
 
 RecordedRun::State RecordedRun::state(const Entry& entry, Quantity quantity) const {
   const ImportedState read_state = read(entry.file);
-  const Eigen::Index num_nodes = read_state.mesh.positions.rows();
-  if (num_nodes != mesh_->num_nodes())
+  const auto num_nodes = static_cast<int>(read_state.mesh.positions.rows());
+  if (num_nodes > mesh_->num_nodes() || (num_nodes < mesh_->num_nodes() && !has_split_))
     throw InputError(fmt::format("{}: has {} points, must have {} as {} has", entry.file.string(), num_nodes,
                                  mesh_->num_nodes(), entries_.front().file.string()));
+  const std::vector<int> ids = ids_of(entry.file, read_state);
+  const std::vector<int> rows = rows_of_nodes(entry.file, read_state, ids);
 
   State state;
-  state.positions = read_state.mesh.positions;
-  state.plastic_rest = point_vectors(entry.file, read_state, "plastic_rest_position");
+  state.positions = read_state.mesh.positions(rows, Eigen::all);
+  state.plastic_rest = point_vectors(entry.file, read_state, "plastic_rest_position")(rows, Eigen::all);
 
   const QuantityEntry& wanted = entry_of(quantity);
   if (wanted.of_nodes) {
-    state.values = speeds(point_vectors(entry.file, read_state, wanted.array));
+    state.values = speeds(point_vectors(entry.file, read_state, wanted.array)(rows, Eigen::all));
   } else {
     state.values.assign(mesh_->num_elements(), 0);
   }
@@ -159,18 +223,16 @@ RecordedRun::State RecordedRun::state(const Entry& entry, Quantity quantity) con
       wanted.of_nodes ? std::vector<double>() : cell_scalars(entry.file, read_state, wanted.array);
 
   state.alive.assign(mesh_->num_elements(), 0);
-  const std::vector<int> ids = ids_of(entry.file, read_state);
   for (std::size_t cell = 0; cell < ids.size(); ++cell) {
-    const auto found = std::ranges::lower_bound(id_of_hexahedron_, ids[cell]);
-    const auto e = static_cast<std::size_t>(found - id_of_hexahedron_.begin());
-    if (found == id_of_hexahedron_.end() || *found != ids[cell] ||
-        read_state.mesh.hexahedra[cell] != mesh_->hexahedra()[e])
-      throw InputError(fmt::format("{}: hexahedron {} is not that of {}", entry.file.string(), ids[cell],
-                                   entries_.front().file.string()));
+    const std::size_t e = index_of(entry.file, ids[cell]);
     state.alive[e] = 1;
     if (!wanted.of_nodes) state.values[e] = of_cells[cell];
   }
   state.conditions = conditions_in(entry.file, read_state);
+  BoundaryConditions& conditions = state.conditions;
+  if (const std::vector<unsigned char> fixed = std::exchange(conditions.fixed, {}); !fixed.empty())
+    for (const int row : rows) conditions.fixed.push_back(fixed[static_cast<std::size_t>(row)]);
+  if (conditions.loads.rows() > 0) conditions.loads = PointArray(conditions.loads(rows, Eigen::all));
   if (const auto tied = std::ranges::find(springs_, entry.time, &Entry::time); tied != springs_.end())
     state.conditions.springs = read_springs(tied->file);
   const auto held = std::ranges::find(instruments_, entry.time, &Entry::time);

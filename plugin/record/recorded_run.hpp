@@ -11,6 +11,10 @@
 #include "picture/embedded_surface.hpp"
 #include "picture/quantity.hpp"
 
+namespace hexaplast {
+struct ImportedState;
+}
+
 namespace hexaplast::output {
 
 /// A run that was written before, as its .pvd and .vtu files hold it.
@@ -38,7 +42,8 @@ class RecordedRun {
   const std::string& name() const { return name_; }                      ///< of the directory
   const std::vector<Entry>& entries() const { return entries_; }         ///< in the order of the file, at least one
 
-  /// The hexahedra of the first state in their initial shape.
+  /// The hexahedra of the first state in their initial shape, with the nodes of the last one: states before their nodes
+  /// were split have these at the places of those that they were split from.
   const HexMesh& mesh() const { return *mesh_; }
 
   const Regions& regions() const { return regions_; }
@@ -53,12 +58,21 @@ class RecordedRun {
   State state(const Entry& entry, Quantity quantity) const;
 
  private:
+  std::size_t index_of(const std::filesystem::path& file, int id) const;  // of a hexahedron, in mesh_
+  [[noreturn]] void refuse_hexahedron(const std::filesystem::path& file, int id) const;
+
+  /// For each node of mesh_, the one of a state that it was then.
+  std::vector<int> rows_of_nodes(const std::filesystem::path& file, const ImportedState& state,
+                                 const std::vector<int>& ids) const;
+
   std::filesystem::path directory_;
   std::string name_;
   std::vector<Entry> entries_;
   std::vector<Entry> instruments_, springs_;  // of the same times; empty: there are none
   std::optional<HexMesh> mesh_;
+  bool has_split_ = false;
   Regions regions_;
+  std::vector<int> initial_node_;      // per node of mesh_
   std::vector<int> id_of_hexahedron_;  // in the mesh that the run began with, ascending
 };
 

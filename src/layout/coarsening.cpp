@@ -23,7 +23,7 @@ struct Elements {
   const Charts::Element& operator[](int e) const { return charts.elements[in_charts(e)]; }
 };
 
-struct Cells {
+struct CoarseCells {
   std::vector<int> of_element;  // -1: in none
   std::vector<int> chart_cell;
   std::vector<std::array<int, kCorners>> children;
@@ -32,8 +32,8 @@ struct Cells {
 };
 
 /// A child that a slit divides, though not its cell, is there twice; then so is the cell, with the same corners.
-Cells find_cells(const Elements& elements) {
-  Cells cells;
+CoarseCells find_coarse_cells(const Elements& elements) {
+  CoarseCells cells;
   cells.of_element.resize(elements.count());
   std::vector<int> latest(elements.charts.cells.size(), -1);  // of the cells with one chart_cell
   std::vector<int> before, centre;                            // per cell: the one before it; the node in its middle
@@ -58,7 +58,7 @@ Cells find_cells(const Elements& elements) {
 bool gains(int num_elements, int num_cells) { return num_elements >= kMinGain * num_cells; }
 
 /// Pieces for which cells gain nothing lose them.
-void remove_crumbs(const Elements& elements, Cells& cells) {
+void remove_crumbs(const Elements& elements, CoarseCells& cells) {
   DisjointSets pieces(elements.num_nodes);
   for (const Hexahedron& nodes : elements.nodes)
     for (const int node : nodes) pieces.join(nodes[0], node);
@@ -70,7 +70,7 @@ void remove_crumbs(const Elements& elements, Cells& cells) {
   }
   for (const int e : first) ++num_cells[piece_of(e)];
 
-  Cells left;
+  CoarseCells left;
   std::vector<int> number(cells.count(), -1);
   for (int c = 0; c < cells.count(); ++c) {
     const int piece = piece_of(first[c]);
@@ -109,7 +109,7 @@ std::vector<char> find_split(const Elements& elements) {
 }
 
 /// Numbers the coarse nodes in the order of the cells.
-void find_nodes(const Elements& elements, const Cells& cells, Coarsening& out) {
+void find_nodes(const Elements& elements, const CoarseCells& cells, Coarsening& out) {
   const std::vector<char> is_split = find_split(elements);
   DisjointSets sets;
   std::vector<int> node_at(elements.charts.num_coarse_points, -1);  // where nothing has split
@@ -166,7 +166,7 @@ void find_nodes(const Elements& elements, const Cells& cells, Coarsening& out) {
 }
 
 /// Each fine node by the cell in which it needs the fewest corners.
-NodalMap trilinear(const Elements& elements, const Cells& cells, const std::vector<Hexahedron>& cell_corners) {
+NodalMap trilinear(const Elements& elements, const CoarseCells& cells, const std::vector<Hexahedron>& cell_corners) {
   struct Place {
     int cell = -1, in_cell = 0, needed = kCorners + 1;
   };
@@ -193,7 +193,7 @@ NodalMap trilinear(const Elements& elements, const Cells& cells, const std::vect
 }
 
 /// Per coarse node: the fine node there, or -1.
-std::vector<int> find_fine_nodes(const Elements& elements, const Cells& cells, const Coarsening& coarse) {
+std::vector<int> find_fine_nodes(const Elements& elements, const CoarseCells& cells, const Coarsening& coarse) {
   std::vector<int> fine_node(coarse.num_nodes, -1);
   for (int e = 0; e < elements.count(); ++e) {
     const Charts::Element& element = elements[e];
@@ -271,7 +271,7 @@ NodalMap NodalMap::transposed(int num_columns) const {
 std::optional<Coarsening> coarsen(const Charts::Level& charts, int num_nodes, std::span<const Hexahedron> hexahedra,
                                   std::span<const int> chart_element) {
   const Elements elements{charts, num_nodes, hexahedra, chart_element};
-  Cells cells = find_cells(elements);
+  CoarseCells cells = find_coarse_cells(elements);
   if (!gains(elements.count(), cells.count())) remove_crumbs(elements, cells);
   if (cells.count() == 0) return std::nullopt;
   Coarsening out;
