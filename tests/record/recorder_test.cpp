@@ -8,6 +8,7 @@
 #include "formats/xml.hpp"
 #include "page/plot.hpp"
 #include "picture/axis.hpp"
+#include "record/recorded_run.hpp"
 #include "record/state_arrays.hpp"
 #include "support/output.hpp"
 #include "support/vtu_reader.hpp"
@@ -97,6 +98,12 @@ TEST(MeshFiles, HaveACopyOfANodeOnEachSideOfACut) {
   EXPECT_EQ(output::cell_scalars(files[0].second, whole, "part"), (std::vector<double>{0, 0}));
   EXPECT_EQ(output::cell_scalars(files[1].second, cut, "part"), (std::vector<double>{0, 1}));
   EXPECT_NEAR(Csv(content(scratch / "run/history.csv")).number(1, "current_volume_ratio"), 1, 1e-14);
+
+  const output::RecordedRun run(scratch / "run");
+  EXPECT_EQ(run.mesh().hexahedra(), body.mesh().hexahedra());
+  const auto state = [&](std::size_t k) { return run.state(run.entries()[k], output::Quantity::kPlasticStrain); };
+  EXPECT_EQ(state(0).positions, body.mesh().positions()) << "copies lie on the nodes that they were split from";
+  EXPECT_EQ(state(1).positions, x);
 }
 
 /// Bars of hexahedra that do not touch, each stretched to its own share in every step: they break one after another.

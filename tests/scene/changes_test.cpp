@@ -191,11 +191,11 @@ std::vector<Value> others(const Attribute& attribute, const Value& present, cons
   return values;
 }
 
-using Numbers = std::vector<double>;
-using Motion = std::vector<std::vector<Numbers>>;  // positions of all states, after each step
+using NumberList = std::vector<double>;
+using Motion = std::vector<std::vector<NumberList>>;  // positions of all states, after each step
 
-std::vector<Numbers> positions(scene::Scene& scene) {
-  std::vector<Numbers> all;
+std::vector<NumberList> positions(scene::Scene& scene) {
+  std::vector<NumberList> all;
   for (scene::MechanicalState* state : scene.root().all<scene::MechanicalState>()) {
     const PointArray& x = state->positions();  // of as many rows as there are nodes at present
     all.emplace_back(x.data(), x.data() + x.size());

@@ -51,6 +51,7 @@ constexpr PinnedScene kScenes[] = {
     {"peritoneum_tear", 32},
     {"pressed_ring", 30},
     {"probe_liver", 50},
+    {"sheet_cut", 100},
     {"slope", 110, Comes::kElastic},
     {"springback", 20},
     {"two_organs", 110, Comes::kElastic},

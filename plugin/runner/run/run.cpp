@@ -39,6 +39,7 @@
 #include "runner/standard_output.hpp"
 #include "runner/study/measured.hpp"
 #include "runner/subcommand.hpp"
+#include "scene/blade.hpp"
 #include "scene/description.hpp"
 #include "scene/identity.hpp"
 #include "scene/visuals.hpp"
@@ -144,6 +145,12 @@ struct Files {
 
 /// What a data set says of its run, so that it can be used without the scene at hand.
 output::StatePlan data_plan_of(Simulation& simulation, long num_steps, const RunOptions& options) {
+  simulation.scene().root().for_each<scene::Blade>([](const scene::Blade& blade) {
+    throw UsageError(
+        fmt::format("--fields: {} '{}' opens joints: states for other programs have no place for nodes that "
+                    "split",
+                    blade.class_name(), blade.name()));
+  });
   output::StatePlan plan{.fields = options.fields, .every = options.every, .measures = options.measures};
   for (const scene::Probe* probe : simulation.probes()) plan.probes.push_back(probe->name());
   plan.attributes = {{"format", "hexaplast run 2"},
