@@ -135,8 +135,19 @@ RecordedRun::RecordedRun(const fs::path& place) {
   }
   std::vector<Hexahedron> hexahedra = std::move(state.mesh.hexahedra);
   initial_node_ = initial_nodes_in(first, state);
-  const fs::path& last = entries_.back().file;
-  ImportedState end = entries_.size() > 1 ? read(last) : ImportedState();
+  // states that cannot be read are refused when they are asked for
+  ImportedState end;
+  const auto can_read = [&](std::size_t k) {
+    try {
+      end = read(entries_[k].file);
+      return true;
+    } catch (const InputError&) {
+      return false;
+    }
+  };
+  std::size_t last_entry = entries_.size() - 1;
+  while (last_entry > 0 && !can_read(last_entry)) --last_entry;
+  const fs::path& last = entries_[last_entry].file;
   has_split_ = end.mesh.positions.rows() > state.mesh.positions.rows();
   if (has_split_) {
     initial_node_ = initial_nodes_in(last, end);
@@ -148,9 +159,9 @@ RecordedRun::RecordedRun(const fs::path& place) {
           hexahedra[e] = from.mesh.hexahedra[cell];
     };
     take(last, end);
-    for (std::size_t k = entries_.size() - 1; k-- > 1 && std::ranges::find(is_known, 0) != is_known.end();)
-      take(entries_[k].file, read(entries_[k].file));
     state = std::move(end);
+    for (std::size_t k = last_entry; k-- > 1 && std::ranges::find(is_known, 0) != is_known.end();)
+      if (can_read(k)) take(entries_[k].file, end);
   }
   const fs::path& of_nodes = has_split_ ? last : first;
   try {
