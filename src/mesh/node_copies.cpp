@@ -50,7 +50,7 @@ void NodeCopies::split_call(const HexMesh& initial, const Joints& joints, std::s
     for (const int e : joints.hexahedra(joint))
       for (const int n : joints.nodes(joint)) candidates.push_back(hexahedra[e][corner_at(initial.hexahedra()[e], n)]);
   std::ranges::sort(candidates);
-  candidates.erase(std::ranges::unique(candidates).begin(), candidates.end());
+  candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
 
   std::vector<HexMesh::Incidence> around;
   DisjointSets groups;

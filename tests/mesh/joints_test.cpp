@@ -132,7 +132,7 @@ TEST(NodeCopies, OfRandomOpeningsAreTheConnectedCorners) {
           EXPECT_EQ(hexahedra[e][a] == hexahedra[f][b], corners.root(8 * e + a) == corners.root(8 * f + b));
       }
       std::ranges::sort(roots);
-      const int different = static_cast<int>(std::ranges::unique(roots).begin() - roots.begin());
+      const int different = static_cast<int>(std::unique(roots.begin(), roots.end()) - roots.begin());
       groups += std::max(different - 1, 0);
     }
     EXPECT_EQ(copies.num_nodes(), groups);
