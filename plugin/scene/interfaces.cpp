@@ -47,7 +47,8 @@ void PresentCells::follow(std::span<int> cell) const {
   };
   int lowest = -1;
   for (const int copy : copies.of(cell.front()))
-    for (const auto& [element, corner] : mesh.incident(copy)) {
+    for (const HexMesh::Incidence& at : mesh.incident(copy)) {
+      const int element = at.element;
       const bool is_better = lowest < 0 || (body_->alive()[element] > body_->alive()[lowest]) ||
                              (body_->alive()[element] == body_->alive()[lowest] && element < lowest);
       if (is_better && std::ranges::all_of(cell, [&](int node) { return corner_at(element, node) >= 0; }))
