@@ -6,13 +6,15 @@
 #include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
 #include "parts/blade.hpp"
+#include "parts/instrument_shape.hpp"
 #include "scene/blade.hpp"
 #include "scene/scene.hpp"
+#include "scene/visuals.hpp"
 
 namespace hexaplast::components {
 namespace {
 
-class BladeController final : public scene::Blade, public scene::Changeable {
+class BladeController final : public scene::Blade, public scene::Changeable, public scene::Instrument {
  public:
   BladeController() : Blade(parts::Blade::description()) {}
 
@@ -22,11 +24,13 @@ class BladeController final : public scene::Blade, public scene::Changeable {
     if (!field_->body()) throw scene::DependencyFailure{};
     state_ = field_->node().nearest<scene::MechanicalState>();
     accepted(*this, [&] { part_.emplace(read_options<parts::BladeOptions>(*this), *field_->body()); });
+    edge_ = parts::edge_of(part_->options());
     scene::require_followers(*field_);
   }
 
   void refresh(std::span<const std::string_view>) override {
     accepted(*this, [&] { part_->set_options(read_options<parts::BladeOptions>(*this)); });
+    edge_ = parts::edge_of(part_->options());
   }
 
   void begin_step() override {
@@ -44,10 +48,20 @@ class BladeController final : public scene::Blade, public scene::Changeable {
     }
   }
 
+  std::span<const double> crossings() const override { return part_->crossings(); }
+
+  std::optional<Vec3> place(double time) const override {
+    return part_->options().active ? std::optional(part_->pose_at(time).position) : std::nullopt;
+  }
+  Pose pose(double time) const override { return part_->pose_at(time); }
+  std::vector<Triangle> shape_triangles() const override { return edge_.triangles; }
+  PointArray shape_points(double time) const override { return edge_.at(part_->pose_at(time)); }
+
  private:
   scene::ForceField* field_ = nullptr;
   scene::MechanicalState* state_ = nullptr;
   std::optional<parts::Blade> part_;
+  parts::InstrumentShape edge_;
 };
 
 }  // namespace

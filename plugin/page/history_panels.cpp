@@ -78,6 +78,7 @@ std::vector<HistoryPanel> history_panels() {
         {"unexplained", {"energy_error"}, 1, 0, &Colours::rest}}},
       {"displacement of loaded nodes", "mm", 1e-3, {{"mean", {"end_displacement"}, 1000, 0, &Colours::first}}},
       {"removed hexahedra", "", 5, {{"removed", {"removed"}}}},
+      {"opened joints", "", 5, {{"opened", {"opened"}}}},
       {"solver iterations", "", 5, {{"iterations", {"solver_iterations"}, 1, 0, &Colours::first}}},
       {"time per step", "ms", 1e-3, {{"step", {"step_ms"}, 1, 0, &Colours::first}}},
   };
@@ -89,8 +90,8 @@ HistoryPanel panel_of(const ProbeRecord& probe) {
 
 bool has_nothing_to_see(const Panel& panel) {
   // nothing is loaded, nothing is torn
-  constexpr std::string_view kShownIfNotZero[] = {"elongation", "twist", "yielded hexahedra",
-                                                  "displacement of loaded nodes", "removed hexahedra"};
+  constexpr std::string_view kShownIfNotZero[] = {
+      "elongation", "twist", "yielded hexahedra", "displacement of loaded nodes", "removed hexahedra", "opened joints"};
   if (std::ranges::count(kShownIfNotZero, panel.quantity) == 0) return false;
   const double rounding = 1e-9 * panel.min_span;
   return std::ranges::all_of(panel.series, [&](const Series& series) {

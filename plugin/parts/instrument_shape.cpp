@@ -89,6 +89,24 @@ InstrumentShape shape_of(const InstrumentOptions& options) {
   return capsule(*options.radius, 0);
 }
 
+InstrumentShape edge_of(const BladeOptions& options) {
+  constexpr double kThickness = 0.01;  // of its length
+  double length = 0;
+  for (Eigen::Index k = 1; k < options.points.rows(); ++k)
+    length += (options.points.row(k) - options.points.row(k - 1)).norm();
+  InstrumentShape thread;
+  for (Eigen::Index k = 1; k < options.points.rows(); ++k) {
+    const Vec3 from = options.points.row(k - 1).transpose(), to = options.points.row(k).transpose();
+    InstrumentShape piece = capsule(kThickness * length, (to - from).norm());
+    piece.points = piece.at({(from + to) / 2, Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), to - from)});
+    const auto first = static_cast<int>(thread.points.rows());
+    thread.points.conservativeResize(first + piece.points.rows(), 3);
+    thread.points.bottomRows(piece.points.rows()) = piece.points;
+    for (const auto& [a, b, c] : piece.triangles) thread.triangles.push_back({first + a, first + b, first + c});
+  }
+  return thread;
+}
+
 PointArray InstrumentShape::at(const Pose& pose) const {
   return (points * pose.orientation.toRotationMatrix().transpose()).rowwise() + pose.position.transpose();
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "hexaplast/base/types.hpp"
+#include "parts/blade.hpp"
 #include "parts/instrument.hpp"
 
 namespace hexaplast::parts {
@@ -19,5 +20,8 @@ struct InstrumentShape {
 
 /// Of options that Instrument accepts.
 InstrumentShape shape_of(const InstrumentOptions& options);
+
+/// The edge of a blade, as a thread that is thick enough to be seen.
+InstrumentShape edge_of(const BladeOptions& options);
 
 }  // namespace hexaplast::parts

@@ -136,4 +136,10 @@ std::size_t Bodies::num_removed() const {
   return count;
 }
 
+std::size_t Bodies::num_opened() const {
+  std::size_t count = 0;
+  for (const Entry& entry : entries_) count += entry.body->opened().size();
+  return count;
+}
+
 }  // namespace hexaplast::output

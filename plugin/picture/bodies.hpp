@@ -48,6 +48,7 @@ class Bodies {
   double volume(ConstPoints positions) const;
   double initial_volume() const;
   std::size_t num_removed() const;
+  std::size_t num_opened() const;  ///< joints
 
   /// Plastic rest positions are at hand: where isolated rest shapes can flow, they take linear systems.
   bool has_plastic_rest_at_hand() const;

@@ -11,10 +11,10 @@ namespace hexaplast::output {
 
 /// An instrument that holds or touches a body, and its force.
 struct Instrument {
-  int id = 0;              ///< its number among the instruments of the scene
-  Vec3 place;              ///< [m] of the tool
-  std::vector<int> nodes;  ///< on which it acts
-  PointArray forces;       ///< [N] on them, one row each
+  int id = 0;                            ///< its number among the instruments of the scene
+  Vec3 place;                            ///< [m] of the tool
+  std::vector<int> nodes;                ///< on which it acts
+  PointArray forces = PointArray(0, 3);  ///< [N] on them, one row each
 
   PointArray shape_points = PointArray(0, 3);  ///< [m] of its surface; empty: it has no shape
   std::vector<Triangle> shape_triangles = {};  ///< of these points, counter-clockwise seen from outside

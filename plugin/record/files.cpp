@@ -47,13 +47,15 @@ std::vector<fs::path> files_of_earlier_run(const fs::path& directory, const Inpu
   return found;
 }
 
+/// Grows by lines.
+bool is_table(std::string_view name) { return name == "history.csv" || name == "removed.csv" || name == "opened.csv"; }
+
 }  // namespace
 
 bool is_of_run(std::string_view name) {
   name = without_part(name);
-  return is_series(name) || name == "history.csv" || name == "removed.csv" || name == "plot.svg" ||
-         name == "manifest.json" || name == "report.html" || name == "viewer.json" ||
-         is_numbered(name, "mesh_", ".vtu") || is_numbered(name, "surface_", ".vtu") ||
+  return is_series(name) || is_table(name) || name == "plot.svg" || name == "manifest.json" || name == "report.html" ||
+         name == "viewer.json" || is_numbered(name, "mesh_", ".vtu") || is_numbered(name, "surface_", ".vtu") ||
          is_numbered(name, "instruments_", ".vtu") || is_numbered(name, "springs_", ".vtu") ||
          is_numbered(name, "checkpoint_", ".hxc");
 }
@@ -105,7 +107,7 @@ void prepare_to_go_on(const fs::path& directory, long step, const InputFiles& in
     const std::string name = file.filename().string();
     if (name.ends_with(kPart)) return false;
     if (is_numbered(name, "checkpoint_", ".hxc")) return step_of(file) <= step;
-    return is_series(name) || name == "history.csv" || name == "removed.csv" || is_kept(name);
+    return is_series(name) || is_table(name) || is_kept(name);
   };
   for (const fs::path& file : files_of_earlier_run(directory, inputs))
     if (!stays(file) && ::unlink(file.c_str()) != 0) throw OutputError(file, "cannot be removed", errno);

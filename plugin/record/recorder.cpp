@@ -32,6 +32,7 @@ constexpr std::string_view kPlasticEndsHeader = ",plastic_elongation,plastic_twi
                            kWorldEndsHeader = ",current_elongation,current_twist_deg";
 constexpr std::string_view kStepHeader =
     ",end_displacement,yielded,inverted,removed,solver_iterations,residual,step_ms,rolled_back";
+constexpr std::string_view kOpeningHeader = ",opened,pieces";
 constexpr std::string_view kBalanceHeader =
     ",load_work,support_work,damping_loss,numerical_loss,recovery_work,change_work,flow_loss,energy_error";
 constexpr std::string_view kContactHeader = ",instrument_work,contact_energy,friction_loss";
@@ -46,6 +47,7 @@ std::string balance_columns(const EnergyBalance& energy) {
 std::string header_of(const RunPlan& plan) {
   std::string names(kHeader);
   names.append(plan.has_plastic_ends ? kPlasticEndsHeader : "").append(kStepHeader);
+  names.append(plan.has_openings ? kOpeningHeader : "");
   names.append(plan.has_ends ? kWorldEndsHeader : "").append(plan.has_energy_balance ? kBalanceHeader : "");
   if (plan.has_energy_balance && plan.has_contact) names += kContactHeader;
   for (const std::string& probe : plan.probes) names += fmt::format(",{}", probe_column(probe));
@@ -101,6 +103,14 @@ long step_of_vtu(std::string_view name) {
   return std::strtol(std::string(name.substr(name.find_last_of('_') + 1)).c_str(), nullptr, 10);
 }
 
+/// opened.csv of a run that is saved; absent: it has none.
+std::optional<LineFile> saved_openings(const fs::path& directory, Archive& saved) {
+  unsigned char has_openings = 0;
+  saved(has_openings);
+  if (has_openings == 0) return std::nullopt;
+  return std::optional<LineFile>(std::in_place, directory / "opened.csv", saved);
+}
+
 fs::path prepared(fs::path directory, const RunPlan& plan) {
   prepare_directory(directory, plan.force, plan.inputs);
   return directory;
@@ -123,7 +133,12 @@ struct Recorder::Files {
         to_draw(steps_to_draw(plan.num_steps, plan.num_frames)) {
     if (film) to_film = steps_to_film(plan.num_steps, plan.dt);
     history.append(header_of(plan));
-    removed.append(bodies.is_one() ? "step,time,hexahedron" : "step,time,hexahedron,body");
+    const char* const body = bodies.is_one() ? "" : ",body";
+    removed.append(fmt::format("step,time,hexahedron{}", body));
+    if (plan.has_openings) {
+      opened.emplace(directory / "opened.csv");
+      opened->append(fmt::format("step,time,hexahedra{}", body));
+    }
     open_companions();
     open_gallery();
   }
@@ -136,6 +151,7 @@ struct Recorder::Files {
         measurement(bodies),
         history(directory / "history.csv", saved),
         removed(directory / "removed.csv", saved),
+        opened(saved_openings(directory, saved)),
         meshes(directory / "mesh.pvd"),
         embedded_surfaces(bodies.mesh(), plan.staging.embedded_surfaces),
         to_draw(steps_to_draw(plan.num_steps, plan.num_frames)) {
@@ -143,6 +159,7 @@ struct Recorder::Files {
     meshes.serialize(saved);
     saved(step, step_on_disk);
     for (std::size_t& count : num_removed) saved(count);
+    for (std::size_t& count : num_opened) saved(count);
     const auto is_there = [&](const std::string& vtu) {
       std::error_code error;
       if (fs::is_regular_file(directory / vtu, error)) return true;
@@ -159,6 +176,7 @@ struct Recorder::Files {
     });
     history.cut();
     removed.cut();
+    if (opened) opened->cut();
     open_gallery();
   }
 
@@ -169,6 +187,7 @@ struct Recorder::Files {
   RendererSource renderer;
   Measurement measurement;
   LineFile history, removed;
+  std::optional<LineFile> opened;  // absent: nothing opens
   TimeSeries meshes;
   std::optional<TimeSeries> surfaces, instruments, springs;  // of the same steps; absent: there are none
   std::vector<std::string> lost;                             // .vtu files that had gone
@@ -182,8 +201,8 @@ struct Recorder::Files {
   PointArray latest_positions, latest_velocities;
   BoundaryConditions latest_conditions;
   long step_on_disk = -1;  // of the latest .vtu
-  // hexahedra that removed.csv lists, of each body
-  std::vector<std::size_t> num_removed = std::vector<std::size_t>(bodies.all().size());
+  // hexahedra that removed.csv lists, and joints that opened.csv lists, of each body
+  std::vector<std::size_t> num_removed = std::vector<std::size_t>(bodies.all().size()), num_opened = num_removed;
   bool finished = false;
 
   void open_gallery() {
@@ -197,6 +216,10 @@ struct Recorder::Files {
   }
   bool wants_state(long step) const { return step % std::max(plan.output_every, 1) == 0 || step == plan.num_steps; }
   void append_removed(const StepRecord& record);
+  void append_opened(const StepRecord& record);
+  template <class List, class Describe>
+  void append_new(const StepRecord& record, LineFile& file, std::vector<std::size_t>& num_listed, const List& list,
+                  const Describe& describe);
   std::string row_of(const StepRecord& record, ConstPoints positions) const;
   void write_state();
   bool is_drawn(long step) const { return std::ranges::binary_search(to_draw, step); }
@@ -222,9 +245,13 @@ void Recorder::save(Archive& archive) {
   Files& files = *files_;
   files.history.save(archive);
   files.removed.save(archive);
+  unsigned char has_openings = files.opened.has_value();
+  archive(has_openings);
+  if (files.opened) files.opened->save(archive);
   files.meshes.serialize(archive);
   archive(files.latest.step, files.step_on_disk);
   for (std::size_t& count : files.num_removed) archive(count);
+  for (std::size_t& count : files.num_opened) archive(count);
 }
 
 void Recorder::record(const StepRecord& record, ConstPoints positions, ConstPoints velocities,
@@ -236,7 +263,8 @@ void Recorder::record(const StepRecord& record, ConstPoints positions, ConstPoin
   files.latest_velocities = velocities;
   files.latest_conditions = std::move(conditions);
 
-  files.append_removed(record);  // first: a hexahedron that history.csv counts is listed
+  files.append_removed(record);  // first: what history.csv counts is listed
+  if (files.opened) files.append_opened(record);
   files.history.append(row);
   if (files.wants_state(record.step)) files.write_state();
   if (files.viewer && files.viewer->wants(record.step)) files.keep_for_viewer();
@@ -256,17 +284,31 @@ std::vector<std::string> Recorder::finish() {
   return files.draw_pictures();
 }
 
-// All rows of a step at once: thousands of hexahedra may go together.
 void Recorder::Files::append_removed(const StepRecord& record) {
+  append_new(
+      record, removed, num_removed, [](const Body& body) { return body.removed(); },
+      [](const Body&, int hexahedron) { return hexahedron; });
+}
+
+void Recorder::Files::append_opened(const StepRecord& record) {
+  append_new(
+      record, *opened, num_opened, [](const Body& body) { return body.opened(); },
+      [](const Body& body, int joint) { return fmt::join(body.joints().hexahedra(joint), " "); });
+}
+
+// All rows of a step at once: thousands of hexahedra may go together.
+template <class List, class Describe>
+void Recorder::Files::append_new(const StepRecord& record, LineFile& file, std::vector<std::size_t>& num_listed,
+                                 const List& list, const Describe& describe) {
   std::string rows;
-  for (std::size_t i = 0; i < num_removed.size(); ++i) {
+  for (std::size_t i = 0; i < num_listed.size(); ++i) {
     const Bodies::Entry& entry = bodies.all()[i];
-    const std::span<const int> all = entry.body->removed();
-    for (; num_removed[i] < all.size(); ++num_removed[i])
-      rows += fmt::format("{}{},{},{}{}", rows.empty() ? "" : "\n", record.step, record.time, all[num_removed[i]],
-                          bodies.is_one() ? "" : "," + entry.name);
+    const std::span<const int> all = list(*entry.body);
+    for (; num_listed[i] < all.size(); ++num_listed[i])
+      rows += fmt::format("{}{},{},{}{}", rows.empty() ? "" : "\n", record.step, record.time,
+                          describe(*entry.body, all[num_listed[i]]), bodies.is_one() ? "" : "," + entry.name);
   }
-  if (!rows.empty()) removed.append(rows);
+  if (!rows.empty()) file.append(rows);
 }
 
 std::string Recorder::Files::row_of(const StepRecord& record, ConstPoints positions) const {
@@ -281,6 +323,8 @@ std::string Recorder::Files::row_of(const StepRecord& record, ConstPoints positi
                      mean_displacement(plan.loaded_nodes, bodies.mesh().positions(), positions), record.flow.yielded,
                      record.flow.inverted, bodies.num_removed(), record.solver_iterations, record.residual,
                      record.step_ms, record.flow.rolled_back);
+  if (plan.has_openings)
+    row += fmt::format(",{},{}", bodies.num_opened(), connected_parts(bodies.mesh(), bodies.alive()).count);
   if (plan.has_ends) row += fmt::format(",{},{}", measures.current_elongation, measures.current_twist_deg);
   if (plan.has_energy_balance) row += balance_columns(*record.energy);
   if (plan.has_energy_balance && plan.has_contact)
@@ -362,6 +406,7 @@ std::string probe_column(std::string_view probe) {
 
 void require_saved_files(const fs::path& directory, Archive& saved) {
   const LineFile history(directory / "history.csv", saved), removed(directory / "removed.csv", saved);
+  const std::optional<LineFile> opened = saved_openings(directory, saved);
 }
 
 Summary summarise(const Bodies& bodies, ConstPoints positions) {

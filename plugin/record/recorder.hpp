@@ -26,6 +26,7 @@ struct RunPlan {
   bool has_ends = true;             ///< elongation and twist between the end sections mean something
   bool has_plastic_ends = true;     ///< those of the shape without load are columns of history.csv
   bool has_contact = false;         ///< beside it every StepRecord has what instruments that touch do
+  bool has_openings = false;        ///< joints of bodies may open
   int output_every = 25;            ///< steps between two .vtu files; the first and the last state are always written
   bool has_viewer = true;           ///< viewer.json is written, for the report
   int num_frames = 8;               ///< pictures, spread evenly over the run, the last state among them; 0: none
@@ -59,9 +60,10 @@ struct StepRecord {
 /// or springs, springs.pvd with springs_<step>.vtu, for the same steps. history.csv (docs/output.md; the columns of the
 /// energy balance, of elongation and of twist only where the run has them) grows by a whole row per step, removed.csv
 /// by a row `step,time,hexahedron` per hexahedron that a body has lost in it, in the order of their removal (of several
-/// bodies `step,time,hexahedron,body`, with the hexahedron's own number in its body); every other file appears whole
-/// under its final name, and each .pvd file names only complete files. After an OutputError everything that mesh.pvd
-/// names can still be read.
+/// bodies `step,time,hexahedron,body`, with the hexahedron's own number in its body), and where joints may open,
+/// opened.csv by a row `step,time,hexahedra` per joint that has, with the hexahedra that it held; every other file
+/// appears whole under its final name, and each .pvd file names only complete files. After an OutputError everything
+/// that mesh.pvd names can still be read.
 class Recorder {
  public:
   /// Prepares the directory (prepare_directory). Throws OutputError when it cannot be written, is a file, or holds an

@@ -12,6 +12,7 @@
 #include "hexaplast/body.hpp"
 #include "hexaplast/mesh/faces.hpp"
 #include "parts/contact_options.hpp"
+#include "scene/scene.hpp"
 #include "scene/visuals.hpp"
 
 namespace hexaplast::view {
@@ -25,6 +26,7 @@ constexpr double kCapsuleLength = 2;  // diameters, without the caps
 constexpr double kArrived = 1e-6;     // sizes of the scene
 constexpr const char* kGripClass = "GraspForceField";
 constexpr const char* kToolClass = "InstrumentContactForceField";
+constexpr const char* kScalpelClass = "BladeController";
 
 const scene::Place kWindow{.file = "window"};
 
@@ -102,6 +104,16 @@ void shape(scene::Component& tool, const HandSettings& settings) {
   set(tool, "friction", settings.friction);
 }
 
+/// The edge of a scalpel: along z, towards the viewer, as long as the body, and so deep in it.
+void shape_edge(scene::Component& scalpel, double length, double depth) {
+  set(scalpel, "points", numbers_of({{0, 0, length}, {0, 0, -depth}}));
+}
+
+double size_of(const Body& body) {
+  const PointArray& X = body.initial_mesh().positions();
+  return (X.colwise().maxCoeff() - X.colwise().minCoeff()).norm();
+}
+
 }  // namespace
 
 bool change(scene::Component& component, std::string_view attribute, std::optional<scene::Value> value,
@@ -138,6 +150,7 @@ Hand::Hand(scene::Scene& scene, std::vector<scene::SceneBody> bodies, MakeCompon
     set(*grip, "radius", kGripReach * reach_);
     grips_.push_back(grip.get());
     scene_.add(body.state->node(), std::move(grip), "hand");
+    scalpels_.push_back(nullptr);
     if (touch_refusal_.empty()) touch_refusal_ = why_untouchable(scene_, body);
   }
 }
@@ -162,6 +175,29 @@ void Hand::add_tools(const HandSettings& settings) {
   has_grown();
 }
 
+void Hand::add_scalpel(std::size_t body, const HandSettings& settings) {
+  if (scalpels_[body]) return;
+  std::unique_ptr<scene::Component> scalpel = make_(kScalpelClass);
+  set(*scalpel, "keyTimes", std::vector<double>{0});
+  set(*scalpel, "positions", numbers_of({away_}));
+  set(*scalpel, "orientations", std::vector<double>(turn_.begin(), turn_.end()));
+  shape_edge(*scalpel, size_of(*bodies_[body].field->body()), settings.depth);
+  scalpels_[body] = scalpel.get();
+  try {
+    scene_.add(bodies_[body].state->node(), std::move(scalpel), "scalpel");
+  } catch (const std::exception& error) {
+    damage_ = error.what();
+    throw;
+  }
+  has_grown();
+}
+
+std::vector<scene::Component*> Hand::tools_and_scalpels() const {
+  std::vector<scene::Component*> all = tools_;
+  std::ranges::copy_if(scalpels_, std::back_inserter(all), [](const scene::Component* scalpel) { return scalpel; });
+  return all;
+}
+
 void Hand::grab(const Touch& touch, const HandSettings& settings) {
   release();
   if (state_ == State::kLeaving)
@@ -172,6 +208,7 @@ void Hand::grab(const Touch& touch, const HandSettings& settings) {
 
 void Hand::begin_grab(const Touch& touch, const HandSettings& settings) {
   if (settings.tool == Tool::kGrip) return close_grip(touch.place, settings);
+  if (settings.tool == Tool::kScalpel) return bring_scalpel(touch, settings);
   if (!touch_refusal_.empty()) return messages_.push_back("nothing can be touched: " + touch_refusal_);
   bring_tool(touch, settings);
 }
@@ -180,7 +217,7 @@ bool Hand::is_way_of_tool(const scene::Message& message) {
   return message.place.file == kWindow.file && message.text.starts_with(fmt::format("{}.positions: ", kToolClass));
 }
 
-void Hand::close_grip(const Vec3& place, const HandSettings& settings) {
+std::size_t Hand::nearest_body(const Vec3& place) const {
   std::size_t nearest = 0;
   double min = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
@@ -191,6 +228,11 @@ void Hand::close_grip(const Vec3& place, const HandSettings& settings) {
         nearest = k;
       }
   }
+  return nearest;
+}
+
+void Hand::close_grip(const Vec3& place, const HandSettings& settings) {
+  const std::size_t nearest = nearest_body(place);
   const std::vector<int> held = nearest_nodes(
       bodies_[nearest].state->positions(), surface_nodes(*bodies_[nearest].field->body()), place, settings.radius, 1);
   if (held.empty()) return;  // nothing is left of the bodies
@@ -199,7 +241,8 @@ void Hand::close_grip(const Vec3& place, const HandSettings& settings) {
   scene::Component& grip = *grips_[nearest];
   held_body_ = static_cast<int>(nearest);
   active_ = {&grip};
-  is_tool_ = is_coming_ = false;
+  tool_ = Tool::kGrip;
+  is_coming_ = false;
   offset_.setZero();
   at_ = target_ = place;
   const double time = scene_.time();
@@ -232,13 +275,41 @@ void Hand::bring_tool(const Touch& touch, const HandSettings& settings) {
   before_grab();
 
   active_ = tools_;
-  is_tool_ = is_coming_ = true;
+  for (scene::Component* tool : tools_) shape(*tool, settings);
+  offset_ = start - touch.place;
+  bring(settings.tool, start, away);
+}
+
+void Hand::bring_scalpel(const Touch& touch, const HandSettings& settings) {
+  const std::size_t nearest = nearest_body(touch.place);
+  scene::ForceField& field = *bodies_[nearest].field;
+  try {
+    if (!scalpels_[nearest]) scene::require_followers(field);
+  } catch (const scene::SceneError& error) {
+    return messages_.push_back(fmt::format("nothing can be cut: {}", error.what()));
+  }
+  const double size = size_of(*field.body());
+  const auto turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), touch.towards);
+  turn_ = {turn.x(), turn.y(), turn.z(), turn.w()};
+  const Vec3 away = touch.place + kAway * size * touch.towards;
+  away_ = away;
+  add_scalpel(nearest, settings);
+  before_grab();
+
+  active_ = {scalpels_[nearest]};
+  shape_edge(*active_.front(), size, settings.depth);
+  offset_.setZero();
+  bring(settings.tool, touch.place, away);
+}
+
+/// What is active begins away, and is at its start after the next step.
+void Hand::bring(Tool tool, const Vec3& start, const Vec3& away) {
+  tool_ = tool;
+  is_coming_ = true;
   at_ = away;
   target_ = start;
-  offset_ = start - touch.place;
-  for (scene::Component* tool : tools_) shape(*tool, settings);
   put_path({scene_.time()}, {at_});
-  for (scene::Component* tool : tools_) tool->follow_inputs();
+  for (scene::Component* component : active_) component->follow_inputs();
   state_ = State::kHolding;
   begin_motions();
 }
@@ -251,7 +322,7 @@ void Hand::drag(const Vec3& place) {
 void Hand::release() {
   request_.reset();
   if (state_ != State::kHolding) return;
-  if (is_tool_) {
+  if (tool_ != Tool::kGrip) {
     target_ = away_;
     is_coming_ = true;
     state_ = State::kLeaving;
@@ -303,28 +374,32 @@ void Hand::reset() {
   motions_.clear();
   num_open_motions_ = 0;
   at_ = away_;
-  if (!tools_.empty()) {
-    active_ = tools_;
-    put_path({0.0}, {away_});
+  const std::vector<scene::Component*> in_use = std::exchange(active_, {});
+  for (scene::Component* component : tools_and_scalpels()) {
+    const auto& way = std::get<std::vector<double>>(component->find_data("positions")->value());
+    const bool was_in_use = std::ranges::find(in_use, component) != in_use.end();
+    active_ = {component};
+    put_path({0.0}, {was_in_use ? away_ : Vec3(way.end()[-3], way.end()[-2], way.end()[-1])});
   }
 }
 
 std::vector<int> Hand::held() const {
-  if (state_ != State::kHolding || is_tool_) return {};
+  if (state_ != State::kHolding || tool_ != Tool::kGrip) return {};
   const std::vector<std::int64_t>& held = active_.front()->integers("grasped");
   return {held.begin(), held.end()};
 }
 
 Vec3 Hand::force() const {
   Vec3 force = Vec3::Zero();
-  if (state_ != State::kHolding) return force;
-  for (scene::Component* component : active_) force += (is_tool_ ? -1 : 1) * component->vector3("force");
+  if (state_ != State::kHolding || tool_ == Tool::kScalpel) return force;
+  for (scene::Component* component : active_) force += (tool_ == Tool::kGrip ? 1 : -1) * component->vector3("force");
   return force;
 }
 
 bool Hand::is_idle(const scene::Component& component) const {
-  const bool is_tool = std::ranges::find(tools_, &component) != tools_.end();
-  return is_tool && !(is_tool_ && state_ == State::kHolding);
+  const std::vector<scene::Component*> all = tools_and_scalpels();
+  const bool is_in_use = state_ == State::kHolding && std::ranges::find(active_, &component) != active_.end();
+  return std::ranges::find(all, &component) != all.end() && !is_in_use;
 }
 
 void Hand::put_path(std::initializer_list<double> times, std::initializer_list<Vec3> places) {
@@ -360,7 +435,7 @@ void Hand::add_key(double time, const Vec3& place) {
        ++motion) {
     motion->key_times.push_back(time);
     motion->positions.insert(motion->positions.end(), place.begin(), place.end());
-    if (is_tool_) motion->orientations.insert(motion->orientations.end(), turn_.begin(), turn_.end());
+    if (tool_ != Tool::kGrip) motion->orientations.insert(motion->orientations.end(), turn_.begin(), turn_.end());
   }
 }
 
@@ -373,7 +448,7 @@ void Hand::drop_motions_without_step() {
 
 Hand::Saved Hand::save() const {
   Saved saved{.values = {}, .num_motions = motions_.size() - num_open_motions_};
-  for (scene::Component* tool : tools_)
+  for (scene::Component* tool : tools_and_scalpels())
     for (const auto& data : tool->all_data())
       if (data->is_given() && data->link().empty()) saved.values.push_back(data->value());
   return saved;
@@ -387,7 +462,7 @@ void Hand::restore(const Saved& saved) {
   motions_.resize(saved.num_motions);
   num_open_motions_ = 0;
   auto value = saved.values.begin();
-  for (scene::Component* tool : tools_) {
+  for (scene::Component* tool : tools_and_scalpels()) {
     for (const auto& data : tool->all_data())
       if (data->is_given() && data->link().empty()) data->set(*value++, kWindow);
     tool->follow_inputs();

@@ -14,10 +14,10 @@
 
 namespace hexaplast::view {
 
-/// What the hand has in it: a grip that holds nodes (GraspForceField), or a rigid instrument that touches
-/// (InstrumentContactForceField).
-enum class Tool { kGrip, kSphere, kCapsule, kBox };
-inline constexpr std::array kToolNames{"grip", "sphere", "capsule", "box"};
+/// What the hand has in it: a grip that holds nodes (GraspForceField), a rigid instrument that touches
+/// (InstrumentContactForceField), or a scalpel (BladeController).
+enum class Tool { kGrip, kSphere, kCapsule, kBox, kScalpel };
+inline constexpr std::array kToolNames{"grip", "sphere", "capsule", "box", "scalpel"};
 
 struct HandSettings {
   Tool tool = Tool::kGrip;
@@ -31,6 +31,8 @@ struct HandSettings {
   // of what touches
   double size = 0;  ///< [m] diameter of sphere and capsule, edge of the box; a capsule is three times as long as thick
   double friction = 0.3;
+
+  double depth = 0;  ///< [m] of a cut
 };
 
 /// Where the user takes hold: a place of the surface [m], the direction away from the body there, and the direction to
@@ -69,7 +71,8 @@ class Hand {
   std::function<void()> has_grown = [] {};
 
   /// Takes hold; what was held before is let go. An instrument that touches comes from the viewer within one step, and
-  /// goes back there within one. Throws SceneError where the scene refuses an instrument; it is then of no more use.
+  /// goes back there within one. So does a scalpel, along its edge, which opens nothing; it cuts the body nearest to
+  /// the place. Throws SceneError where the scene refuses an instrument; it is then of no more use.
   void grab(const Touch& touch, const HandSettings& settings);
   void drag(const Vec3& place);  ///< where the place that was taken hold of is to go [m]
   void release();
@@ -111,7 +114,12 @@ class Hand {
   void begin_grab(const Touch& touch, const HandSettings& settings);
   void close_grip(const Vec3& place, const HandSettings& settings);
   void bring_tool(const Touch& touch, const HandSettings& settings);
+  void bring_scalpel(const Touch& touch, const HandSettings& settings);
+  void bring(Tool tool, const Vec3& start, const Vec3& away);
+  std::size_t nearest_body(const Vec3& place) const;
   void add_tools(const HandSettings& settings);
+  void add_scalpel(std::size_t body, const HandSettings& settings);
+  std::vector<scene::Component*> tools_and_scalpels() const;
   void require_whole() const;
   void put_path(std::initializer_list<double> times, std::initializer_list<Vec3> places);
   void begin_motions();
@@ -125,17 +133,18 @@ class Hand {
   std::string touch_refusal_;
   std::string damage_;                            // why an instrument was refused that is in the scene; empty: none was
   std::vector<scene::Component*> grips_, tools_;  // of each body; no tools before they are needed
+  std::vector<scene::Component*> scalpels_;       // of each body; null before it is needed
   std::vector<std::string> messages_;
 
   State state_ = State::kIdle;
   std::vector<scene::Component*> active_;  // whose motion is prescribed now
   int held_body_ = 0;
-  bool is_tool_ = false;                       // what is active touches
+  Tool tool_ = Tool::kGrip;                    // that is active
   bool is_coming_ = false;                     // it is to be at its target after the next step
   Vec3 offset_ = Vec3::Zero();                 // [m] of the instrument from the place that is dragged
   Vec3 at_ = Vec3::Zero();                     // [m] of the instrument
   Vec3 target_ = Vec3::Zero(), away_ = at_;    // [m] where it goes, and where it is out of the way
-  std::array<double, 4> turn_ = {0, 0, 0, 1};  // quaternion of what touches
+  std::array<double, 4> turn_ = {0, 0, 0, 1};  // quaternion of what touches or cuts
 
   struct Request {
     Touch touch;

@@ -25,6 +25,7 @@ using attributes::Type;
 
 constexpr double kSliderReach = 100;  // a slider reaches from a hundredth of its first value to a hundred times it
 constexpr double kHandDelay = 0.05;   // [s] within which the hand's dashpot lets tissue follow its spring
+constexpr double kCutDepth = 0.1;     // of a cut, in sizes of the bodies
 constexpr double kToolSize = 0.12;    // diameter of what touches, in sizes of the bodies
 
 /// Several components may have one name: theirs begin with the path of the node, or else end with a number.
@@ -174,7 +175,8 @@ Session::Session(Subject subject, MakeComponent make)
                      .stiffness = young * size,
                      .max_force = young * size * size / 2,
                      .damping = kHandDelay * young * size,
-                     .size = kToolSize * size_of(mesh())};
+                     .size = kToolSize * size_of(mesh()),
+                     .depth = kCutDepth * size_of(mesh())};
   hand_.before_grab = [this] { save(); };
   hand_.has_grown = [this] { saved_.clear(); };
   first_parameters_ = given_parameters();

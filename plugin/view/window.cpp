@@ -97,6 +97,7 @@ class Window {
       case GLFW_KEY_2:
       case GLFW_KEY_3:
       case GLFW_KEY_4:
+      case GLFW_KEY_5:
         state_.hand.tool = static_cast<Tool>(key - GLFW_KEY_1);
         return;
       case GLFW_KEY_U:

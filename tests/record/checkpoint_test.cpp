@@ -112,7 +112,7 @@ TEST_F(CheckpointFile, SaysWhatIsWrong) {
   EXPECT_TRUE(has(refusal("step,time,kinetic_energy"), "other is no checkpoint"));
   EXPECT_TRUE(has(refusal(""), "other is no checkpoint"));
   bytes[8] = 1;
-  EXPECT_TRUE(has(refusal(bytes), "other has format version 1, must be 18"));
+  EXPECT_TRUE(has(refusal(bytes), "other has format version 1, must be 19"));
   EXPECT_THROW(Checkpoint(file("nowhere")), OutputError);
 }
 

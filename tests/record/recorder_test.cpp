@@ -77,7 +77,9 @@ TEST(HistoryTable, LeavesOutTheShapeWithoutLoadWhereItIsNotWanted) {
 TEST(MeshFiles, HaveACopyOfANodeOnEachSideOfACut) {
   const Scratch scratch;
   Body body(block({2, 1, 1}, 0.1), {Material()});
-  Recorder recorder(scratch / "run", body, plan(1, 1));
+  RunPlan opens = plan(1, 1);
+  opens.has_openings = true;
+  Recorder recorder(scratch / "run", body, opens);
   PointArray x = body.mesh().positions(), v = PointArray::Zero(x.rows(), 3);
   recorder.record({.step = 0, .time = 0}, x, v);
   const std::vector<int> parents = body.open(std::array{0});
@@ -97,7 +99,11 @@ TEST(MeshFiles, HaveACopyOfANodeOnEachSideOfACut) {
   EXPECT_EQ(output::point_numbers(files[1].second, cut, "initial_node"), body.copies().initial());
   EXPECT_EQ(output::cell_scalars(files[0].second, whole, "part"), (std::vector<double>{0, 0}));
   EXPECT_EQ(output::cell_scalars(files[1].second, cut, "part"), (std::vector<double>{0, 1}));
-  EXPECT_NEAR(Csv(content(scratch / "run/history.csv")).number(1, "current_volume_ratio"), 1, 1e-14);
+  const Csv history(content(scratch / "run/history.csv"));
+  EXPECT_NEAR(history.number(1, "current_volume_ratio"), 1, 1e-14);
+  EXPECT_EQ(history.numbers("opened"), (std::vector<double>{0, 1}));
+  EXPECT_EQ(history.numbers("pieces"), (std::vector<double>{1, 2}));
+  EXPECT_EQ(content(scratch / "run/opened.csv"), "step,time,hexahedra\n1,0.01,0 1\n");
 
   const output::RecordedRun run(scratch / "run");
   EXPECT_EQ(run.mesh().hexahedra(), body.mesh().hexahedra());

@@ -68,6 +68,35 @@ TEST_F(RecordedScene, RepeatsPullsAndSliders) {
   EXPECT_GT(std::ranges::max(played.body().fields(played.positions()).plastic_strain), 0.02);
 }
 
+TEST_F(RecordedScene, RepeatsCuts) {
+  const HexMesh whole = played.body().initial_mesh();
+  const double height = whole.positions().col(2).maxCoeff() / 2 + 0.01;
+  HandSettings scalpel = with(session.suggested_hand(), Tool::kScalpel);
+  scalpel.depth = 1;
+  const auto cut = [&](const Vec3& from, int steps) {
+    session.grab({.place = from, .outwards = Vec3::UnitY(), .towards = Vec3::UnitY()}, scalpel);
+    advance(2);
+    EXPECT_EQ(advance(3).messages, std::vector<std::string>());
+    const Snapshot last = drag(from, Vec3(0.02, 0, 0), steps);
+    session.release();
+    return last;
+  };
+  advance(2);
+  const PointArray before = cut(Vec3(-0.1, 0.1, height), 4).positions;
+  EXPECT_EQ(before.rows(), whole.num_nodes()) << "it has not come to the first centres, and comes along its edge";
+  const Snapshot part = cut(Vec3(-0.01, 0.1, height), 3);
+  EXPECT_GT(part.positions.rows(), whole.num_nodes());
+  EXPECT_EQ(part.mesh->num_nodes(), part.positions.rows());
+  session.undo();
+  EXPECT_EQ(advance(1).positions.rows(), whole.num_nodes());
+  cut(Vec3(-0.1, 0.1, height), 30);
+  advance(5);
+  session.stop();
+  EXPECT_EQ(session.failure(), "");
+  EXPECT_EQ(connected_parts(played.body().mesh(), played.body().alive()).count, 2);
+  EXPECT_EQ(hash_of(record(played, session)), played.hash());
+}
+
 TEST_F(RecordedScene, RepeatsWhatTouches) {
   EXPECT_EQ(session.touch_refusal(), "");
   for (const Tool tool : {Tool::kSphere, Tool::kCapsule, Tool::kBox, Tool::kSphere}) {

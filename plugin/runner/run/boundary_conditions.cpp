@@ -50,26 +50,33 @@ output::BoundaryConditions conditions_of(Simulation& simulation) {
   for (const int node : fixed_nodes(simulation)) conditions.fixed[static_cast<std::size_t>(node)] = 1;
 
   conditions.loads = PointArray::Zero(num_nodes, 3);
+  const auto show = [&](const scene::Instrument& instrument) -> output::Instrument* {
+    const std::optional<Vec3> place = instrument.place(simulation.time());
+    if (!place) return nullptr;
+    output::Instrument& shown = conditions.instruments.emplace_back();
+    shown.id = static_cast<int>(std::ranges::find(all, &instrument) - all.begin());
+    shown.place = *place;
+    shown.shape_points = instrument.shape_points(simulation.time());
+    shown.shape_triangles = instrument.shape_triangles();
+    return &shown;
+  };
   for (std::size_t i = 0; i < simulation.scene_bodies().size(); ++i) {
     const output::Bodies::Entry& body = simulation.bodies()->all()[i];
     scene::MechanicalState& state = *simulation.scene_bodies()[i].state;
     for_each_load(simulation.load_time(), root, state, [&](const scene::ForceField* field, const PointArray& forces) {
       output::Bodies::rows(body, conditions.loads) += forces;
       const auto* instrument = dynamic_cast<const scene::Instrument*>(field);
-      const std::optional<Vec3> place = instrument ? instrument->place(simulation.time()) : std::nullopt;
-      if (!place) return;
-      output::Instrument& shown = conditions.instruments.emplace_back();
-      shown.id = static_cast<int>(std::ranges::find(all, instrument) - all.begin());
-      shown.place = *place;
-      shown.shape_points = instrument->shape_points(simulation.time());
-      shown.shape_triangles = instrument->shape_triangles();
+      output::Instrument* shown = instrument ? show(*instrument) : nullptr;
+      if (!shown) return;
       std::vector<int> nodes;
       for (int node = 0; node < forces.rows(); ++node)
         if (!forces.row(node).isZero(0)) nodes.push_back(node);
-      shown.forces = forces(nodes, Eigen::all);
-      for (const int node : nodes) shown.nodes.push_back(body.first_node + node);
+      shown->forces = forces(nodes, Eigen::all);
+      for (const int node : nodes) shown->nodes.push_back(body.first_node + node);
     });
   }
+  for (const scene::Instrument* instrument : all)
+    if (!dynamic_cast<const scene::ForceField*>(instrument)) show(*instrument);  // a blade presses on nothing
   for (const scene::ShowsSprings* springs : root.all<scene::ShowsSprings>())
     for (const auto& [from, to, is_slack] : springs->spring_lines()) conditions.springs.push_back({from, to, is_slack});
   return conditions;

@@ -95,6 +95,7 @@ output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions
   for (const scene::Instrument* instrument : simulation.scene().root().all<scene::Instrument>())
     plan.has_contact = plan.has_contact || instrument->contact_energy().has_value();
   plan.has_instruments = !simulation.scene().root().all<scene::Instrument>().empty();
+  plan.has_openings = !simulation.scene().root().all<scene::Blade>().empty();
   plan.has_springs = !simulation.scene().root().all<scene::ShowsSprings>().empty();
   for (const scene::Probe* probe : simulation.probes()) plan.probes.push_back(probe->name());
   plan.staging = staging_of(simulation);
@@ -299,10 +300,10 @@ std::vector<output::Figure> summary_of(Simulation& simulation) {
         add("body " + entry.name,
             fmt::format("{} hexahedra, {} nodes", entry.body->mesh().num_elements(), entry.body->mesh().num_nodes()));
     for (const RegionFigure& region : regions_of(simulation.scene())) add("region " + region.path, describe(region));
-    if (bodies->num_removed() > 0) {
-      add("removed", removed_line(*bodies, totals));
+    if (bodies->num_removed() > 0) add("removed", removed_line(*bodies, totals));
+    if (bodies->num_opened() > 0) add("opened", fmt::format("{} joints", bodies->num_opened()));
+    if (bodies->num_removed() + bodies->num_opened() > 0)
       add("connected parts", fmt::format("{} of what is left", summary.num_pieces));
-    }
     if (totals.max_inverted > 0) add("inverted", inverted_line(simulation.latest().flow.inverted, totals));
     if (totals.rolled_back > 0)
       add("rolled back",

@@ -34,6 +34,7 @@ Json summary_json(Simulation& simulation) {
                {"nodes", simulation.num_nodes()},
                {"hexahedra", bodies.mesh().num_elements()},
                {"removed", bodies.num_removed()},
+               {"opened", bodies.num_opened()},
                {"connected_parts", summary.num_pieces},
                {"least_scaled_jacobian", quality(bodies.mesh()).min_scaled_jacobian},
                {"inverted", latest.flow.inverted},

@@ -25,7 +25,8 @@ const std::string kTearingBar =
     "<SpringForceField spring='0 20 3 .1 .05'/><GraspForceField radius='0.12' keyTimes='0 0.3' positions='.1 .05 0  .2 "
     ".05 -.2' graspTime='0.06' "
     "releaseTime='0.5' stiffness='300' maxForce='12'/><Node name='skin'><OglModel position='.05 .02 .1  .15 .02 .1  "
-    ".1 .08 .3' triangles='0 1 2'/><BarycentricMapping/></Node></Node>";
+    ".1 .08 .3' triangles='0 1 2'/><BarycentricMapping/></Node>"
+    "<BladeController points='0 -1 0  0 1 0' keyTimes='0.1 0.3' positions='-.1 0 .3  .12 0 .3'/></Node>";
 
 class Resume : public Command {
  protected:
@@ -46,7 +47,7 @@ class Resume : public Command {
     EXPECT_EQ(files.size(), expected_files.size());
     for (const auto& [name, bytes] : expected_files) {
       ASSERT_TRUE(files.contains(name)) << name;
-      if (name.ends_with(".vtu") || name.ends_with(".pvd") || name == "removed.csv") {
+      if (name.ends_with(".vtu") || name.ends_with(".pvd") || name == "removed.csv" || name == "opened.csv") {
         EXPECT_TRUE(files.at(name) == bytes) << name;
       }
     }
@@ -57,6 +58,7 @@ TEST_F(Resume, GoesOnBitForBitAndWritesTheSameFiles) {
   const Outcome straight = succeeds("run bar.scn --out straight --frames 0 --checkpoint every=15 --threads 1");
   ASSERT_TRUE(has(straight.out, "removed ")) << "the case is to tear\n";
   EXPECT_TRUE(has(straight.out, "connected parts "));
+  EXPECT_TRUE(has(straight.out, "opened "));
 
   // 20 steps, the last of them at no output: a run of 40 would not write it
   succeeds("run bar.scn --out resumed --frames 0 --checkpoint every=15 --steps 20 --threads 2");
