@@ -36,7 +36,7 @@ double moved(double threshold, double before, double now) {
 }
 
 // To be raised with each change of History::serialize. Members of Material and Settings are part of the identity.
-constexpr std::uint32_t kSavedVersion = 8;
+constexpr std::uint32_t kSavedVersion = 9;
 constexpr SavedKind kSavedBody{{'H', 'X', 'P', 'B', 'O', 'D', 'Y', '\0'}, kSavedVersion, "body"};
 
 /// What saved members are: their names, in their order, and the words that enumerators stand for.
@@ -137,6 +137,7 @@ const HexMesh& Body::initial_mesh() const { return state_->model.initial_mesh();
 const Joints& Body::joints() const { return state_->model.joints(); }
 const NodeCopies& Body::copies() const { return state_->model.copies; }
 std::span<const int> Body::opened() const { return state_->history.opened; }
+std::span<const double> Body::crossings() const { return state_->history.crossings; }
 long Body::revision() const { return state_->revision; }
 double Body::dissipated_energy() const { return state_->history.dissipated_energy; }
 
@@ -313,18 +314,27 @@ void Body::remove(std::span<const int> elements) {
   ++state_->revision;
 }
 
-std::vector<int> Body::open(std::span<const int> joints) {
+std::vector<int> Body::open(std::span<const int> joints, std::span<const double> crossings) {
   const int count = state_->model.joints().count();
   for (const int joint : joints)
     if (joint < 0 || joint >= count) throw InputError(fmt::format("joint {} must lie in [0, {})", joint, count));
+  if (!crossings.empty() && crossings.size() != joints.size())
+    throw InputError(
+        fmt::format("{} crossings for {} joints, must be as many, or none", crossings.size(), joints.size()));
+  for (const double place : crossings)
+    if (!is_crossing(place)) throw InputError(fmt::format("crossing {} must lie in [0, 1]", place));
   std::vector<int>& opened = state_->history.opened;
   std::vector<unsigned char> is_open(count, 0);
   for (const int joint : opened) is_open[joint] = 1;
-  const std::size_t before = opened.size();
-  for (const int joint : joints)
-    if (!std::exchange(is_open[joint], 1)) opened.push_back(joint);
-  if (opened.size() == before) return {};
-  std::sort(opened.begin() + static_cast<std::ptrdiff_t>(before), opened.end());
+  std::vector<std::pair<int, double>> added;  // and where each is crossed
+  for (std::size_t k = 0; k < joints.size(); ++k)
+    if (!std::exchange(is_open[joints[k]], 1)) added.emplace_back(joints[k], crossings.empty() ? 0.5 : crossings[k]);
+  if (added.empty()) return {};
+  std::ranges::sort(added);
+  for (const auto& [joint, place] : added) {
+    opened.push_back(joint);
+    state_->history.crossings.push_back(place);
+  }
   std::vector<int>& ends = state_->history.end_of_opening;
   ends.push_back(static_cast<int>(opened.size()));
   std::vector<int> parents = state_->model.open(state_->history, static_cast<int>(ends.size()) - 1);
@@ -507,6 +517,7 @@ void Body::add_to(StateHash& hash) const {
   add_array(hash, state_->history.branch_strain);
   add_array(hash, state_->history.branch_stretch);
   add_array(hash, state_->history.opened);
+  add_array(hash, state_->history.crossings);
   add_array(hash, state_->history.end_of_opening);
 }
 

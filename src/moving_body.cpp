@@ -128,13 +128,13 @@ MovingBody::MovingBody(MovingBody&&) noexcept = default;
 MovingBody& MovingBody::operator=(MovingBody&&) noexcept = default;
 MovingBody::~MovingBody() = default;
 
-std::vector<int> MovingBody::open(std::span<const int> joints) {
+std::vector<int> MovingBody::open(std::span<const int> joints, std::span<const double> crossings) {
   for (const StepForces* forces : forces_)
     if (const std::string reason = forces->cannot_follow(); !reason.empty())
       throw InputError(fmt::format("MovingBody: joints cannot open: {}", reason));
   require_rows("MovingBody", "positions", positions, body.mesh().num_nodes());
   require_rows("MovingBody", "velocities", velocities, body.mesh().num_nodes());
-  std::vector<int> parents = body.open(joints);
+  std::vector<int> parents = body.open(joints, crossings);
   if (parents.empty()) return parents;
   append_rows(parents, positions);
   append_rows(parents, velocities);

@@ -94,10 +94,13 @@ class Body {
   /// Opens joints between hexahedra, which stay: nodes that no closed joint holds together any more are split. Between
   /// two time steps; the order of the numbers does not matter, and those that are open already are passed over.
   ///                                                                                            theory.md section 10
-  /// joints: numbers of `joints()`. Returns for each new node, behind the present ones, the one that it was split from:
+  /// joints: numbers of `joints()`. crossings: where what opens each of them passed, from the centre of its lowest
+  /// hexahedron (0) to that of the next one (1), for those who draw the walls; 1/2 where none are given. They change
+  /// no force. Returns for each new node, behind the present ones, the one that it was split from:
   /// nodal fields grow by these rows (append_rows). A joint whose nodes other joints still hold together is open
-  /// without effect. Throws InputError for a number that is not there; nothing has changed then.
-  std::vector<int> open(std::span<const int> joints);
+  /// without effect. Throws InputError for a number that is not there and for other crossings; nothing has changed
+  /// then.
+  std::vector<int> open(std::span<const int> joints, std::span<const double> crossings = {});
 
   /// Makes the body of something else, between two time steps; what has flowed stays. Yield thresholds move by as much
   /// as those of the materials, down to 0; those that were or become infinite are the new material's. Plastic stretch
@@ -113,7 +116,7 @@ class Body {
   ///
   ///   bytes | content, little-endian
   ///       8 | "HXPBODY" and a zero
-  ///       4 | format version: 8
+  ///       4 | format version: 9
   ///       8 | XXH64 of mesh and settings, and of the names of all members and words
   ///       8 | size of what follows
   ///       n | materials, history: lists preceded by their lengths (base/archive.hpp)
@@ -154,6 +157,7 @@ class Body {
   const Joints& joints() const;                            ///< of the initial mesh, found when first asked for
   const NodeCopies& copies() const;                        ///< of the initial nodes
   std::span<const int> opened() const;                     ///< joints, in the order of the calls of `open`
+  std::span<const double> crossings() const;               ///< [-] of these
   long revision() const;                                   ///< grows with remove, open, reset, load and set_materials
   double dissipated_energy() const;                        ///< [J] accumulated plastic work, and loss by relaxation
   ElementPoints element_rest_shape(int hexahedron) const;  ///< [m] its isolated one, Pi y, about its mean

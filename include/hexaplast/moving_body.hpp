@@ -85,7 +85,7 @@ class MovingBody {
   /// Body::open between two steps, all else following: new nodes have position, velocity and fixing of those that they
   /// were split from, masses are those of the hexahedra. Throws InputError for numbers that are not there, and where
   /// forces that were added cannot follow; everything is then as before.
-  std::vector<int> open(std::span<const int> joints);
+  std::vector<int> open(std::span<const int> joints, std::span<const double> crossings = {});
 
   /// From now on `forces` act too, such as contacts and grips (parts/instrument.hpp, parts/grasp.hpp). They must
   /// outlive this, which stays where it is from then on if they refer to its body. Throws InputError in first order and

@@ -77,10 +77,10 @@ class HexahedronElastoplasticFEMForceField final : public ElasticForces<BodyFiel
     announce();
   }
 
-  void open(std::span<const int> joints) override {
+  void open(std::span<const int> joints, std::span<const double> crossings) override {
     scene::require_followers(*this);
     announce_change();
-    const std::vector<int> split_from = part_->open(joints);
+    const std::vector<int> split_from = part_->open(joints, crossings);
     if (!split_from.empty()) scene::announce_nodes(*this, split_from);
   }
 

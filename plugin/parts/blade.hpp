@@ -52,6 +52,8 @@ class Blade {
   /// (BladeCut::opened).
   const std::vector<int>& end_step(ConstPoints x);
 
+  const std::vector<double>& crossings() const { return cut_.crossings(); }  ///< of these (Body::open)
+
   Pose pose_at(double time) const;  ///< along its path
   const BladeOptions& options() const { return options_; }
 

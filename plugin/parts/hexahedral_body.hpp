@@ -71,7 +71,9 @@ class HexahedralBody {
   void end_step(ConstPoints x, double dt);
 
   void remove(std::span<const int> elements) { body_.remove(elements); }
-  std::vector<int> open(std::span<const int> joints) { return body_.open(joints); }  ///< Body::open
+  std::vector<int> open(std::span<const int> joints, std::span<const double> crossings) {  ///< Body::open
+    return body_.open(joints, crossings);
+  }
   void reset();
   void serialize(Archive& archive);
 

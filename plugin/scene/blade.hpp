@@ -17,6 +17,7 @@ class Blade : public Component {
 
   /// The joints that it opens (ForceField::open), asked when end_step of all is done. Valid until the next step.
   virtual std::span<const int> joints() = 0;
+  virtual std::span<const double> crossings() const = 0;  ///< of these
 };
 
 }  // namespace hexaplast::scene

@@ -104,7 +104,7 @@ class ForceField : public Component, public NodalForces {
   /// Opens joints of the body (Body::open), between two steps, or at the end of one, when all of end_step is done. What
   /// acts on its nodes follows (FollowsNodes). Rejects the scene, and nothing has changed, where something cannot;
   /// throws InputError for joints that are not there.
-  virtual void open(std::span<const int> /*joints*/) {}
+  virtual void open(std::span<const int> /*joints*/, std::span<const double> /*crossings*/) {}
 };
 
 /// Forces between two mechanical states, or within one. A state may follow another one; one of the two may be at rest,

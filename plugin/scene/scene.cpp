@@ -134,10 +134,10 @@ SolveReport Scene::step() {
   }
 }
 
-void Scene::open(ForceField& field, std::span<const int> joints) {
+void Scene::open(ForceField& field, std::span<const int> joints, std::span<const double> crossings) {
   require_whole();
   try {
-    field.open(joints);
+    field.open(joints, crossings);
   } catch (const Rejection& rejection) {
     throw SceneError(rejection.what());
   }
@@ -274,15 +274,21 @@ void begin_step(Node& node) {
 void end_step(Node& node, double dt) {
   node.for_each<Component>([dt](Component& component) { component.end_step(dt); });
 
-  std::vector<std::pair<ForceField*, std::vector<int>>> opened;  // all are found before any opens: that may fail
+  struct Opening {
+    ForceField* field;
+    std::vector<int> joints = {};
+    std::vector<double> crossings = {};
+  };
+  std::vector<Opening> openings;  // all are found before any opens: that may fail
   node.for_each<Blade>([&](Blade& blade) {
     const std::span<const int> joints = blade.joints();
     if (joints.empty()) return;
-    auto of_body = std::ranges::find(opened, &blade.field(), [](const auto& pair) { return pair.first; });
-    if (of_body == opened.end()) of_body = opened.insert(of_body, {&blade.field(), {}});
-    of_body->second.insert(of_body->second.end(), joints.begin(), joints.end());
+    auto of_body = std::ranges::find(openings, &blade.field(), &Opening::field);
+    if (of_body == openings.end()) of_body = openings.insert(of_body, {&blade.field()});
+    of_body->joints.insert(of_body->joints.end(), joints.begin(), joints.end());
+    of_body->crossings.insert(of_body->crossings.end(), blade.crossings().begin(), blade.crossings().end());
   });
-  for (const auto& [field, joints] : opened) field->open(joints);
+  for (const auto& [field, joints, crossings] : openings) field->open(joints, crossings);
 }
 
 namespace {

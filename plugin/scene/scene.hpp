@@ -44,7 +44,7 @@ class Scene {
 
   /// Opens joints of a body of the scene, between two steps: ForceField::open. Throws SceneError, naming it, where a
   /// component cannot follow, and InputError for joints that are not there; nothing has changed then.
-  void open(ForceField& field, std::span<const int> joints);
+  void open(ForceField& field, std::span<const int> joints, std::span<const double> crossings = {});
 
   /// Time and all components (Stateful::serialize): into a checkpoint between two steps, or from one right after init.
   /// Throws InputError when the components of the scene are not those that were written, or keep another state, and

@@ -135,6 +135,41 @@ Point at(const End& end, double fraction) {
   return point;
 }
 
+Vec3 place(const End& end, double time) {
+  Vec3 place;
+  for (int i = 0; i < 3; ++i)
+    place[i] = std::lerp(static_cast<double>(end.before[i]), static_cast<double>(end.after[i]), time);
+  return place;
+}
+
+/// Where a link is met, as a fraction of it. Link and segment span no volume at that time, which is bisected for; lines
+/// that are parallel then meet in the middle.
+double crossing(const Sweep& link, const Sweep& segment) {
+  constexpr int kSamples = 8, kBisections = 12;
+  const auto along = [](const Sweep& line, double time) -> Vec3 { return place(line.q, time) - place(line.p, time); };
+  const auto volume = [&](double time) {
+    return along(link, time).cross(along(segment, time)).dot(place(segment.p, time) - place(link.p, time));
+  };
+  double begin = 0, least = std::abs(volume(0));
+  for (int k = 0; k < kSamples; ++k) {
+    double from = k / double{kSamples}, to = (k + 1) / double{kSamples};
+    if (volume(from) * volume(to) > 0) {
+      if (std::abs(volume(to)) < least) least = std::abs(volume(begin = to));
+      continue;
+    }
+    for (int step = 0; step < kBisections; ++step) {
+      const double middle = (from + to) / 2;
+      (volume(from) * volume(middle) > 0 ? from : to) = middle;
+    }
+    begin = (from + to) / 2;
+    break;
+  }
+  const Vec3 u = along(link, begin), v = along(segment, begin), w = place(segment.p, begin) - place(link.p, begin);
+  const double divisor = u.cross(v).squaredNorm();
+  if (!(divisor > 0)) return 0.5;
+  return std::clamp(w.cross(v).dot(u.cross(v)) / divisor, 0.0, 1.0);
+}
+
 End between(const End& end, double from, double to) { return {at(end, from), at(end, to)}; }
 
 }  // namespace
@@ -167,7 +202,9 @@ double BladeCut::tolerance() const { return kBend * mean_length_ * spacing_; }
 const std::vector<int>& BladeCut::opened(std::span<const Hexahedron> hexahedra, ConstPoints x_before,
                                          ConstPoints x_after, std::span<const BladeAt> blade,
                                          std::span<const unsigned char> is_open) {
+  met_.clear();
   opened_.clear();
+  crossings_.clear();
   points_.clear();
   Eigen::AlignedBox3d box;
   for (const BladeAt& moment : blade) {
@@ -186,8 +223,12 @@ const std::vector<int>& BladeCut::opened(std::span<const Hexahedron> hexahedra, 
       chain_[k] = {points_[(moment - 1) * chain_.size() + k], points_[moment * chain_.size() + k]};
     cut(blade[moment - 1].fraction, blade[moment].fraction);
   }
-  std::ranges::sort(opened_);  // a joint may have several links
-  opened_.erase(std::unique(opened_.begin(), opened_.end()), opened_.end());
+  std::ranges::sort(met_);
+  for (const auto& [joint, place] : met_) {
+    if (!opened_.empty() && opened_.back() == joint) continue;  // it may have several links
+    opened_.push_back(joint);
+    crossings_.push_back(place);
+  }
   return opened_;
 }
 
@@ -282,11 +323,13 @@ void BladeCut::cut(double from, double to) {
       const double link_begin = std::lerp(from, to, begin), link_end = std::lerp(from, to, end);
       const Sweep sweep{between(centres_[link.first], link_begin, link_end),
                         between(centres_[link.second], link_begin, link_end)};
-      bool is_met = false;
-      for (std::size_t k = 1; k < chain_.size() && !is_met; ++k)
-        is_met = meet(sweep, {chain_part_[k - 1], chain_part_[k]});
-      if (is_met) opened_.push_back(link.joint);
-      return is_met;
+      for (std::size_t k = 1; k < chain_.size(); ++k) {
+        const Sweep segment{chain_part_[k - 1], chain_part_[k]};
+        if (!meet(sweep, segment)) continue;
+        met_.emplace_back(link.joint, crossing(sweep, segment));
+        return true;
+      }
+      return false;
     });
   }
 }

@@ -129,7 +129,7 @@ bool History::is_finite(int e) const {
 void History::serialize(Archive& archive) {
   archive(rest_shape, rotation_map, yield_stress, rotation_yield, plastic_rest_positions, plastic_strain,
           plastic_stretch, plastic_inverse, dissipated_energy, alive, removed, averaging_increment, branch_strain,
-          branch_stretch, opened, end_of_opening);
+          branch_stretch, opened, crossings, end_of_opening);
   if (!archive.reads()) return;
   removed.reserve(alive.size());  // a step allocates nothing
   has_flowed.resize(plastic_inverse.size());
@@ -137,6 +137,8 @@ void History::serialize(Archive& archive) {
 }
 
 void validate_opened(const Model& model, const History& history) {
+  require(history.crossings.size() == history.opened.size() && std::ranges::all_of(history.crossings, is_crossing),
+          "the crossings of its opened joints are not of them, or not in [0, 1]");
   if (history.opened.empty() && history.end_of_opening.empty()) return;
   std::vector<unsigned char> is_open(model.joints().count(), 0);
   std::size_t at = 0;

@@ -34,6 +34,7 @@ struct History {
   std::vector<CornerSymmetric> branch_strain;   ///< b = q / (2 g mu) per element and viscoelastic branch
   std::vector<CornerSymmetric> branch_stretch;  ///< B at the latest step, per element; empty without branches
   std::vector<int> opened;                      ///< joints that are open, call by call, ascending within a call
+  std::vector<double> crossings;                ///< [-] of these (Body::open)
   std::vector<int> end_of_opening;              ///< per call: where it ends in `opened`
   long version = 0;  ///< grows whenever something changes, so that derived data know they are old
 
@@ -76,6 +77,9 @@ struct History {
 
 /// Whether some G of an element is not 1.
 bool is_flowed(const CornerTensors& plastic_inverse);
+
+/// Whether a joint can have been crossed there.
+inline bool is_crossing(double place) { return place >= 0 && place <= 1; }
 
 /// Throws InputError where joints are not there, or opened twice, or not in calls.
 void validate_opened(const Model& model, const History& history);

@@ -124,7 +124,7 @@ TEST(SavedBody, OfAnotherBodyIsRefused) {
     EXPECT_TRUE(refuses(*other, bytes, "another mesh or other settings"));
   std::string later = bytes;
   later[8] = 99;
-  EXPECT_TRUE(refuses(body, later, "format version 99, must be 8"));
+  EXPECT_TRUE(refuses(body, later, "format version 99, must be 9"));
   shorter.state().history.plastic_inverse.pop_back();
   EXPECT_THROW(load(other_isolated, saved(shorter)), InputError);
   EXPECT_TRUE(refuses(body, "mesh.pvd and other things that are no body", "no saved body"));

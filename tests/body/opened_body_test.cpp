@@ -130,7 +130,9 @@ TEST_P(OpenedBody, GoesOnWithTheSameBits) {
     std::vector<int> joints = joints_across(moving->body, 0, 0.08);
     joints.resize(10);
     if (moving == &second) std::ranges::reverse(joints);
-    moving->open(joints);
+    std::vector<double> crossings;
+    for (const int joint : joints) crossings.push_back(joint / double{moving->body.joints().count()});
+    moving->open(joints, crossings);
     moving->run(4);
     if (moving == &first) moving->save(saved);
     moving->open(joints_across(moving->body, 1, 0.04));
@@ -138,6 +140,9 @@ TEST_P(OpenedBody, GoesOnWithTheSameBits) {
   }
   set_num_threads(0);
   EXPECT_EQ(first.state_hash(), second.state_hash());
+  for (std::size_t k = 0; k < 10; ++k)
+    EXPECT_EQ(first.body.crossings()[k], first.body.opened()[k] / double{first.body.joints().count()});
+  EXPECT_EQ(first.body.crossings().back(), 0.5);
   EXPECT_EQ(first.body.opened().size(), 10u + joints_across(made().body, 1, 0.04).size());
 
   MovingBody third = made();
@@ -196,6 +201,8 @@ TEST_P(OpenedBody, RefusesWhatIsNoJoint) {
   const std::string before = moving.state_hash();
   EXPECT_TRUE(refuses<InputError>([&] { moving.open(std::vector{0, 54}); }, {"joint 54", "[0, 54)"}));
   EXPECT_TRUE(refuses<InputError>([&] { moving.open(std::vector{-1}); }, {"joint -1"}));
+  EXPECT_TRUE(refuses<InputError>([&] { moving.open(std::vector{0}, std::vector{1.5}); }, {"crossing 1.5", "[0, 1]"}));
+  EXPECT_TRUE(refuses<InputError>([&] { moving.open(std::vector{0}, std::vector{.5, .5}); }, {"2 crossings for 1"}));
   EXPECT_EQ(moving.state_hash(), before);
   int inside = 0;
   while (moving.body.joints().hexahedra(inside).front() != 13) ++inside;

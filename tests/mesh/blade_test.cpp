@@ -57,6 +57,32 @@ PointArray points(const std::vector<Vec3>& rows) {
   return points;
 }
 
+Vec3 centre(const HexMesh& mesh, int e) {
+  return gather(mesh.positions(), mesh.hexahedra()[e]).colwise().mean().transpose();
+}
+
+// Links of a grid that stands still, and a plane that a blade sweeps: where they cross is a quotient of distances.
+TEST(Blade, TellsWhereItCrosses) {
+  const HexMesh mesh = support::block({4, 3, 2}, 0.01);
+  const Joints joints(mesh);
+  BladeCut cut(mesh, joints);
+  const std::vector<unsigned char> is_open(joints.count(), 0);
+  const Vec3 normal = Vec3(3, 1, -1).normalized(), on_plane(0.0183, 0.0149, 0.0101);
+  const Vec3 along = normal.unitOrthogonal(), forward = normal.cross(along);
+  const auto edge = [&](double way) {
+    return points({on_plane + way * forward - 0.1 * along, on_plane + way * forward + 0.1 * along});
+  };
+  const PointArray& x = mesh.positions();
+  const std::vector<int> opened = cut.opened(mesh.hexahedra(), x, x, straight(edge(-0.1), edge(0.1)), is_open);
+  ASSERT_GT(opened.size(), 6u);
+  ASSERT_EQ(cut.crossings().size(), opened.size());
+  for (std::size_t k = 0; k < opened.size(); ++k) {
+    const std::span<const int> pair = joints.hexahedra(opened[k]);
+    const auto distance = [&](int e) { return normal.dot(centre(mesh, e) - on_plane); };
+    EXPECT_NEAR(cut.crossings()[k], distance(pair[0]) / (distance(pair[0]) - distance(pair[1])), 1e-3);
+  }
+}
+
 /// tests/data/cutting/sweep_*.json: the conventions stand in its README.
 class SweepingBlade : public testing::TestWithParam<std::string> {
  protected:

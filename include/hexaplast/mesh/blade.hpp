@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "hexaplast/mesh/joints.hpp"
@@ -56,6 +57,10 @@ class BladeCut {
   const std::vector<int>& opened(std::span<const Hexahedron> hexahedra, ConstPoints x_before, ConstPoints x_after,
                                  std::span<const BladeAt> blade, std::span<const unsigned char> is_open);
 
+  /// Where the blade met them in that call: from the centre of the joint's lowest hexahedron (0) to that of the next
+  /// one (1). Found in floating-point numbers, to about a hundredth; of a blade along the link it is the middle.
+  const std::vector<double>& crossings() const { return crossings_; }
+
   double tolerance() const;  ///< [m] that tenth
 
  private:
@@ -83,7 +88,9 @@ class BladeCut {
   std::vector<Link> near_;
   std::vector<unsigned char> is_at_near_link_;  // per hexahedron
   std::vector<Sweep::End> centres_;             // of these
+  std::vector<std::pair<int, double>> met_;     // joints, and where
   std::vector<int> opened_;
+  std::vector<double> crossings_;
 };
 
 }  // namespace hexaplast
