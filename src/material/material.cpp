@@ -146,6 +146,8 @@ void validate(const Settings& settings, Names names) {
   require_double("averaging", AveragingMethod::kJacobi);
   require_double("implementation", Implementation::kPlain);
   require("yield_stress_measure", YieldStressMeasure::kCauchy, "rest_shape", RestShape::kIsolated);
+  require("fracture", Fracture::kFace, "rest_shape", RestShape::kIsolated);
+  require("fracture", Fracture::kFace, "implementation", Implementation::kAuto);
   require("yield_stress_measure", YieldStressMeasure::kCauchy, "volumetric", Volumetric::kVolumeRatio);
   require_branches(settings, names);
 }

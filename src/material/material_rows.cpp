@@ -75,17 +75,27 @@ constexpr Row<Material> kMaterialRows[] = {
      .group = kFracture,
      .unit = "Pa",
      .range = {.min = 0},
-     .help = "A hexahedron is removed when hardening raises its yield stress above this value at a corner. Needs "
-             "plasticFlowRate, hardening, and a yieldStress that is not larger; of values per hexahedron some may be "
-             "larger: these tear as soon as they flow. Without it nothing tears by stress.",
+     .help =
+         "A hexahedron breaks (fracture) when hardening raises its yield stress above this value at a corner. Needs "
+         "plasticFlowRate, hardening, and a yieldStress that is not larger; of values per hexahedron some may be "
+         "larger: these tear as soon as they flow. Without it nothing tears by stress.",
      .at = kMember<&Material::fracture_stress>},
     {.member = "fracture_stretch",
      .name = "fractureStretch",
      .group = kFracture,
      .range = {.min = 1, .exclusive_min = true},
-     .help = "A hexahedron is removed when the largest principal plastic stretch at a corner exceeds this value. "
-             "Without it nothing tears by stretch.",
+     .help =
+         "A hexahedron breaks (fracture) when the largest principal plastic stretch at a corner exceeds this value. "
+         "Without it nothing tears by stretch.",
      .at = kMember<&Material::fracture_stretch>},
+    {.member = "fracture_energy",
+     .name = "fractureEnergy",
+     .group = kFracture,
+     .unit = "J/m^2",
+     .range = {.min = 0},
+     .help = "With fracture=\"face\", what a crack takes per area: a face at its front opens only where at least this "
+             "much becomes free. With 0 the load at which a crack grows depends on the mesh.",
+     .at = kMember<&Material::fracture_energy>},
 };
 static_assert(std::size(kMaterialRows) == num_members<Material>(), "a member has no row");
 

@@ -17,6 +17,7 @@ constexpr std::string_view kRestShapes[] = {"joined", "isolated"};
 constexpr std::string_view kRotations[] = {"objective", "vertex", "centre", "none"};
 constexpr std::string_view kFrames[] = {"bestFit", "world"};
 constexpr std::string_view kAveragings[] = {"gaussNewton", "jacobi"};
+constexpr std::string_view kFractures[] = {"cell", "face"};
 constexpr std::string_view kPrecisions[] = {"double", "mixed"};
 constexpr std::string_view kImplementations[] = {"auto", "plain"};
 
@@ -180,6 +181,13 @@ constexpr Row<Settings> kSettingsRows[] = {
      .help = "Hexahedra whose volume at a corner is below this fraction of the initial one, or that are inverted, do "
              "not flow.",
      .at = kMember<&Settings::inversion_threshold>},
+    {.member = "fracture",
+     .name = "fracture",
+     .group = kFracture,
+     .words = kFractures,
+     .help = "What becomes of a hexahedron that breaks. cell: it is removed. face: it stays, and comes apart from its "
+             "neighbours along the faces that bear most tension, for restShape=\"isolated\".",
+     .at = kMember<&Settings::fracture>},
 };
 static_assert(std::size(kSettingsRows) == num_members<Settings>(), "a member has no row");
 

@@ -28,8 +28,9 @@ struct Material {
   double rotation_yield = 0;      ///< tau^R [rad], in [0, pi]
   double rotation_flow_rate = 0;  ///< nu^R [1/s], >= 0
   double hardening = 0;           ///< kappa [-], <= 1e6: growth of both thresholds with flow; < 0 softens, down to 0
-  double fracture_stress = std::numeric_limits<double>::infinity();  ///< [Pa] the element goes when tau hardens past it
-  double fracture_stretch = std::numeric_limits<double>::infinity();  ///< [-] > 1: it goes when plastic stretch does
+  double fracture_stress = std::numeric_limits<double>::infinity();   ///< [Pa] the element breaks when tau passes it
+  double fracture_stretch = std::numeric_limits<double>::infinity();  ///< [-] > 1: it breaks when plastic stretch does
+  double fracture_energy = 0;  ///< G [J/m^2] >= 0 that a crack takes per area, of Fracture::kFace; 0: strength alone
 };
 
 /// How the deformation gradients of the eight samples follow from the corners. All carry V/8 per sample.
@@ -101,6 +102,13 @@ enum class AveragingMethod {
   kJacobi        ///< one sweep of averages, as printed in the paper: depends on the mesh size; plain implementation
 };
 
+/// What becomes of a hexahedron that breaks.
+enum class Fracture {
+  kCell,  ///< it is removed, with its volume and surface
+  kFace   ///< it stays, and comes apart from others along its faces: FlowReport::torn                 theory.md section
+          ///< 10
+};
+
 /// Numbers that the stiffness product, what follows from it, and what a plastic step adds are computed with. Positions,
 /// forces, rotations of the elastic forces and the history are always double.                    theory.md section 9.6
 enum class Precision {
@@ -139,6 +147,7 @@ struct Settings {
   Implementation implementation = Implementation::kAuto;
   double volume_restitution = 1;     ///< c [1/s], >= 0; c dt < 2/3
   double inversion_threshold = 0.1;  ///< elements whose smallest det F or det J ratio lies below do not flow; in [0, 1)
+  Fracture fracture = Fracture::kCell;
 
   /// Of viscoelasticity.
   int num_branches() const { return static_cast<int>(relaxation.size() / 2); }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <vector>
+
 namespace hexaplast {
 
 /// What became of the rest-shape averaging in one plastic step.
@@ -23,6 +25,7 @@ struct FlowReport {
   int removed = 0;  ///< broken in this step: the last ones of Body::removed
   double worst_volume_error = 0;  ///< max |volume without load / initial volume - 1| of an element, before the step
   AveragingReport averaging;
+  std::vector<int> torn;  ///< joints that are to open, ascending (Body::open); of Fracture::kFace
 };
 
 }  // namespace hexaplast
