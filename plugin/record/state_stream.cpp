@@ -8,12 +8,14 @@
 #include <cstdint>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
-#include "hexaplast/base/error.hpp"
 #include "record/files.hpp"
 
 namespace hexaplast::output {
 namespace {
+
+constexpr std::int64_t kEnd = -1, kSplit = -2;  // in place of a step
 
 /// A field of nodes, one row each.
 PointArray nodal_values(Field field, const Bodies& bodies, const StreamState& state) {
@@ -84,15 +86,48 @@ StateStream::StateStream(int descriptor, Bodies bodies, StatePlan plan)
                               {"description", entry.help},
                               {"of", entry.of_nodes ? "nodes" : "hexahedra"}});
   }
-  const std::string line = "hexaplast states 1 " + head.dump() + "\n";
+  const std::string line = "hexaplast states 2 " + head.dump() + "\n";
   write(line.data(), line.size());
   write(mesh.positions().data(), static_cast<std::size_t>(mesh.num_nodes()) * 3 * sizeof(double));
   write(mesh.hexahedra().data(), static_cast<std::size_t>(mesh.num_elements()) * kCorners * sizeof(int));
+  num_nodes_ = mesh.num_nodes();
+  for (const Bodies::Entry& entry : bodies_.all()) {
+    std::vector<int>& numbers = node_of_stream_.emplace_back(entry.body->mesh().num_nodes());
+    std::iota(numbers.begin(), numbers.end(), entry.first_node);
+  }
+}
+
+void StateStream::write_split() {
+  std::vector<std::int32_t> initial;
+  std::vector<Hexahedron> hexahedra;
+  for (std::size_t k = 0; k < node_of_stream_.size(); ++k) {
+    const Body& body = *bodies_.all()[k].body;
+    std::vector<int>& numbers = node_of_stream_[k];
+    for (std::size_t n = numbers.size(); n < body.copies().initial().size(); ++n) {
+      numbers.push_back(num_nodes_++);
+      initial.push_back(numbers[body.copies().initial()[n]]);
+    }
+    for (Hexahedron corners : body.mesh().hexahedra()) {
+      for (int& node : corners) node = numbers[node];
+      hexahedra.push_back(corners);
+    }
+  }
+  const std::array<std::int64_t, 2> head = {kSplit, static_cast<std::int64_t>(initial.size())};
+  write(head.data(), sizeof head);
+  write(initial.data(), initial.size() * sizeof(std::int32_t));
+  write(hexahedra.data(), hexahedra.size() * sizeof(Hexahedron));
+}
+
+PointArray StateStream::in_order_of_stream(const PointArray& values) const {
+  PointArray ordered(num_nodes_, 3);
+  for (std::size_t k = 0; k < node_of_stream_.size(); ++k)
+    for (std::size_t n = 0; n < node_of_stream_[k].size(); ++n)
+      ordered.row(node_of_stream_[k][n]) = values.row(bodies_.all()[k].first_node + static_cast<Eigen::Index>(n));
+  return ordered;
 }
 
 void StateStream::record(const StreamState& state) {
-  if (bodies_.are_split())
-    throw InputError("joints of a body have been opened: the data of a run has no place for nodes that split");
+  if (bodies_.mesh().num_nodes() > num_nodes_) write_split();
   const auto step = static_cast<std::int64_t>(state.step);
   write(&step, sizeof step);
   write(&state.time, sizeof state.time);
@@ -110,7 +145,7 @@ void StateStream::record(const StreamState& state) {
         if (!alive[e]) values[e] = std::numeric_limits<double>::quiet_NaN();
       write(values.data(), values.size() * sizeof(double));
     } else {
-      const PointArray values = nodal_values(field, bodies_, state);
+      const PointArray values = in_order_of_stream(nodal_values(field, bodies_, state));
       write(values.data(), static_cast<std::size_t>(values.size()) * sizeof(double));
     }
   }
@@ -118,7 +153,6 @@ void StateStream::record(const StreamState& state) {
 }
 
 void StateStream::complete(const NamedTexts& attributes) {
-  constexpr std::int64_t kEnd = -1;
   write(&kEnd, sizeof kEnd);
   const std::string json = json_of(attributes).dump();
   write(json.data(), json.size());

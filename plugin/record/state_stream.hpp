@@ -81,12 +81,15 @@ struct StreamState {
 
 /// Writes the states of a run for a program in Python, which makes data sets of them (hexaplast_study/states.py):
 ///
-///   one line        "hexaplast states 1 " and JSON: nodes, hexahedra, probes, measures, fields, attributes, overrides
+///   one line        "hexaplast states 2 " and JSON: nodes, hexahedra, probes, measures, fields, attributes, overrides
 ///   positions       n x 3 double [m]; hexahedra: m x 8 int32
 ///   each state      step int64, time double [s], probes and measures double, fields double (n x 3, or m)
+///   where nodes     before a state: -2 int64; k int64, number of new nodes; for each of them the initial one that it
+///   have split      is a copy of, int32; hexahedra as above. n is larger by k from here on
 ///   the end         -1 int64, and JSON to the end of the stream: more attributes
 ///
-/// Numbers are those of the machine. A hexahedron that is gone has NaN. A stream without its end is that of a run that
+/// Nodes keep their numbers: new ones, of whichever body, come behind those before. Numbers are those of the machine. A
+/// hexahedron that is gone has NaN. A stream without its end is that of a run that
 /// failed. All throw OutputError.
 class StateStream {
  public:
@@ -100,12 +103,16 @@ class StateStream {
   void complete(const NamedTexts& attributes);
 
  private:
+  void write_split();
+  PointArray in_order_of_stream(const PointArray& values) const;  // one row per node
   void write(const void* data, std::size_t bytes) const;
 
   int descriptor_;
   Bodies bodies_;
   StatePlan plan_;
   long last_step_ = -1;
+  std::vector<std::vector<int>> node_of_stream_;  // per body and its nodes
+  int num_nodes_ = 0;                             // of the stream
 };
 
 }  // namespace hexaplast::output

@@ -180,9 +180,11 @@ void draw_hand(WindowState& window) {
   explain(
       "grip: holds nodes by springs. scalpel: cuts where it is drawn. The others are rigid and touch the tissue: they "
       "press and rub, and never pull. The wheel pushes them away from you. Keys: 1 to 5");
-  if (window.hand.tool == Tool::kScalpel)
-    return slider("depth", "m", window.hand.depth, usual.depth / 20, usual.depth * 10,
-                  "Of the cut, below the place where it begins, away from you");
+  if (window.hand.tool == Tool::kScalpel) {
+    slider("depth", "m", window.hand.depth, usual.depth / 20, usual.depth * 10,
+           "Of the cut, below the place where it begins, away from you");
+    return;
+  }
   if (window.hand.tool != Tool::kGrip) {
     if (!window.session->touch_refusal().empty()) return tell(kRust, window.session->touch_refusal());
     slider("size", "m", window.hand.size, usual.size / 10, usual.size * 4,

@@ -15,7 +15,8 @@ from h5py import h5d, h5p, h5s, h5t
 CHUNK_BYTES = 256 * 1024  # several states of small bodies together; a part of one state of large ones
 MAX_CHUNK_STATES = 256
 COMPRESSION = 4
-HEAD = b"hexaplast states 1 "
+HEAD = b"hexaplast states 2 "
+END, SPLIT = -1, -2  # in place of a step
 
 
 class EndOfRun(Exception):
@@ -23,8 +24,10 @@ class EndOfRun(Exception):
 
 
 class Stream:
-    """The states of a run, as they come. `positions` (n, 3) [m], `hexahedra` (m, 8); iterating gives records with step,
-    time [s], probes, measures, and the fields by their names. `attributes` has those of the end after the last state.
+    """The states of a run, as they come. `positions` (n, 3) [m], initial; iterating gives records with step, time [s],
+    probes, measures, and the fields by their names. As of the latest record: `hexahedra` (m, 8), and `initial_node`, of
+    which each node is a copy; both are longer where nodes have split. `attributes` has those of the end after the last
+    state.
     """
 
     def __init__(self, file):
@@ -35,23 +38,33 @@ class Stream:
         self.head = json.loads(line[len(HEAD):])
         n, m = self.head["nodes"], self.head["hexahedra"]
         self.positions = np.frombuffer(self._read(24 * n)).reshape(n, 3)
-        self.hexahedra = np.frombuffer(self._read(32 * m), np.int32).reshape(m, 8)
         self.attributes = dict(self.head["attributes"])
+        self.initial_node = np.arange(n, dtype=np.int32)
+        self._read_hexahedra()
+
+    def _read_hexahedra(self):
+        n, m = len(self.initial_node), self.head["hexahedra"]
+        self.hexahedra = np.frombuffer(self._read(32 * m), np.int32).reshape(m, 8)
         shapes = {"nodes": (n, 3), "hexahedra": (m,)}
         self.type = np.dtype([("step", "i8"), ("time", "f8"), ("probes", "f8", (len(self.head["probes"]),)),
                               ("measures", "f8", (len(self.head["measures"]),)),
                               *[(field["name"], "f8", shapes[field["of"]]) for field in self.head["fields"]]])
 
     def __iter__(self):
-        while True:
-            step = self._read(8)
-            if np.frombuffer(step, "i8")[0] < 0:
-                break
-            yield np.frombuffer(step + self._read(self.type.itemsize - 8), self.type)[0]
+        while (step := self._read_integer()) != END:
+            if step == SPLIT:
+                added = np.frombuffer(self._read(4 * self._read_integer()), np.int32)
+                self.initial_node = np.concatenate([self.initial_node, added])
+                self._read_hexahedra()
+            else:
+                yield np.frombuffer(np.int64(step).tobytes() + self._read(self.type.itemsize - 8), self.type)[0]
         try:
             self.attributes.update(json.loads(self._file.read()))
         except ValueError:
             raise EndOfRun from None
+
+    def _read_integer(self):
+        return int(np.frombuffer(self._read(8), "i8")[0])
 
     def _read(self, size):
         data = self._file.read(size)
@@ -61,23 +74,30 @@ class Stream:
 
 
 class _Series:
-    """A data set that grows by a row per state. Chunks are compressed outside of HDF5, where threads do not wait for each
-    other."""
+    """A data set that grows by a row per state, and a row by its first dimension; what earlier rows lack is `fill`.
+    Chunks are compressed outside of HDF5, where threads do not wait for each other."""
 
-    def __init__(self, file, name, stored, row, unit=""):
+    def __init__(self, file, name, stored, row, unit="", fill=0):
         chunk, size = list(row), 8
         for d in reversed(range(len(row))):
             chunk[d] = max(1, min(row[d], CHUNK_BYTES // size))
             size *= chunk[d]
         self._chunk = (min(max(CHUNK_BYTES // size, 1), MAX_CHUNK_STATES), *chunk)
-        self.set = file.create_dataset(name, (0, *row), stored, chunks=self._chunk, maxshape=(None, *row), shuffle=True,
-                                       compression="gzip", compression_opts=COMPRESSION, track_times=False)
+        longest = (None, None, *row[1:]) if row else (None,)
+        self.set = file.create_dataset(name, (0, *row), stored, chunks=self._chunk, maxshape=longest, shuffle=True,
+                                       compression="gzip", compression_opts=COMPRESSION, track_times=False,
+                                       fillvalue=fill)
         if unit:
             self.set.attrs["unit"] = unit
-        self._rows = np.zeros((self._chunk[0], *row), stored)
+        self._fill = fill
+        self._rows = np.full((self._chunk[0], *row), fill, stored)
         self._count = 0
 
     def append(self, value):
+        if self.set.ndim > 1 and len(value) > self._rows.shape[1]:
+            added = (self._rows.shape[0], len(value) - self._rows.shape[1], *self._rows.shape[2:])
+            self._rows = np.concatenate([self._rows, np.full(added, self._fill, self._rows.dtype)], axis=1)
+            self.set.resize(len(value), axis=1)
         self._rows[self._count % self._chunk[0]] = value
         self._count += 1
         if self._count % self._chunk[0] == 0:
@@ -85,7 +105,7 @@ class _Series:
 
     def close(self):
         if self._count % self._chunk[0] != 0:
-            self._rows[self._count % self._chunk[0]:] = 0
+            self._rows[self._count % self._chunk[0]:] = self._fill
             self._write()
 
     def _write(self):
@@ -93,7 +113,7 @@ class _Series:
         first = (self._count - 1) // self._chunk[0] * self._chunk[0]
         row, chunk = self._rows.shape[1:], self._chunk[1:]
         for corner in itertools.product(*[range(0, all, part) for all, part in zip(row, chunk)]):
-            block = np.zeros(self._chunk, self._rows.dtype)
+            block = np.full(self._chunk, self._fill, self._rows.dtype)
             inside = self._rows[(slice(None), *[slice(at, at + part) for at, part in zip(corner, chunk)])]
             block[tuple(slice(0, size) for size in inside.shape)] = inside
             shuffled = block.reshape(-1).view(np.uint8).reshape(-1, block.itemsize).T.tobytes()
@@ -112,16 +132,26 @@ def write_states(stream, path, ready=lambda: None):
         series = {"step": _Series(file, "step", "<i8", ()), "time": _Series(file, "time", "<f8", (), "s")}
         for field in states.head["fields"]:
             series[field["name"]] = _Series(file, f"fields/{field['name']}", "<f8", states.type[field["name"]].shape,
-                                            field["unit"])
+                                            field["unit"], np.nan)
             series[field["name"]].set.attrs.update({"description": field["description"], "of": field["of"]})
         probes = [_Series(file, f"probes/{name}", "<f8", ()) for name in states.head["probes"]]
+        topology, last = None, states.hexahedra
         for state in states:
+            if topology is None and len(states.initial_node) > len(states.positions):
+                topology = [_Series(file, "topology/step", "<i8", ()),
+                            _Series(file, "topology/hexahedra", "<i4", states.hexahedra.shape)]
+            if topology and states.hexahedra is not last:
+                topology[0].append(state["step"])
+                topology[1].append(states.hexahedra)
+            last = states.hexahedra
             for name, one in series.items():
                 one.append(state[name])
             for one, value in zip(probes, state["probes"]):
                 one.append(value)
-        for one in (*series.values(), *probes):
+        for one in (*series.values(), *probes, *(topology or ())):
             one.close()
+        if topology:
+            file.create_dataset("topology/initial_node", data=states.initial_node, dtype="<i4", track_times=False)
         file.attrs.update(states.attributes)
 
 

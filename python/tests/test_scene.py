@@ -484,3 +484,21 @@ def test_an_instrument_goes_where_its_pose_is_set(touched):
     del scene
     gc.collect()
     assert tip.path == "strip/tip" and tip.pose.shape == (7,)
+
+
+def test_a_scalpel_goes_where_its_pose_is_set(tmp_path):
+    file = tmp_path / "cut.scn"
+    file.write_text("""<Node dt='0.01' gravity='0 0 0'><DefaultAnimationLoop/><Node name='strip'>
+        <EulerImplicitSolver/><SparseLDLSolver/><RegularGridTopology n='5 2 3' max='.08 .02 .04'/><MechanicalObject/>
+        <DiagonalMass massDensity='1000'/><HexahedronElastoplasticFEMForceField/>
+        <BladeController name='scalpel' points='0 -.1 0 0 .1 0' keyTimes='0' positions='.041 0 -.01'/></Node></Node>""")
+    scene = hexaplast.Scene(file)
+    scalpel = scene.instrument("strip/scalpel")
+    across = [scene.body.joints.pairs.tolist().index(pair) for pair in ([1, 2], [5, 6])]
+    for z, opened in ((0, []), (.02, across[:1]), (.02, across[:1]), (.05, across)):
+        scalpel.pose = [.041, 0, z]
+        scene.step()
+        assert scene.body.opened == opened
+    assert len(scene.positions) == 30 + 6
+    with pytest.raises(ValueError, match="no attribute 'force'"):
+        scalpel.force

@@ -276,3 +276,39 @@ def test_a_fit_that_cannot_be_is_an_exception(tmp_path, curve):
     with concurrent.futures.ThreadPoolExecutor(2) as executor:
         with pytest.raises(ValueError, match="plasticFlowRaet"):
             study.fit(BAR, curve, {"bar/material.plasticFlowRaet": (1, 2)}, executor, out=tmp_path / "fit")
+
+
+BAR_OF_TWO = """<Node name='{name}'><EulerImplicitSolver rayleighStiffness='0.05'/><SparseLDLSolver/>
+<RegularGridTopology n='5 3 3' min='0 {y} 0' max='.4 {top} .2'/><MechanicalObject/><DiagonalMass massDensity='1000'/>
+<HexahedronElastoplasticFEMForceField name='body' youngModulus='5000'/>
+<FixedProjectiveConstraint indices='0 5 10 15'/>{blade}</Node>"""
+
+
+def test_data_sets_follow_a_cut(tmp_path):
+    """Of two bodies the first is cut, so that its new nodes lie behind those of both."""
+    blade = "<BladeController points='0 0 -.1 0 0 .3' keyTimes='0 .1' positions='.21 -.1 0 .21 .3 0'/>"
+    scene = tmp_path / "cut.scn"
+    scene.write_text("<Node dt='0.01' gravity='0 -1 0'><DefaultAnimationLoop/><RunSettings steps='12'/>"
+                     + BAR_OF_TWO.format(name="lower", y=0, top=.2, blade=blade)
+                     + BAR_OF_TWO.format(name="upper", y=1, top=1.2, blade="") + "</Node>")
+    carry_out(scene, "--data", tmp_path / "cut.h5", "--fields", "displacement,strain", "--every", 2)
+    with h5py.File(tmp_path / "cut.h5") as run:
+        displacement, initial_node = run["fields/displacement"][:], run["topology/initial_node"][:]
+        corners = dict(zip(run["topology/step"][:].tolist(), run["topology/hexahedra"][:]))
+        positions, present = run["positions"][:], run["hexahedra"][:]
+        steps = run["step"][:].tolist()
+    assert displacement.shape == (7, 99, 3) and initial_node[:90].tolist() == list(range(90))
+    assert len(corners) > 1 and 0 not in corners  # it opens in more than one of these states
+    scene = hexaplast.Scene(scene)
+    for row, step in enumerate(steps):
+        while scene.num_steps < step:
+            scene.step()
+        present = corners.get(step, present)
+        nodes = np.unique(present)
+        assert np.array_equal(np.isnan(displacement[row, :, 0]), np.isin(np.arange(99), nodes, invert=True))
+        moved = positions[initial_node[nodes]] + displacement[row, nodes]
+        where = np.full((99, 3), np.nan)
+        where[nodes] = moved
+        for body, first in zip(scene.bodies, (0, 16)):
+            expected = body.positions[body.hexahedra]
+            assert np.allclose(where[present[first:first + 16]], expected, rtol=0, atol=1e-15)
