@@ -254,6 +254,12 @@ void warn_of_probes(const Simulation& simulation) {
   }
 }
 
+void warn_of_blades(Simulation& simulation) {
+  const bool has_blades = !simulation.scene().root().all<scene::Blade>().empty();
+  if (has_blades && simulation.latest().step > 0 && simulation.bodies()->num_opened() == 0)
+    spdlog::warn("warning: nothing was cut: no blade passed between the centres of two hexahedra");
+}
+
 output::Manifest manifest_of(Simulation& simulation, long num_steps, const RunOptions& options) {
   output::Manifest manifest = describe_run(simulation.scene());
   manifest.command = options.command;
@@ -296,6 +302,7 @@ void carry_out(Simulation& simulation, long num_steps, Files& files, const RunOp
   log_warnings(simulation.scene());
   warn_of_averaging(simulation);
   warn_of_probes(simulation);
+  warn_of_blades(simulation);
   const std::vector<std::string> doubts = check_results(simulation);
   for (const std::string& doubt : doubts) spdlog::warn("warning: {}", doubt);
   if (options.strict && !doubts.empty() && requested_signal() == 0)

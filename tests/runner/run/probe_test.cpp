@@ -119,6 +119,14 @@ TEST_F(Probes, ThatAreZeroThroughoutAreNamed) {
   EXPECT_TRUE(has(succeeds("run bar.scn --steps 3").err, "the probe 'pull' was 0 throughout")) << "not grasped yet";
 }
 
+TEST_F(Probes, BladesThatMissAreToldOfToo) {
+  const std::string blade = "  <BladeController points='0 -1 0  0 1 0' keyTimes='0 0.1' positions='";
+  write_scene(blade + "0.06 0 2  0.06 0 1'/>\n");
+  EXPECT_TRUE(has(succeeds("run bar.scn").err, "warning: nothing was cut"));
+  write_scene(blade + "-0.1 0 0.21  0.2 0 0.21'/>\n");
+  EXPECT_EQ(succeeds("run bar.scn").err, "");
+}
+
 TEST_F(Probes, OfConstraintsTellWhatBalancesABodyAtRest) {
   // at rest the support carries what the forceps pull, in force and in moment
   write_scene(R"xml(  <Probe name="fx" value="@held.reaction" component="x"/>
