@@ -88,7 +88,8 @@ inline constexpr Description kInstrumentContactInSofa{.class_name = kInstrumentC
 inline constexpr std::array kTissueContactAttributes = {
     link("object1", "The mechanical state of a body; default: that of the node."),
     link("object2",
-         "That of the other body. Default: the same body, which touches itself, except within two hexahedra."),
+         "That of the other body. Default: the same body, which touches itself, also across cuts, except within two "
+         "hexahedra."),
     real("contactStiffness", {.unit = "Pa/m", .range = kPositive, .group = "Contact"},
          "Pressure per depth of penetration. Default and limits as of InstrumentContactForceField, for the body for "
          "which they are less."),
@@ -109,7 +110,10 @@ inline constexpr std::array kTissueContactAttributes = {
 inline constexpr Description kTissueContactForceField{
     .class_name = "TissueContactForceField",
     .category = "InteractionForceField",
-    .help = "Two bodies that touch each other, or one that touches itself. Needs one EulerImplicitSolver above both.",
+    .help =
+        "Two bodies that touch each other, or one that touches itself. Lips of a cut begin to touch where they are, "
+        "and "
+        "at contactDistance once they have been that far apart. Needs one EulerImplicitSolver above both.",
     .templates = kVec3Templates,
     .attributes = kTissueContactAttributes};
 

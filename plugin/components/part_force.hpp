@@ -60,11 +60,6 @@ class PartField<Part, Forces<In, Out, FirstNodes...>>
     for (int k = 0; k < Part::kNumStates; ++k)
       if (states_[k] == &state) part_->nodes_changed(k, *state.copies(), split_from);
   }
-  std::string cannot_follow(const scene::MechanicalState& state, const Body&) const override {
-    if constexpr (Part::kNumStates == 2)  // known from init on
-      if (states_[0] == &state && states_[1] == &state) return std::string(Part::kCannotFollowWithinOne);
-    return {};
-  }
 
   void begin_step() override {
     const scene::Clock& clock = this->node().clock();

@@ -36,6 +36,7 @@ void Tissues::set_options(const ContactOptions& options) {
       throw OptionError("max_subdivision", error.what());
     }
     set_surface(*other);
+    if (!contact_) other->reset();  // nothing has changed since it was made
   }
   // contact is looked for in the cells around a point
   if (const double edge = (other ? *other : *contact_).edge(); edge > 0) options.check_distance(edge);
@@ -74,14 +75,13 @@ void Tissues::follow_surface() {
 
 void Tissues::nodes_changed(int state, const NodeCopies& copies, std::span<const int> split_from) {
   if (split_from.empty()) return;  // reset and serialize follow
+  const bool with_itself = bodies_[0] == bodies_[1];
+  if (with_itself && state == 1) return;  // told of both
   std::array<SplitNodes, 2> split;
   split[static_cast<std::size_t>(state)] = {copies.num_nodes() - static_cast<int>(split_from.size()), split_from};
+  if (with_itself) split[1] = split[0];
   revisions_ = revisions();
   set_surface(*contact_, split);
-}
-
-std::string Tissues::cannot_follow() const {
-  return bodies_[0] == bodies_[1] ? std::string(kCannotFollowWithinOne) : std::string();
 }
 
 std::array<double, 2> Tissues::young_moduli() const {
@@ -120,8 +120,8 @@ void Tissues::begin_step(const Step& step, const Pair<ConstPoints>& x, const Pai
 
 void Tissues::reset() {
   has_looked_ = has_looked_at_start_;
-  contact_->reset();
   follow_surface();
+  contact_->reset();
 }
 
 void Tissues::serialize(Archive& archive) {

@@ -16,7 +16,6 @@ class Tissues final : public ContactForce {
  public:
   using Options = ContactOptions;
   static constexpr int kNumStates = 2;
-  static constexpr std::string_view kCannotFollowWithinOne = "cannot keep the sides of a cut in one body apart";
   static const attributes::Description& description();
 
   /// Throws OptionError. One body twice touches itself.
@@ -38,7 +37,6 @@ class Tissues final : public ContactForce {
   void end_step(const Pair<ConstPoints>& x) override { contact_->end_step(x); }
 
   void nodes_changed(int state, const NodeCopies& copies, std::span<const int> split_from) override;
-  std::string cannot_follow() const override;
 
   void reset() override;
   void serialize(Archive& archive) override;

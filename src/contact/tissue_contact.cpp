@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -29,6 +30,10 @@ struct SampleState {
   int face = -1;            // of the other surface, of the side that it came through; -1: it was not within
   int hexahedron = -1;      // of the other body, that has the anchor
   CornerWeights anchor = CornerWeights::Zero();
+  double distance = std::numeric_limits<double>::infinity();  // [m] at which it begins to touch, if less than d
+
+  bool is_known() const { return hexahedron >= 0 || distance < std::numeric_limits<double>::infinity(); }
+  void end_contact() { *this = {.distance = distance}; }
 };
 
 double greatest_speed(ConstPoints v, std::span<const int> nodes, const Vec3& mean) {
@@ -87,6 +92,9 @@ struct TissueContact::Side {
   };
   std::vector<Found> found;
 
+  double distance_of(std::size_t i, const ContactSettings& settings) const {  // [m] at which a sample begins to touch
+    return std::min(states[i].distance, settings.distance);
+  }
   std::span<const int> own(const SurfaceSamples::Sample& sample, bool touches_itself) const {
     return touches_itself ? std::span(sample.nodes.data(), static_cast<std::size_t>(sample.num_nodes))
                           : std::span<const int>();
@@ -132,18 +140,18 @@ void TissueContact::set_alive(std::span<const unsigned char> first, std::span<co
       const Side& old = *sides_[from];
       const std::vector<int> faces = side->surface.faces_since(old.surface, split[to]);
       for (std::size_t i = 0; i < old.states.size(); ++i)
-        if (old.states[i].face >= 0) before.emplace(old.samples.samples[i].key(), old.states[i]);
+        if (old.states[i].is_known()) before.emplace(old.samples.samples[i].key(), old.states[i]);
       for (std::size_t i = 0; i < side->states.size(); ++i) {
         const auto at = before.find(side->samples.samples[i].key(split[from]));
         if (at == before.end()) continue;
         SampleState& state = side->states[i] = at->second;
-        state.face = faces[state.face];
-        if (!alive[to].empty() && !alive[to][state.hexahedron]) state = {};
+        if (state.face >= 0) state.face = faces[state.face];
+        if (!alive[to].empty() && state.hexahedron >= 0 && !alive[to][state.hexahedron]) state.end_contact();
       }
     }
     sides.push_back(std::move(side));
   }
-  has_touching_ = !sides_.empty();
+  has_touching_ = has_changed_ = !sides_.empty();
   sides_ = std::move(sides);
   terms_.terms.clear();
 }
@@ -180,6 +188,39 @@ double TissueContact::depth_at(const Pair<ConstPoints>& x) {
   return depth;
 }
 
+/// Where samples begin to touch that do not press: at their distance, where the surface has changed, else not before
+/// the largest distance that they have had since.
+void TissueContact::find_distances(const Pair<ConstPoints>& x) {
+  const bool with_itself = meshes_[0] == meshes_[1];
+  for (const auto& of : sides_) {
+    Side& side = *of;
+    const auto is_looked_at = [&](const SampleState& state) {
+      return state.normal_force == 0 && (has_changed_ || state.distance < settings_.distance);
+    };
+    const ConstPoints &own = side.from == 0 ? x.first : x.second, &others = side.from == 0 ? x.second : x.first;
+    Eigen::AlignedBox3d region;
+    for (std::size_t i = 0; i < side.states.size(); ++i)
+      if (is_looked_at(side.states[i])) region.extend(side.samples.samples[i].at(own));
+    if (region.isEmpty()) continue;
+    region.min().array() -= settings_.distance;
+    region.max().array() += settings_.distance;
+    side.surface.look_at(others, region, settings_.distance);
+    parallel_for(static_cast<int>(side.states.size()), [&](int i) {
+      SampleState& state = side.states[i];
+      if (!is_looked_at(state)) return;
+      const SurfaceSamples::Sample& sample = side.samples.samples[i];
+      const Vec3 p = sample.at(own);
+      const std::span<const int> nodes = side.own(sample, with_itself);
+      if (const auto place = side.surface.find(p, {}, settings_.distance, nodes))
+        state.distance = has_changed_ ? place->distance : std::max(state.distance, place->distance);
+      else if (side.surface.is_clear(p, settings_.distance, nodes))
+        state.distance = settings_.distance;
+      if (state.distance >= settings_.distance) state.distance = std::numeric_limits<double>::infinity();
+    });
+  }
+  has_changed_ = false;
+}
+
 void TissueContact::begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, double h) {
   terms_.terms.clear();
   loaded_ = {};
@@ -200,10 +241,11 @@ void TissueContact::begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoint
   };
   if (!settings_.is_active || !may_meet(boxes[0].begin.merged(boxes[0].end), boxes[1].begin.merged(boxes[1].end))) {
     if (has_touching_)
-      for (const auto& side : sides_) side->states.assign(side->states.size(), {});
+      for (const auto& side : sides_) std::ranges::for_each(side->states, &SampleState::end_contact);
     has_touching_ = false;
     return;
   }
+  find_distances(x);
   const double num_checks = this->num_checks(v, h);
   for (const auto& side : sides_) side->found.assign(side->states.size(), {});
 
@@ -223,9 +265,10 @@ void TissueContact::begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoint
         const SampleState& state = side.states[i];
         const Vec3 p = sample.at(own);
         const bool touched = state.normal_force > 0;
+        const double distance = side.distance_of(i, settings_);
         if (!touched && !side.surface.box().contains(p)) return;
         // what touched stays a contact until it would pull
-        const double reach = touched ? std::max(kKept * edge, settings_.distance) : settings_.distance;
+        const double reach = touched ? std::max(kKept * edge, settings_.distance) : std::max(distance, 0.0);
         TissueSurface::Side before;
         if (touched) before = {state.face, side.samples.outwards(i, own)};
         found.place = side.surface.find(p, before, reach, side.own(sample, with_itself));
@@ -242,7 +285,7 @@ void TissueContact::begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoint
                              point_of(*vs[side.to], mesh.hexahedra()[found.place->hexahedron], found.place->weights));
         before = {state.face, side.samples.outwards(i, own)};
         side.surface.turn_to_entry(*found.place, p, change, before, side.own(sample, with_itself));
-        const double depth = std::max(settings_.distance - found.place->distance, 0.0),
+        const double depth = std::max(distance - found.place->distance, 0.0),
                      approach = -found.place->normal.dot(change);
         found.displacement = (approach > depth ? depth / approach : 1) * change;
       });
@@ -256,7 +299,7 @@ void TissueContact::begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoint
       SampleState& state = side.states[i];
       const Side::Found& found = side.found[i];
       if (!found.place) {
-        state = {};
+        state.end_contact();
         continue;
       }
       const SurfaceSamples::Sample& sample = side.samples.samples[i];
@@ -283,7 +326,7 @@ void TissueContact::begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoint
 
       term.normal = sign * found.place->normal;
       const Vec3 r = sign * found.difference;
-      term.place = r - (found.place->distance - settings_.distance) * term.normal;
+      term.place = r - (found.place->distance - side.distance_of(i, settings_)) * term.normal;
       term.stiffness = kFraction * settings_.stiffness * sample.area;
       term.damping = kFraction * settings_.damping * sample.area;
       if (state.normal_force == 0) {
@@ -314,12 +357,12 @@ void TissueContact::end_step(const Pair<ConstPoints>& x) {
   for (const ContactTerm& term : terms_.terms) {
     const auto [r, change] = terms_.end_of(term, x);
     const double N = term.normal_force(r, change), g = term.gap(r);
-    if (meshes_[0] != meshes_[1]) force_ += term.force(r, change);
-    depth_ = std::max(depth_, -(g + settings_.distance));
-    if (N <= 0) continue;
-
     Side& side = *sides_[sides_.size() > 1 && term.sample >= first_sample_[1] ? 1 : 0];
     const int i = term.sample - first_sample_[&side == sides_[0].get() ? 0 : 1];
+    if (meshes_[0] != meshes_[1]) force_ += term.force(r, change);
+    depth_ = std::max(depth_, -(g + side.distance_of(i, settings_)));
+    if (N <= 0) continue;
+
     SampleState& state = side.states[i];
     const SurfaceSamples::Sample& sample = side.samples.samples[i];
     state.normal_force = N;
@@ -343,7 +386,7 @@ void TissueContact::end_step(const Pair<ConstPoints>& x) {
 
 void TissueContact::reset() {
   for (const auto& side : sides_) side->states.assign(side->states.size(), {});
-  has_touching_ = false;
+  has_touching_ = has_changed_ = false;
   terms_.terms.clear();
   loaded_ = {};
   force_.setZero();
@@ -363,7 +406,7 @@ double TissueContact::spacing() const {
 }
 
 void TissueContact::serialize(Archive& archive) {
-  std::vector<double> numbers;
+  std::vector<double> numbers, distances;
   std::vector<int> places;
   std::size_t count = 0;
   for (const auto& side : sides_)
@@ -372,16 +415,21 @@ void TissueContact::serialize(Archive& archive) {
       numbers.push_back(state.normal_force);
       numbers.insert(numbers.end(), state.anchor.begin(), state.anchor.end());
       places.insert(places.end(), {state.hexahedron, state.face});
+      distances.push_back(state.distance);
     }
   Vec3 force = force_;
   double depth = depth_, energy = energy_;
   ContactCounts counts{num_touching(), num_slipping()};
-  archive(numbers, places, force.x(), force.y(), force.z(), depth, energy, counts.touching, counts.slipping);
+  bool has_changed = has_changed_;
+  archive(numbers, places, distances, has_changed, force.x(), force.y(), force.z(), depth, energy, counts.touching,
+          counts.slipping);
   if (!archive.reads()) return;
-  if (numbers.size() != (1 + kCorners) * count || places.size() != 2 * count)
+  if (numbers.size() != (1 + kCorners) * count || places.size() != 2 * count || distances.size() != count)
     throw InputError(fmt::format("contact is saved of {} samples, there are {}", places.size() / 2, count));
+  const auto is_number = [](double distance) { return distance > -std::numeric_limits<double>::infinity(); };
   const bool is_finite = std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); }) &&
-                         force.allFinite() && std::isfinite(depth) && std::isfinite(energy);
+                         std::ranges::all_of(distances, is_number) && force.allFinite() && std::isfinite(depth) &&
+                         std::isfinite(energy);
   if (!is_finite) throw InputError("contact is saved with numbers that are not finite");
   counts.require_of(count);
   std::vector<SampleState> states;
@@ -393,6 +441,7 @@ void TissueContact::serialize(Archive& archive) {
           .face = places[2 * k + 1],
           .hexahedron = places[2 * k],
           .anchor = CornerWeights::Map(&numbers[(1 + kCorners) * k + 1]),
+          .distance = distances[k],
       });
       const bool has_place =
           side->surface.has_hexahedron(state.hexahedron) && state.face >= -1 && state.face < side->surface.num_faces();
@@ -406,6 +455,7 @@ void TissueContact::serialize(Archive& archive) {
     from += std::ssize(side->states);
   }
   has_touching_ = true;
+  has_changed_ = has_changed;
   terms_.terms.clear();
   loaded_ = counts;
   force_ = force;

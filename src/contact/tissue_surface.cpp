@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_set>
 
 #include "hexaplast/mesh/faces.hpp"
 #include "mesh/neighbours.hpp"
@@ -26,13 +27,6 @@ Eigen::AlignedBox3d box_of(ConstPoints x, std::span<const int> nodes) {
   return box;
 }
 
-std::vector<Eigen::AlignedBox3d> boxes_of(ConstPoints x, const std::vector<Quad>& faces) {
-  std::vector<Eigen::AlignedBox3d> boxes;
-  boxes.reserve(faces.size());
-  for (const Quad& face : faces) boxes.push_back(box_of(x, face));
-  return boxes;
-}
-
 /// items_of: for each of `count` groups, the items that name it.
 template <class Groups>
 void group(int count, int num_items, const Groups& groups_of, std::vector<int>& first, std::vector<int>& items) {
@@ -49,12 +43,11 @@ void group(int count, int num_items, const Groups& groups_of, std::vector<int>& 
 }  // namespace
 
 TissueSurface::TissueSurface(const HexMesh& mesh, std::span<const unsigned char> alive, bool touches_itself)
-    : mesh_(&mesh) {
+    : mesh_(&mesh), across_(neighbours_across_faces(mesh, alive)) {
   for (const BoundaryFace& face : boundary_of(mesh, alive)) {
     faces_.push_back(face.nodes);
     owner_.push_back(face.element);
   }
-  if (!faces_.empty()) initial_.emplace(boxes_of(mesh.positions(), faces_));
   for (int e = 0; e < mesh.num_elements(); ++e)
     if (alive.empty() || alive[e]) hexahedra_.push_back(e);
 
@@ -109,7 +102,6 @@ int TissueSurface::find_face(const Quad& nodes) const {
 }
 
 void TissueSurface::find_neighbourhoods(std::span<const unsigned char> alive) {
-  const std::vector<std::array<int, 6>> across = neighbours_across_faces(*mesh_, alive);
   near_.resize(static_cast<std::size_t>(mesh_->num_nodes()));
   for (int node = 0; node < mesh_->num_nodes(); ++node) {
     if (first_of_node_[node] == first_of_node_[node + 1]) continue;
@@ -119,7 +111,7 @@ void TissueSurface::find_neighbourhoods(std::span<const unsigned char> alive) {
     for (int cell = 0; cell < kNearCells; ++cell) {
       const std::size_t before = near.size();
       for (std::size_t k = 0; k < before; ++k)
-        for (const int other : across[near[k]])
+        for (const int other : across_[near[k]])
           if (other >= 0) near.push_back(other);
       std::ranges::sort(near);
       near.erase(std::unique(near.begin(), near.end()), near.end());
@@ -196,6 +188,12 @@ bool TissueSurface::is_nearer(const Nearest& found, const Nearest& other) const 
   return std::pair(found.face, found.triangle) < std::pair(other.face, other.triangle);
 }
 
+/// By the box of a face: whether none of its places can be nearer, or as near.
+bool TissueSurface::is_farther(int face, const Nearest& than, const Vec3& p) const {
+  const double same = 4 * kAsNear * (than.place.squared + kAsNear * mean_edge_ * mean_edge_);
+  return box_of(*x_, faces_[face]).squaredExteriorDistance(p) > than.place.squared + same;
+}
+
 TissueSurface::Nearest TissueSurface::nearest_on(ConstPoints x, const Quad& face, int index, const Vec3& p) const {
   Nearest nearest = {.face = index, .place = {}, .triangle = 0};
   for (int k = 0; k < 4; ++k) {
@@ -205,27 +203,42 @@ TissueSurface::Nearest TissueSurface::nearest_on(ConstPoints x, const Quad& face
   return nearest;
 }
 
-TissueSurface::Nearest TissueSurface::nearest_initially(const Vec3& p) const {
+/// For a point of a hexahedron: from there on, hexahedron by hexahedron. Of places that are as near as others, the one
+/// that is reached first counts: the other wall of a cut lies behind the end of the cut.
+TissueSurface::Nearest TissueSurface::nearest_initially(const Vec3& p, int hexahedron) const {
   Nearest nearest;
-  initial_->for_each_nearer(p, [&](int f) {
-    const Nearest found = nearest_on(mesh_->positions(), faces_[f], f, p);
-    if (is_nearer(found, nearest)) nearest = found;
-    return (1 + kAsNear) * std::sqrt(nearest.place.squared) + kAsNear * mean_edge_;
-  });
+  std::vector<int> reached = {hexahedron};
+  std::unordered_set<int> known = {hexahedron};
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    const int e = reached[i];
+    const double reach = (1 + kAsNear) * std::sqrt(nearest.place.squared) + kAsNear * mean_edge_;
+    if (box_of(mesh_->positions(), mesh_->hexahedra()[e]).exteriorDistance(p) > reach) continue;
+    for (int k = first_of_hexahedron_[e]; k < first_of_hexahedron_[e + 1]; ++k) {
+      const int f = faces_of_hexahedron_[k];
+      const Nearest found = nearest_on(mesh_->positions(), faces_[f], f, p);
+      const double same = kAsNear * (found.place.squared + kAsNear * mean_edge_ * mean_edge_);
+      if (found.place.squared + same < nearest.place.squared) nearest = found;
+    }
+    for (const int other : across_[e])
+      if (other >= 0 && known.insert(other).second) reached.push_back(other);
+  }
   return nearest;
 }
 
-/// To the nearest place of the present surface, from face to face. side: only over faces that face that way.
-TissueSurface::Nearest TissueSurface::walk(int face, const Vec3& p, const std::optional<Vec3>& side) const {
+/// To the nearest place of the present surface, from face to face. side: only over faces that face that way. Around the
+/// end of a cut, the sample's own wall is nearer than the other one.
+TissueSurface::Nearest TissueSurface::walk(int face, const Vec3& p, std::span<const int> own,
+                                           const std::optional<Vec3>& side) const {
   Nearest nearest = nearest_on(*x_, faces_[face], face, p);
   for (int walked = 0; walked < kMaxWalks; ++walked) {
     const int from = nearest.face;
     for (const int node : faces_[from])
       for (int k = first_of_node_[node]; k < first_of_node_[node + 1]; ++k) {
         const int other = faces_of_node_[k];
-        if (other == from || (side && !(normal_of(other).dot(*side) > kSameSide))) continue;
+        if (other == from || is_farther(other, nearest, p)) continue;
+        if (side && !(normal_of(other).dot(*side) > kSameSide)) continue;
         const Nearest found = nearest_on(*x_, faces_[other], other, p);
-        if (is_nearer(found, nearest)) nearest = found;
+        if (is_nearer(found, nearest) && !is_left_out(other, own)) nearest = found;
       }
     if (nearest.face == from) break;
   }
@@ -258,12 +271,18 @@ TissueSurface::Place TissueSurface::place_at(const Nearest& nearest, const Vec3&
 
 /// To the nearest place for a point inside that has touched `face`. Near an edge, or in a thin body, that may lie on
 /// another side: as long as the point lies behind its own one, it stays there.
-TissueSurface::Nearest TissueSurface::on_its_side(const Side& side, const Vec3& p) const {
-  const Nearest nearest = walk(side.face, p);
+TissueSurface::Nearest TissueSurface::on_its_side(const Side& side, const Vec3& p, std::span<const int> own) const {
+  const Nearest nearest = walk(side.face, p, own);
   const Vec3 normal = normal_of(side.face), of_nearest = place_at(nearest, p, true).normal;
   if (of_nearest.dot(normal) > kSameSide || faces_more(of_nearest, normal, side.outwards)) return nearest;
-  const Nearest on_side = walk(side.face, p, normal);
+  const Nearest on_side = walk(side.face, p, own, normal);
   return place_at(on_side, p, true).normal.dot(normal) > kSameSide ? on_side : nearest;
+}
+
+/// Beyond what the triangles of a face differ from it.
+bool TissueSurface::is_in_front(const Nearest& nearest, const Vec3& p) const {
+  const auto [a, b, c] = triangle_of(*x_, faces_[nearest.face], nearest.triangle);
+  return (b - a).cross(c - a).normalized().dot(p - nearest.place.place) > kCurved * mean_edge_;
 }
 
 void TissueSurface::turn_to_entry(Place& place, const Vec3& p, const Vec3& change, const Side& side,
@@ -312,13 +331,25 @@ void TissueSurface::turn_to_entry(Place& place, const Vec3& p, const Vec3& chang
       if (!before || !(before->distance < 0)) return;
       inside.face = before->face;
     }
-    const Place on_side = place_at(on_its_side(inside, p), p, true);
+    const Place on_side = place_at(on_its_side(inside, p, own), p, true);
     entry.face = on_side.face;
     entry.normal = on_side.normal;
     entry.distance = on_side.distance;
   }
   if (!(entry.normal.dot(place.normal) > kSameSide) && !faces_more(place.normal, entry.normal, side.outwards))
     place = entry;
+}
+
+bool TissueSurface::is_clear(const Vec3& p, double reach, std::span<const int> own) const {
+  bool is_clear = true;
+  for_each_around(p, [&](int e) {
+    if (own.empty() || !is_near(e, own)) {
+      const double size = boxes_[e].diagonal().norm();
+      is_clear = !(nearest_place(gather(*x_, mesh_->hexahedra()[e]), p, size).distance < reach);
+    }
+    return is_clear;
+  });
+  return is_clear;
 }
 
 std::optional<TissueSurface::Place> TissueSurface::find(const Vec3& p, const Side& side, double reach,
@@ -339,31 +370,37 @@ std::optional<TissueSurface::Place> TissueSurface::find(const Vec3& p, const Sid
     if (place.distance < reach)
       for (int k = first_of_hexahedron_[e]; k < first_of_hexahedron_[e + 1]; ++k) {
         const int f = faces_of_hexahedron_[k];
+        if (is_farther(f, in_front, p)) continue;
         const Nearest found = nearest_on(*x_, faces_[f], f, p);
         if (is_nearer(found, in_front)) in_front = found;
       }
     return true;
   });
   if (inside >= 0) {
-    if (face < 0) {
+    const auto nearest = [&] {
+      if (face >= 0) return on_its_side(side, p, own);
       const Vec3 initial = gather(mesh_->positions(), mesh_->hexahedra()[inside]).transpose() * shape_functions(at.s);
-      face = nearest_initially(initial).face;
+      const Nearest initially = nearest_initially(initial, inside);
+      return initially.face >= 0 ? walk(initially.face, p, own) : initially;
+    }();
+    if (nearest.face < 0) return std::nullopt;
+    if (face < 0 || !is_in_front(nearest, p)) {  // else it is in another one than those of its side
+      Place place = place_at(nearest, p, true);
+      place.hexahedron = inside;
+      place.weights = weights_beyond(gather(*x_, mesh_->hexahedra()[inside]), at.s, p, kFarthestBeyond);
+      return place;
     }
-    Place place = place_at(side.face >= 0 ? on_its_side(side, p) : walk(face, p), p, true);
-    place.hexahedron = inside;
-    place.weights = weights_beyond(gather(*x_, mesh_->hexahedra()[inside]), at.s, p, kFarthestBeyond);
-    return place;
   }
   if (face < 0) face = in_front.face;
   if (face < 0) return std::nullopt;
   std::optional<Place> behind;  // what it touched, and out of the body on the other side: that is thin
   if (side.face >= 0) {
-    const Nearest on_side = walk(face, p, normal_of(face));
+    const Nearest on_side = walk(face, p, own, normal_of(face));
     const Vec3 normal = normal_of(on_side.face);
     if (normal.dot(p - on_side.place.place) < 0) behind = place_at(on_side, p, true);
     if (behind && !(behind->normal.dot(normal) > kStraight)) behind.reset();
   }
-  Place place = behind ? *behind : place_at(walk(face, p), p, false);
+  Place place = behind ? *behind : place_at(walk(face, p, own), p, false);
   if (!(std::abs(place.distance) < reach)) return std::nullopt;
   if (side.face >= 0 && !(place.normal.dot(normal_of(side.face)) > kSameSide)) return std::nullopt;
   place.hexahedron = owner_[place.face];

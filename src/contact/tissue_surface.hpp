@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "geometry/box_tree.hpp"
 #include "geometry/nearest_place.hpp"
 #include "hexaplast/contact/surface_samples.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
@@ -19,6 +18,7 @@ inline constexpr double kFarthestBeyond = 6;
 
 /// The surface of a deformable body as it is touched: whether a point lies in one of the hexahedra, and where the
 /// nearest place of the surface is then. The initial shape says where to begin to look for it, the present one decides.
+/// Both walls of a cut lie at one place initially: ways lead through faces that hexahedra have in common at present.
 class TissueSurface {
  public:
   /// alive: empty, or one per hexahedron. The mesh must outlive it.
@@ -56,6 +56,9 @@ class TissueSurface {
   /// away from them do not count.
   std::optional<Place> find(const Vec3& p, const Side& side, double reach, std::span<const int> own) const;
 
+  /// Whether no hexahedron that counts comes nearer to a point than `reach` [m].
+  bool is_clear(const Vec3& p, double reach, std::span<const int> own) const;
+
   /// The nearest place may lie on another side than the one that a point came through, from p - change straight to p
   /// against the body. Then its place is on that one, and the distance that from it along its normal. The side counts
   /// if it was inside before; without one, the nearest face there.
@@ -72,16 +75,19 @@ class TissueSurface {
   void find_neighbourhoods(std::span<const unsigned char> alive);
   void find_thickness();
   bool is_near(int hexahedron, std::span<const int> own) const;
+  bool is_left_out(int face, std::span<const int> own) const { return !own.empty() && is_near(owner_[face], own); }
   template <class Visit>
   void for_each_around(const Vec3& p, const Visit& visit) const;
   template <class Visit>
   void for_each_cell(const Eigen::AlignedBox3d& box, const Visit& visit) const;
   static std::array<Vec3, 3> triangle_of(ConstPoints x, const Quad& face, int k);
   bool is_nearer(const Nearest& found, const Nearest& other) const;
+  bool is_farther(int face, const Nearest& than, const Vec3& p) const;
   Nearest nearest_on(ConstPoints x, const Quad& face, int index, const Vec3& p) const;
-  Nearest nearest_initially(const Vec3& p) const;
-  Nearest walk(int face, const Vec3& p, const std::optional<Vec3>& side = {}) const;
-  Nearest on_its_side(const Side& side, const Vec3& p) const;
+  Nearest nearest_initially(const Vec3& p, int hexahedron) const;
+  Nearest walk(int face, const Vec3& p, std::span<const int> own, const std::optional<Vec3>& side = {}) const;
+  Nearest on_its_side(const Side& side, const Vec3& p, std::span<const int> own) const;
+  bool is_in_front(const Nearest& nearest, const Vec3& p) const;
   Vec3 normal_of(int face) const;
   Place place_at(const Nearest& nearest, const Vec3& p, bool is_inside) const;
 
@@ -91,7 +97,7 @@ class TissueSurface {
   std::vector<int> owner_;                          // the hexahedron of each
   std::vector<int> first_of_node_, faces_of_node_;  // of the surface, around each node
   std::vector<int> first_of_hexahedron_, faces_of_hexahedron_;
-  std::optional<BoxTree> initial_;  // of the faces, if there are any
+  std::vector<std::array<int, 6>> across_;  // per hexahedron: its neighbours
   double mean_edge_ = 0, thickness_ = 0;
   std::vector<int> nodes_;
   std::vector<std::vector<int>> near_;  // per node: hexahedra less than two cells away, ascending; of one that touches

@@ -26,14 +26,18 @@ namespace hexaplast {
 /// net moment is left. They are linear in the step, as those of InstrumentContact, and contacts that would pull are
 /// released in the same way.
 ///
-/// A body does not touch itself within two hexahedra, counted through faces.
+/// A body does not touch itself within two hexahedra, counted through faces that they have in common at present: the
+/// walls of a cut touch each other, but near its end.
+///
+/// Where a surface changes, what does not press begins to touch at its present distance, so that a cut exerts no force.
+/// That distance grows with the largest one at the beginnings of steps, up to that of the settings: no energy appears.
 ///
 /// Bodies that move by more than half of their smallest thickness against each other in a step, that of a hexahedron
 /// at the surface, are looked at in between as well. Where their boxes are apart, samples are not looked at. Nodes that
 /// no hexahedron has any more count nowhere.
 ///
-/// State: per sample its anchor, a place in a hexahedron of the other body, N, and the face of the side that it came
-/// through.
+/// State: per sample its anchor, a place in a hexahedron of the other body, N, the face of the side that it came
+/// through, and the distance at which it begins to touch; whether the surface has changed since the latest step.
 class TissueContact {
  public:
   /// Of two bodies. The meshes must outlive it. max_parts: of the edge of a face, between samples. Throws InputError
@@ -48,7 +52,7 @@ class TissueContact {
   void set_settings(ContactSettings settings);
 
   /// Which hexahedra are left of each body; empty: all. The meshes may have other nodes than before: split, of each.
-  /// Samples that were there before keep their state, each copy of them.
+  /// Samples that were there before keep their state, each copy of them. Of one body: give what split twice.
   void set_alive(std::span<const unsigned char> first, std::span<const unsigned char> second,
                  const std::array<SplitNodes, 2>& split = {});
 
@@ -68,7 +72,7 @@ class TissueContact {
   /// The step has ended at x: anchors follow, and forces are those by which it was solved.
   void end_step(const Pair<ConstPoints>& x);
 
-  /// As it was made: nothing has touched yet.
+  /// As it was made: nothing has touched yet, or come apart.
   void reset();
 
   /// Throws InputError for the state of other samples, or of hexahedra that are not there; it is then as before.
@@ -91,6 +95,7 @@ class TissueContact {
  private:
   struct Side;
   double num_checks(const Pair<ConstPoints>& v, double h) const;
+  void find_distances(const Pair<ConstPoints>& x);
 
   std::array<const HexMesh*, 2> meshes_;  // the same twice: with itself
   ContactSettings settings_;
@@ -99,6 +104,7 @@ class TissueContact {
   std::array<std::vector<int>, 2> nodes_;     // of the hexahedra that are left of each body
   std::vector<std::unique_ptr<Side>> sides_;  // samples of the first body in the second one, and the other way round
   bool has_touching_ = false;                 // some sample may have a state
+  bool has_changed_ = false;                  // the surface, since the latest step
   long num_examined_ = 0;
   ContactTerms terms_;
   ContactCounts loaded_;

@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Bodies that touch themselves and are cut: the lips of the cut touch each other, and begin to without force.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <random>
+#include <sstream>
+
+#include "hexaplast/base/parallel.hpp"
+#include "hexaplast/body.hpp"
+#include "hexaplast/geometry/grid.hpp"
+#include "support/random.hpp"
+#include "support/scene.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using namespace hexaplast::support;
+
+constexpr double kCell = 0.01;
+const std::string kTouch = "<TissueContactForceField name='touch' contactDistance='0.003' friction='0.3'/>";
+
+std::string lips_numbers(const auto& rows) {
+  std::ostringstream text;
+  text.precision(17);
+  for (const auto& row : rows)
+    for (const auto number : row) text << number << ' ';
+  return text.str();
+}
+
+/// Of hexahedra of 1 cm, whose nodes lie off those of a grid by up to `warp` [m].
+std::string block_of(std::array<int, 3> cells, const std::string& more, double warp = 0,
+                     const std::string& gravity = "0 0 0", const std::string& material = "", double left = 0) {
+  const Vec3 max(cells[0] * kCell, cells[1] * kCell, cells[2] * kCell);
+  HexMesh mesh = regular_grid({cells[0], cells[1], cells[2]}, Vec3::Zero(), max);
+  PointArray x = mesh.positions();
+  if (warp > 0) x += Random(3).field(mesh.num_nodes(), warp);
+  x.col(0).array() += left;
+  return "<Node dt='0.005' gravity='" + gravity +
+         "'><DefaultAnimationLoop/><EulerImplicitSolver name='euler' rayleighStiffness='0.005'/><SparseLDLSolver/>"
+         "<HexahedronSetTopologyContainer position='" +
+         lips_numbers(x.rowwise()) + "' hexahedra='" + lips_numbers(mesh.hexahedra()) +
+         "'/><MechanicalObject name='nodes'/><DiagonalMass name='mass' massDensity='1000'/>"
+         "<HexahedronElastoplasticFEMForceField name='flesh' youngModulus='5000' poissonRatio='0.3' " +
+         material + "/>" + more + "</Node>";
+}
+
+scene::ForceField& flesh(scene::Scene& scene) { return at<scene::ForceField>(scene, "flesh"); }
+const Body& body_in(scene::Scene& scene) { return *flesh(scene).body(); }
+double reading(scene::Scene& scene, const char* output) {
+  return at<scene::Component>(scene, "touch").reals(output)[0];
+}
+
+/// Joints across a plane of the grid, as far as along[axis] < end.
+std::vector<int> joints_across(const Body& body, int axis, double where, int along = 0, double end = 1) {
+  const HexMesh& mesh = body.initial_mesh();
+  std::vector<int> joints;
+  for (int joint = 0; joint < body.joints().count(); ++joint) {
+    Vec3 middle = Vec3::Zero();
+    double off = 0;
+    for (const int n : body.joints().nodes(joint)) {
+      middle += mesh.positions().row(n).transpose() / 4;
+      off = std::max(off, std::abs(mesh.positions()(n, axis) - where));
+    }
+    if (off < 0.3 * kCell && middle[along] < end) joints.push_back(joint);
+  }
+  return joints;
+}
+
+std::vector<int> random_joints(const Body& body, double fraction, unsigned seed) {
+  Random random(seed);
+  std::vector<int> joints;
+  for (int joint = 0; joint < body.joints().count(); ++joint)
+    if (random.uniform(0, 1) < fraction) joints.push_back(joint);
+  return joints;
+}
+
+struct CutAtRest {
+  const char* name;
+  double warp;
+  std::vector<int> (*joints)(const Body&);
+};
+void PrintTo(const CutAtRest& cut, std::ostream* out) { *out << cut.name; }
+
+class LipsAtRest : public testing::TestWithParam<CutAtRest> {};
+
+// Contact begins at 0.3 of an edge, and lips lie on one another: they begin at what there is between them.
+TEST_P(LipsAtRest, FeelNoForce) {
+  scene::Scene scene = read_and_init(block_of({6, 4, 4}, kTouch, GetParam().warp));
+  run(scene, 2);
+  scene.open(flesh(scene), GetParam().joints(body_in(scene)));
+  ASSERT_TRUE(body_in(scene).copies().is_split());
+  run(scene, 1);
+  const int touching = static_cast<int>(reading(scene, "touching"));
+  EXPECT_GT(touching, 0);
+  run(scene, 30);
+  const PointArray way = nodes(scene) - body_in(scene).mesh().positions();
+  EXPECT_LE(way.rowwise().norm().maxCoeff(), 1e-15);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Cuts, LipsAtRest,
+    testing::Values(CutAtRest{"through", 0, [](const Body& body) { return joints_across(body, 0, 0.03); }},
+                    CutAtRest{"half", 0, [](const Body& body) { return joints_across(body, 0, 0.03, 1, 0.02); }},
+                    CutAtRest{"curved", 1e-3, [](const Body& body) { return joints_across(body, 0, 0.03); }},
+                    CutAtRest{"ragged", 1e-3, [](const Body& body) { return random_joints(body, 0.6, 1); }},
+                    CutAtRest{"all", 0, [](const Body& body) { return random_joints(body, 1, 1); }}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+/// A bar that is held at its left end; the right one moves along x.
+std::string led(const std::string& times, const std::string& ways) {
+  return "<BoxROI name='left' box='-0.001 -1 -1 0.001 1 1'/><BoxROI name='right' box='0.079 -1 -1 0.081 1 1'/>"
+         "<FixedProjectiveConstraint indices='@left.indices'/><LinearMovementProjectiveConstraint "
+         "indices='@right.indices' keyTimes='" +
+         times + "' movements='" + ways + "'/>";
+}
+
+// A bar that is cut through, drawn apart, and pressed together.
+TEST(Lips, CloseWithoutGainOfEnergy) {
+  scene::Scene scene =
+      read_and_init(block_of({8, 4, 4}, kTouch + led("0 0.1 0.5 1 2", "0 0 0  0 0 0  .004 0 0  -.001 0 0  -.001 0 0")));
+  at<scene::OdeSolver>(scene, "euler").keep_energy_balance();
+  scene.open(flesh(scene), joints_across(body_in(scene), 0, 0.04));
+  double work = 0, error = 0, before = 0;
+  for (int step = 0; step < 300; ++step) {
+    run(scene, 1);
+    const EnergyBalance& balance = *at<scene::OdeSolver>(scene, "euler").energy_balance();
+    work += std::abs(balance.support_work - before);
+    before = balance.support_work;
+    error = std::max(error, std::abs(balance.error()));
+  }
+  EXPECT_GT(work, 1e-5);
+  EXPECT_GT(reading(scene, "touching"), 50);
+  EXPECT_LT(error, 1e-3 * work);
+  std::printf("work %g error %g touching %g depth %g\n", work, error, reading(scene, "touching"),
+              reading(scene, "depth"));
+}
+
+// The halves of a bar that is pressed, cut and alone.
+TEST(Lips, PressAsTwoBodiesDo) {
+  const std::string motion = "' keyTimes='0 0.2 1' movements='0 0 0  -.004 0 0  -.004 0 0'/>",
+                    fixed = "<FixedProjectiveConstraint indices='@left.indices'/>",
+                    rois =
+                        "<BoxROI name='left' box='-0.001 -1 -1 0.001 1 1'/><BoxROI name='right' box='0.079 -1 -1 "
+                        "0.081 1 1'/>",
+                    moved = "<LinearMovementProjectiveConstraint indices='@right.indices" + motion;
+  const auto half = [&](const std::string& name, const std::string& x, const std::string& more) {
+    return "<Node name='" + name + "'><RegularGridTopology n='5 5 5' min='" + x +
+           " 0.04 0.04'/><MechanicalObject name='nodes'/><DiagonalMass massDensity='1000'/>"
+           "<HexahedronElastoplasticFEMForceField name='flesh' youngModulus='5000' poissonRatio='0.3'/>" +
+           more + "</Node>";
+  };
+  const std::string frame =
+      "<Node dt='0.005' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver rayleighStiffness='0.005'/>"
+      "<SparseLDLSolver/>";
+  scene::Scene two = read_and_init(frame +
+                                   "<TissueContactForceField friction='0.3' object1='@first/nodes' "
+                                   "object2='@second/nodes'/>" +
+                                   half("first", "0 0 0' max='0.04", rois + fixed) +
+                                   half("second", "0.04 0 0' max='0.08", rois + moved) + "</Node>");
+  for (const std::string distance : {"0", "0.003"}) {
+    scene::Scene cut = read_and_init(block_of({8, 4, 4}, rois + fixed + moved +
+                                                             "<TissueContactForceField name='touch' friction='0.3' "
+                                                             "contactDistance='" +
+                                                             distance + "'/>"));
+    two.reset();
+    cut.open(flesh(cut), joints_across(body_in(cut), 0, 0.04));
+    double largest = 0;
+    for (int step = 0; step < 60; ++step) {
+      run(cut, 1);
+      run(two, 1);
+      // nodes by their first place; those of the cut are there twice
+      const HexMesh& mesh = body_in(cut).mesh();
+      for (const bool right : {false, true}) {
+        const PointArray& alone = at<scene::MechanicalState>(two, right ? "second/nodes" : "first/nodes").positions();
+        for (int e = 0; e < mesh.num_elements(); ++e) {
+          const int i = e % 8, j = e / 8 % 4, k = e / 32;
+          if ((i >= 4) != right) continue;
+          const HexMesh& other = *&at<scene::ForceField>(two, right ? "second/flesh" : "first/flesh").body()->mesh();
+          const Hexahedron& there = other.hexahedra()[(k * 4 + j) * 4 + i % 4];
+          for (int a = 0; a < kCorners; ++a)
+            largest = std::max(largest, (nodes(cut).row(mesh.hexahedra()[e][a]) - alone.row(there[a])).norm());
+        }
+      }
+    }
+    std::printf("distance %s: largest %g touching %g\n", distance.c_str(), largest, reading(cut, "touching"));
+    EXPECT_GT(reading(cut, "touching"), 40);
+    EXPECT_LT(largest, 1e-10) << distance;
+  }
+}
+
+/// A block that is thrown together, and cut in some steps; hexahedra go in some.
+struct Crumbling {
+  scene::Scene scene;
+  Random random;
+  std::vector<int> closed = {};
+
+  explicit Crumbling(unsigned seed)
+      : scene(read_and_init(block_of({4, 3, 3}, kTouch, 1e-3, "0 0 0", "yieldStress='200' plasticFlowRate='5'"))),
+        random(seed) {
+    auto& state = at<scene::MechanicalState>(scene, "nodes");
+    PointArray& v = state.velocities();
+    const Vec3 middle(2 * kCell, 1.5 * kCell, 1.5 * kCell);
+    v = random.field(static_cast<int>(v.rows()), 0.05) - 4 * (state.positions().rowwise() - middle.transpose());
+    for (int joint = 0; joint < body_in(scene).joints().count(); ++joint) closed.push_back(joint);
+  }
+
+  void step() {
+    std::vector<int> joints;
+    for (int k = 0; k < 5 && !closed.empty(); ++k) {
+      const int at = std::min(static_cast<int>(random.uniform(0, 1) * static_cast<double>(closed.size())),
+                              static_cast<int>(closed.size()) - 1);
+      joints.push_back(closed[at]);
+      closed.erase(closed.begin() + at);
+    }
+    if (!joints.empty()) scene.open(flesh(scene), joints);
+    if (random.uniform(0, 1) < 0.1) flesh(scene).remove_elements(std::array{static_cast<int>(random.uniform(0, 35.9))});
+    run(scene, 1);
+  }
+
+  /// Masses times a field, in sum.
+  Vec3 times_masses(const PointArray& field) {
+    PointArray sum = PointArray::Zero(field.rows(), 3);
+    at<scene::Mass>(scene, "mass").add_product(1, field, sum);
+    return sum.colwise().sum().transpose();
+  }
+  double mass() { return times_masses(PointArray::Ones(nodes(scene).rows(), 3)).x(); }
+  Vec3 momentum() { return times_masses(at<scene::MechanicalState>(scene, "nodes").velocities()); }
+};
+
+TEST(Lips, OfTenThousandRandomOpeningsLoseNoMassAndNoMomentum) {
+  std::size_t num_opened = 0;
+  double touching = 0;
+  for (unsigned seed = 0; num_opened < 10000; ++seed) {
+    Crumbling block(seed);
+    const double mass = block.mass();
+    const Vec3 momentum = block.momentum();
+    at<scene::OdeSolver>(block.scene, "euler").keep_energy_balance();
+    double before = 0, most = 0;
+    for (int step = 0; step < 25; ++step) {
+      block.step();
+      const EnergyBalance& balance = *at<scene::OdeSolver>(block.scene, "euler").energy_balance();
+      if (step == 0) before = balance.kinetic + balance.elastic;
+      most = std::max(most, balance.kinetic + balance.elastic);
+      touching = std::max(touching, reading(block.scene, "touching"));
+    }
+    if (seed < 10) std::printf("seed %u: energy %g, most %g, touching %g\n", seed, before, most, touching);
+    num_opened += body_in(block.scene).opened().size();
+    ASSERT_TRUE(nodes(block.scene).allFinite());
+    EXPECT_NEAR(block.mass(), mass, 1e-12 * mass);
+    EXPECT_LT((block.momentum() - momentum).norm(), 1e-9 * mass * 0.1);
+  }
+}
+
+// Amid a cut: before a step that finds out where lips begin to touch, and while they part. A scene that has been reset
+// is as at first.
+TEST(Lips, GoOnWithTheSameBits) {
+  Crumbling straight(1);
+  const std::vector<std::byte> first = saved(straight.scene);
+  std::vector<std::vector<std::byte>> states;
+  for (const int threads : {1, 3}) {
+    set_num_threads(threads);
+    Crumbling block(1);
+    for (int step = 0; step < 20; ++step) {
+      block.step();
+      if (threads == 1)
+        states.push_back(saved(block.scene));
+      else
+        ASSERT_EQ(saved(block.scene), states[step]) << "step " << step;
+    }
+    set_num_threads(1);
+  }
+  EXPECT_GT(reading(straight.scene, "touching"), -1);
+
+  Crumbling resumed(1);
+  for (int step = 0; step < 12; ++step) {
+    straight.step();
+    resumed.step();
+  }
+  const std::vector<int> joints(straight.closed.begin(), straight.closed.begin() + 10);
+  for (int more = 0; more < 4; ++more) {
+    if (more == 0) straight.scene.open(flesh(straight.scene), joints);
+    go_on_in(straight.scene, resumed.scene);
+    EXPECT_EQ(saved(resumed.scene), saved(straight.scene));
+    for (scene::Scene* one : {&straight.scene, &resumed.scene}) run(*one, 2);
+    EXPECT_EQ(saved(resumed.scene), saved(straight.scene)) << more;
+  }
+  scene::Scene fresh =
+      read_and_init(block_of({4, 3, 3}, kTouch, 1e-3, "0 0 0", "yieldStress='200' plasticFlowRate='5'"));
+  straight.scene.reset();
+  EXPECT_EQ(saved(straight.scene), saved(fresh));
+}
+
+// The sheet of scenes/sheet_cut.scn, which is let go again and pushed together by 1 mm.
+TEST(Lips, OfASheetThatClosesDoNotPassThroughEachOther) {
+  std::ifstream file(HEXAPLAST_SOURCE_DIR "/scenes/sheet_cut.scn");
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  const auto replace = [&](const std::string& what, const std::string& by) {
+    const std::size_t at = text.find(what);
+    ASSERT_NE(at, text.npos) << what;
+    text.replace(at, what.size(), by);
+  };
+  for (const std::string side : {"-", ""}) {
+    replace("keyTimes=\"0 0.4 2\"", "keyTimes=\"0 0.4 1.4 1.9 9\"");
+    replace("movements=\"0 0 0  " + side + "0.003 0 0  " + side + "0.003 0 0\"",
+            "movements=\"0 0 0  " + side + "0.003 0 0  " + side + "0.003 0 0  " + (side.empty() ? "-" : "") +
+                "0.0005 0 0  " + (side.empty() ? "-" : "") + "0.0005 0 0\"");
+  }
+  const double d = 0.0005;
+  for (const bool touches : {true, false}) {
+    std::string with = text;
+    if (touches)
+      with.insert(with.find("<Probe name=\"strain\""),
+                  "<TissueContactForceField name='touch' contactDistance='0.0005'/>");
+    scene::Scene scene = read_and_init(with);
+    auto& state = at<scene::MechanicalState>(scene, "sheet/nodes");
+    const Body& body = *at<scene::ForceField>(scene, "sheet/material").body();
+    run(scene, 130);
+    const auto gaps = [&] {  // of the copies of nodes, the right one from the left one
+      std::vector<double> all;
+      std::vector<double> side(static_cast<std::size_t>(state.num_nodes()), 0);
+      for (const Hexahedron& corners : body.mesh().hexahedra()) {
+        double x = 0;
+        for (const int n : corners) x += body.mesh().positions()(n, 0) / 8;
+        for (const int n : corners) side[n] += x;
+      }
+      for (int n = 0; n < body.copies().num_initial(); ++n)
+        if (const auto copies = body.copies().of(n); copies.size() == 2) {
+          const bool is_first_left = side[copies[0]] < side[copies[1]];
+          all.push_back((state.positions()(copies[1], 0) - state.positions()(copies[0], 0)) * (is_first_left ? 1 : -1));
+        }
+      return all;
+    };
+    std::printf("touches %d gape %g\n", touches, std::ranges::max(gaps()));
+    for (int k = 0; k < 10; ++k) {
+      run(scene, 10);
+      const std::vector<double> all = gaps();
+      std::printf("time %g least %g most %g beyond 0: %ld beyond d: %ld of %zu", scene.time(), std::ranges::min(all),
+                  std::ranges::max(all), static_cast<long>(std::ranges::count_if(all, [](double g) { return g < 0; })),
+                  static_cast<long>(std::ranges::count_if(all, [&](double g) { return g < -d; })), all.size());
+      if (touches)
+        std::printf(" touching %g depth %g", at<scene::Component>(scene, "sheet/touch").reals("touching")[0],
+                    at<scene::Component>(scene, "sheet/touch").reals("depth")[0]);
+      std::printf("\n");
+    }
+  }
+}
+
+}  // namespace
