@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "base/finite.hpp"
 #include "base/require.hpp"
@@ -293,13 +294,26 @@ FlowReport Body::flow(ConstPoints x, double dt) {
     set_positions(state_->model, x, state_->at);
   }
   if (!state_->flow) return count_inverted(state_->model, state_->at);
-  const FlowReport report =
-      hexaplast::flow(state_->model, state_->at, dt, state_->history, *state_->flow, state_->branches);
+  FlowReport report = hexaplast::flow(state_->model, state_->at, dt, state_->history, *state_->flow, state_->branches);
   if (report.yielded > 0 && report.removed == 0 && state_->branches.empty())
     take_flow(state_->model, state_->history, state_->flow->differs, state_->at);
   state_->skip_screening = 2 * report.yielded > state_->model.mesh.num_elements();
   state_->revision += report.removed > 0;
+  if (state_->flow->tear) report.torn = state_->torn_faces(x);
   return report;
+}
+
+std::vector<int> Body::State::torn_faces(ConstPoints x) {
+  if (flow->tear->broken.empty()) return {};
+  const std::vector<BranchStep> now = branch_steps(model.settings, 0);  // stress is that of the moment
+  const auto forces = [&](int e) -> ElementPoints {
+    if (!history.alive[e]) return ElementPoints::Zero();
+    const Hexahedron& corners = model.mesh.hexahedra()[e];
+    return plain::Element(gather(history.plastic_rest_positions, corners), gather(x, corners), model.lame[e],
+                          model.settings, history.plastic_inverse_of(e), history.branches(now).of(e))
+        .force();
+  };
+  return flow->tear->faces(model, history, x, now, std::ref(forces));
 }
 
 void Body::remove(std::span<const int> elements) {

@@ -44,6 +44,9 @@ struct Body::State {
     if ((model.can_flow() || model.settings.num_branches() > 0) && !is_plain()) flow.emplace(model, history);
   }
 
+  /// The faces that are to open after a plastic step that led to x.
+  std::vector<int> torn_faces(ConstPoints x);
+
   bool is_plain() const { return model.is_plain; }
   const Recovery& recovery() const { return is_plain() ? plain.recovery() : at.recovery; }  // of the linearized body
 

@@ -111,7 +111,8 @@ std::vector<std::string> size_warnings(const ModelCheck& check, const Vec3& grav
   return sentences;
 }
 
-std::vector<std::string> fracture_warnings(const std::vector<Material>& materials, Names names) {
+std::vector<std::string> fracture_warnings(const std::vector<Material>& materials, const Settings& settings,
+                                           Names names) {
   const auto count = [&](auto condition) { return std::ranges::count_if(materials, condition); };
   const auto yields = [](const Material& m) { return std::isfinite(m.yield_stress); };
   const auto flows = [](const Material& m) { return m.flow_rate > 0; };
@@ -136,6 +137,9 @@ std::vector<std::string> fracture_warnings(const std::vector<Material>& material
     sentences.push_back(fmt::format("{} exceeds {} in {} of {} hexahedra: they tear as soon as they flow",
                                     name("yield_stress"), name("fracture_stress"), count(begins_beyond),
                                     materials.size()));
+  if (settings.fracture == Fracture::kCell && count([](const Material& m) { return m.fracture_energy > 0; }) > 0)
+    sentences.push_back(fmt::format("{} has no effect: without {} = face no crack grows", name("fracture_energy"),
+                                    called("fracture", names)));
   return sentences;
 }
 

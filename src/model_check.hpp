@@ -46,8 +46,10 @@ std::vector<std::string> model_warnings(const ModelCheck& check, Names names = N
 /// gravity: [m/s^2].
 std::vector<std::string> size_warnings(const ModelCheck& check, const Vec3& gravity);
 
-/// One sentence for each limit of fracture that nothing can reach, or beyond which elements begin.
-std::vector<std::string> fracture_warnings(const std::vector<Material>& materials, Names names = Names::kMembers);
+/// One sentence for each limit of fracture that nothing can reach, or beyond which elements begin, or that Fracture
+/// does not ask for.
+std::vector<std::string> fracture_warnings(const std::vector<Material>& materials, const Settings& settings,
+                                           Names names = Names::kMembers);
 
 /// One sentence for each option that RestShape::kIsolated leaves without effect, and that has another value than the
 /// default.

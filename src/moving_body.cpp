@@ -14,6 +14,7 @@
 #include "hexaplast/solve/cholesky.hpp"
 #include "loaded_body.hpp"
 #include "mesh/lumped_mass.hpp"
+#include "plastic/fracture.hpp"
 
 namespace hexaplast {
 
@@ -65,6 +66,13 @@ std::uint64_t identity_of(const Motion& motion) {
     hash.add(&bits, sizeof bits);
   }
   return hash.value();
+}
+
+/// Throws InputError where forces cannot follow nodes that split.
+void require_followers(const std::vector<StepForces*>& forces) {
+  for (const StepForces* one : forces)
+    if (const std::string reason = one->cannot_follow(); !reason.empty())
+      throw InputError(fmt::format("MovingBody: joints cannot open: {}", reason));
 }
 
 enum Held : unsigned char {
@@ -129,9 +137,7 @@ MovingBody& MovingBody::operator=(MovingBody&&) noexcept = default;
 MovingBody::~MovingBody() = default;
 
 std::vector<int> MovingBody::open(std::span<const int> joints, std::span<const double> crossings) {
-  for (const StepForces* forces : forces_)
-    if (const std::string reason = forces->cannot_follow(); !reason.empty())
-      throw InputError(fmt::format("MovingBody: joints cannot open: {}", reason));
+  require_followers(forces_);
   require_rows("MovingBody", "positions", positions, body.mesh().num_nodes());
   require_rows("MovingBody", "velocities", velocities, body.mesh().num_nodes());
   std::vector<int> parents = body.open(joints, crossings);
@@ -156,6 +162,7 @@ FlowReport MovingBody::step() {
   require_own_nodes();
   require_rows("MovingBody", "positions", positions, body.mesh().num_nodes());
   require_rows("MovingBody", "velocities", velocities, body.mesh().num_nodes());
+  if (may_tear(body.materials(), body.settings())) require_followers(forces_);
   positions_before_ = positions;
   velocities_before_ = velocities;
   memory_before_ = euler_.memory();
@@ -181,6 +188,7 @@ FlowReport MovingBody::step() {
     latest = solved;
     ++steps_;
     arrive();
+    if (!flowed.torn.empty()) open(flowed.torn);
     return flowed;
   } catch (...) {
     positions = positions_before_;
@@ -207,6 +215,7 @@ void RunReport::add(const SolveReport& solved, const FlowReport& flowed) {
   raise(flow.repaired, flowed.repaired);
   raise(flow.rolled_back, flowed.rolled_back);
   flow.removed += flowed.removed;
+  flow.torn.insert(flow.torn.end(), flowed.torn.begin(), flowed.torn.end());
   raise(flow.worst_volume_error, flowed.worst_volume_error);
   flow.averaging.skipped = flow.averaging.skipped && flowed.averaging.skipped;
   flow.averaging.fell_back = flow.averaging.fell_back || flowed.averaging.fell_back;

@@ -11,6 +11,7 @@
 #include "hexaplast/mesh/node_copies.hpp"
 #include "loaded_body.hpp"
 #include "parts/hexahedral_body.hpp"
+#include "plastic/fracture.hpp"
 #include "scene/potential.hpp"
 #include "scene/scene.hpp"
 
@@ -36,6 +37,8 @@ class HexahedronElastoplasticFEMForceField final : public ElasticForces<BodyFiel
     rayleigh_stiffness_ = real("rayleighStiffness");
   }
 
+  void bwd_init() override { require_followers(); }
+
   // The material may change during a run: what flowed stays.
   void refresh(std::span<const std::string_view>) override {
     announce_change();
@@ -46,6 +49,7 @@ class HexahedronElastoplasticFEMForceField final : public ElasticForces<BodyFiel
     }
     pass_on(*this, part_->take_warnings());
     rayleigh_stiffness_ = real("rayleighStiffness");
+    require_followers();
   }
 
   bool may_change(std::string_view attribute) const override {
@@ -109,6 +113,11 @@ class HexahedronElastoplasticFEMForceField final : public ElasticForces<BodyFiel
   }
 
  private:
+  /// What cannot follow a body that may tear refuses before it does.
+  void require_followers() {
+    if (may_tear(elastic->materials(), elastic->settings())) scene::require_followers(*this);
+  }
+
   void announce_change() {
     if (auto* integrator = node().nearest<scene::OdeSolver>()) integrator->body_changes();
   }

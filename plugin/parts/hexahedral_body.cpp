@@ -50,7 +50,7 @@ void HexahedralBody::check(const HexahedralBodyOptions& options, double dt) {
   validate(options.settings, Names::kScenes);
   validate(options.materials, options.settings, Names::kScenes);
   warn(check_time_step(options.materials, options.settings, dt, Names::kScenes));
-  warn(fracture_warnings(options.materials, Names::kScenes));
+  warn(fracture_warnings(options.materials, options.settings, Names::kScenes));
   warn(idle_option_warnings(options.settings, Names::kScenes));
   dt_ = dt;
 }
@@ -88,6 +88,7 @@ void HexahedralBody::serialize(Archive& archive) {
   archive(report_.yielded, report_.inverted, report_.skipped, report_.repaired, report_.rolled_back, report_.removed,
           report_.worst_volume_error, report_.averaging.skipped, report_.averaging.fell_back,
           report_.averaging.iterations, report_.averaging.residual, report_.averaging.converged);
+  if (archive.reads()) report_.torn.clear();  // which have opened
   num_announced_ = body_.removed().size();
 }
 

@@ -7,11 +7,14 @@
 #include <utility>
 
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/plastic/flow_report.hpp"
 #include "scene/blade.hpp"
 #include "scene/links.hpp"
 
 namespace hexaplast::scene {
 namespace {
+
+constexpr double kTorn = 0.5;  // where tissue crosses the links that it tears
 
 /// Contacts come last: they follow from bodies, which may stand behind them.
 bool is_contact(const Component& component) {
@@ -287,6 +290,14 @@ void end_step(Node& node, double dt) {
     if (of_body == openings.end()) of_body = openings.insert(of_body, {&blade.field()});
     of_body->joints.insert(of_body->joints.end(), joints.begin(), joints.end());
     of_body->crossings.insert(of_body->crossings.end(), blade.crossings().begin(), blade.crossings().end());
+  });
+  node.for_each<ForceField>([&](ForceField& field) {
+    const FlowReport* report = field.flow_report();
+    if (!report || report->torn.empty()) return;
+    auto of_body = std::ranges::find(openings, &field, &Opening::field);
+    if (of_body == openings.end()) of_body = openings.insert(of_body, {&field});
+    of_body->joints.insert(of_body->joints.end(), report->torn.begin(), report->torn.end());
+    of_body->crossings.resize(of_body->joints.size(), kTorn);
   });
   for (const auto& [field, joints, crossings] : openings) field->open(joints, crossings);
 }

@@ -137,11 +137,15 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
   return true;
 }
 
-/// Removes the elements that broke in this step; returns how many.
+/// Removes the elements that broke in this step; returns how many. With Fracture::kFace they stay.
 int remove_broken(const Model& model, const History& history, FlowWorkspace& work) {
   int count = 0;
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
     if (!work.flows[e].yielded || !is_broken(model, history, work.trial, e)) continue;
+    if (work.tear) {
+      work.tear->broken.push_back(e);
+      continue;
+    }
     work.trial.alive[e] = 0;
     work.trial.removed.push_back(e);
     ++count;
@@ -157,6 +161,7 @@ FlowWorkspace::FlowWorkspace(const Model& model, const History& history)
   trial.rest_shape = {};
   trial.rotation_map = {};
   trial.plastic_rest_positions = trial.averaging_increment = PointArray(0, 3);
+  if (may_tear(model.materials, model.settings)) tear.emplace(model, history);
 }
 
 FlowReport count_inverted(const Model& model, const Linearization& at) {
@@ -177,6 +182,7 @@ FlowReport flow(const Model& model, const Linearization& at, double dt, History&
                 std::span<const BranchStep> steps) {
   const Branches branches = history.branches(steps);
   FlowReport report;
+  if (work.tear) work.tear->broken.clear();
   if (!flow_elements(model, at, dt, history, branches, work)) return report;
   for (std::size_t e = 0; e < work.flows.size(); ++e) {
     const ElementFlow& f = work.flows[e];

@@ -137,15 +137,15 @@ TEST(ModelCheck, TheHighestFrequencyIsThatOfTheFastestVibrationOrSomewhatMore) {
 TEST(FractureAdvice, NamesWhatIsMissingForALimitToBeReached) {
   using Sentences = std::vector<std::string>;
   const Material whole{.yield_stress = 300, .flow_rate = 4, .hardening = 0.3};
-  EXPECT_TRUE(fracture_warnings({whole}).empty());
+  EXPECT_TRUE(fracture_warnings({whole}, {}).empty());
   Material tears = whole;
   tears.fracture_stress = 600;
   tears.fracture_stretch = 1.3;
-  EXPECT_TRUE(fracture_warnings({tears}).empty());
+  EXPECT_TRUE(fracture_warnings({tears}, {}).empty());
   const auto changed = [&](double Material::*member, double value) {
     Material material = tears;
     material.*member = value;
-    return fracture_warnings({material});
+    return fracture_warnings({material}, {});
   };
   for (const double hardening : {0.0, -0.1})
     EXPECT_EQ(changed(&Material::hardening, hardening),
@@ -158,12 +158,17 @@ TEST(FractureAdvice, NamesWhatIsMissingForALimitToBeReached) {
                        "fracture_stress has no effect: without flow_rate the yield stress does not grow"}));
   Material wall = tears;
   wall.yield_stress = 1e9;
-  EXPECT_EQ(fracture_warnings({tears, wall, tears}),
+  EXPECT_EQ(fracture_warnings({tears, wall, tears}, {}),
             Sentences{"yield_stress exceeds fracture_stress in 1 of 3 hexahedra: they tear as soon as they flow"});
-  EXPECT_EQ(fracture_warnings({tears, wall, tears}, Names::kScenes),
+  EXPECT_EQ(fracture_warnings({tears, wall, tears}, {}, Names::kScenes),
             Sentences{"yieldStress exceeds fractureStress in 1 of 3 hexahedra: they tear as soon as they flow"});
+  tears.fracture_energy = 20;
+  EXPECT_EQ(fracture_warnings({tears}, {}),
+            Sentences{"fracture_energy has no effect: without fracture = face no crack grows"});
+  EXPECT_TRUE(fracture_warnings({tears}, {.fracture = Fracture::kFace}).empty());
+  tears.fracture_energy = 0;
   wall.hardening = 0;
-  EXPECT_TRUE(fracture_warnings({tears, wall, tears}).empty());
+  EXPECT_TRUE(fracture_warnings({tears, wall, tears}, {}).empty());
 }
 
 TEST(ModelCheck, WarnsOfWhatDoesNothingWithIsolatedRestShapes) {

@@ -16,6 +16,7 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "page/plot.hpp"
+#include "plastic/fracture.hpp"
 #include "record/files.hpp"
 #include "record/recorder.hpp"
 #include "runner/exit_code.hpp"
@@ -74,6 +75,11 @@ path place_of(const path& file, const RunOptions& options, const InputFiles& inp
   return place;
 }
 
+/// Whether joints of a body may open by themselves.
+bool tears(const scene::ForceField& field) {
+  return field.body() && may_tear(field.body()->materials(), field.body()->settings());
+}
+
 output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions& options) {
   output::RunPlan plan;
   const std::optional<scene::Description> description = scene::description_of(options.scene.file);
@@ -94,6 +100,8 @@ output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions
     plan.has_contact = plan.has_contact || instrument->contact_energy().has_value();
   plan.has_instruments = !simulation.scene().root().all<scene::Instrument>().empty();
   plan.has_openings = !simulation.scene().root().all<scene::Blade>().empty();
+  simulation.scene().root().for_each<scene::ForceField>(
+      [&](const scene::ForceField& field) { plan.has_openings = plan.has_openings || tears(field); });
   plan.has_springs = !simulation.scene().root().all<scene::ShowsSprings>().empty();
   for (const scene::Probe* probe : simulation.probes()) plan.probes.push_back(probe->name());
   plan.staging = staging_of(simulation);

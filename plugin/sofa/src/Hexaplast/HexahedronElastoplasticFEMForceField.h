@@ -45,6 +45,8 @@ public:
     Data<SReal> d_inversionThreshold{this->fromTable(d_inversionThreshold, "inversionThreshold")};
     Data<SReal> d_fractureStress{this->fromTable(d_fractureStress, "fractureStress")};
     Data<SReal> d_fractureStretch{this->fromTable(d_fractureStretch, "fractureStretch")};
+    Data<SReal> d_fractureEnergy{this->fromTable(d_fractureEnergy, "fractureEnergy")};
+    Data<OptionsGroup> d_fracture{this->fromTable(d_fracture, "fracture")};
     Data<OptionsGroup> d_bending{this->fromTable(d_bending, "bending")};
     Data<SReal> d_blendWeight{this->fromTable(d_blendWeight, "blendWeight")};
     Data<OptionsGroup> d_volumetric{this->fromTable(d_volumetric, "volumetric")};

@@ -134,7 +134,10 @@ parts::HexahedralBodyOptions HexahedronElastoplasticFEMForceField<TDataTypes>::o
         if (const auto* number = dynamic_cast<const Data<SReal>*>(data)) return {{number->getValue()}};
         return reals(dynamic_cast<const Data<VecReal>&>(*data).getValue());
     };
-    return parts::body_options(given, hexahedra.size(), m_fill, ofRegions);
+    parts::HexahedralBodyOptions found = parts::body_options(given, hexahedra.size(), m_fill, ofRegions);
+    if (found.settings.fracture == Fracture::kFace)
+        throw parts::OptionError("fracture", "face is not in SOFA yet, where nodes do not split: must be cell");
+    return found;
 }
 
 template <class TDataTypes>

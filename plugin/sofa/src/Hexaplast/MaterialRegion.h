@@ -32,6 +32,7 @@ public:
     Data<SReal> d_hardening{fromTable(d_hardening, "hardening")};
     Data<SReal> d_fractureStress{fromTable(d_fractureStress, "fractureStress")};
     Data<SReal> d_fractureStretch{fromTable(d_fractureStretch, "fractureStretch")};
+    Data<SReal> d_fractureEnergy{fromTable(d_fractureEnergy, "fractureEnergy")};
     sofa::core::objectmodel::SingleLink<MaterialRegion, Field,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "plastic/tear.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "element/samples.hpp"
+#include "hexaplast/base/parallel.hpp"
+#include "plastic/fracture.hpp"
+#include "plastic/isolated_flow.hpp"
+
+namespace hexaplast {
+
+namespace {
+
+constexpr double kEqual = 1e-6;       // relative: a mirrored load tears the mirrored way
+constexpr double kLeastStress = 0.5;  // of the fracture stress, that pulls at a face which tears by stress
+constexpr double kBehind = -0.3;      // cosine: what lies behind a front makes more than this with the way ahead
+
+int corner_at(const Hexahedron& corners, int node) {
+  return static_cast<int>(std::ranges::find(corners, node) - corners.begin());
+}
+
+Vec3 row(ConstPoints x, int node) { return x.row(node).transpose(); }
+
+/// Corners of a face, half the cross product of its diagonals [m^2].
+Vec3 area_of(ConstPoints x, const Quad& face) {
+  return 0.5 * (row(x, face[2]) - row(x, face[0])).cross(row(x, face[3]) - row(x, face[1]));
+}
+
+/// tau over its limit. Where it has not grown, and lies beyond, the corner is no nearer to breaking than others.
+double stress_ratio(const Material& material, const History& history, int e, int corner) {
+  if (!std::isfinite(material.fracture_stress)) return 0;
+  const double ratio = history.yield_stress[e][corner] / material.fracture_stress;
+  return history.plastic_strain[e][corner] > 0 ? ratio : std::min(ratio, 1.0);
+}
+
+double stretch_ratio(const Material& material, const History& history, int e, int corner) {
+  return std::isfinite(material.fracture_stretch)
+             ? largest_plastic_stretch(history, e, corner) / material.fracture_stretch
+             : 0;
+}
+
+}  // namespace
+
+Tear::Tear(const Model& model, const History& history)
+    : joints_(model.joints().count(), kClosed),
+      stress_(model.joints().num_faces()),
+      is_listed_(model.mesh.num_elements(), 0),
+      sides_(model.mesh.num_elements()),
+      greatest_(model.mesh.num_elements()) {
+  for (const int joint : history.opened) joints_[joint] = kOpen;
+  broken.reserve(model.mesh.num_elements());
+  hexahedra_.reserve(model.mesh.num_elements());
+  for (std::vector<int>* list : {&faces_, &staying_}) list->reserve(model.joints().num_faces());
+}
+
+std::vector<int> Tear::faces(const Model& model, const History& history, ConstPoints x,
+                             std::span<const BranchStep> steps, const CornerForces& forces) {
+  if (broken.empty()) return {};
+  find_candidates(model, history);
+  find_sides(model, history, x, steps);
+  keep_greatest(model, history);
+  keep_released(model, x, forces);
+  return faces_;
+}
+
+/// Closed faces of what is broken, to living neighbours.
+void Tear::find_candidates(const Model& model, const History& history) {
+  const Joints& joints = model.joints();
+  const auto is_alive = [&](int e) { return history.alive[e] != 0; };
+  faces_.clear();
+  hexahedra_.clear();
+  for (const int e : broken)
+    for (const int joint : joints.across(e)) {
+      if (joint < 0 || joints_[joint] != kClosed || std::ranges::count_if(joints.hexahedra(joint), is_alive) < 2)
+        continue;
+      joints_[joint] = kCandidate;
+      faces_.push_back(joint);
+      for (const int side : joints.hexahedra(joint))
+        if (is_alive(side) && !std::exchange(is_listed_[side], 1)) hexahedra_.push_back(side);
+    }
+  std::ranges::sort(faces_);
+  for (const int joint : faces_) joints_[joint] = kClosed;
+  for (const int e : hexahedra_) is_listed_[e] = 0;
+}
+
+/// Stress and nearness to the limits on all sides of these hexahedra: means of corner values.
+void Tear::find_sides(const Model& model, const History& history, ConstPoints x, std::span<const BranchStep> steps) {
+  const Branches branches = history.branches(steps);
+  parallel_for(static_cast<int>(hexahedra_.size()), [&](int k) {
+    const int e = hexahedra_[k];
+    const Hexahedron& corners = model.mesh.hexahedra()[e];
+    const Material& material = model.material(e);
+    const ElementPoints rest = gather(history.plastic_rest_positions, corners);
+    const CornerTensors& G = history.plastic_inverse[e];
+    const ElementSamples samples =
+        element_samples(rest, gather(x, corners), model.lame[e], model.settings, &G, branches.of(e));
+    const IsolatedStress stress = isolated_stress(rest, G, samples, YieldStressMeasure::kCauchy);
+    CornerValues by_stress, by_stretch;
+    for (int i = 0; i < kCorners; ++i) {
+      by_stress[i] = stress_ratio(material, history, e, i);
+      by_stretch[i] = stretch_ratio(material, history, e, i);
+    }
+    for (int s = 0; s < 6; ++s) {
+      const Vec3 normal = area_of(x, face_of(corners, kFaces[s])).normalized();
+      Side& side = sides_[e][s] = {};
+      for (const int i : kFaces[s]) {
+        const Vec3 turned = samples.polar[i].R.transpose() * normal;
+        side.stress += turned.dot(stress.relieved[i] * turned) / 4;
+        side.by_stress += by_stress[i] / 4;
+        side.by_stretch += by_stretch[i] / 4;
+      }
+    }
+  });
+}
+
+/// Of the candidates those that have passed a limit, are pulled, and are pulled most on both of their sides.
+void Tear::keep_greatest(const Model& model, const History& history) {
+  const Joints& joints = model.joints();
+  const auto for_each_side = [&](int joint, const auto& act) {
+    for (const int e : joints.hexahedra(joint))
+      if (history.alive[e]) act(e, sides_[e][std::ranges::find(joints.across(e), joint) - joints.across(e).begin()]);
+  };
+  for (const int e : hexahedra_) greatest_[e] = 0;
+  std::erase_if(faces_, [&](int joint) {
+    int count = 0;
+    double over_limit = 0;  // [-] of the stress
+    Side mean;
+    for_each_side(joint, [&](int e, const Side& side) {
+      ++count;
+      mean.stress += side.stress;
+      mean.by_stress += side.by_stress;
+      mean.by_stretch += side.by_stretch;
+      over_limit += side.stress / model.material(e).fracture_stress;
+    });
+    const double stress = mean.stress / count;
+    const bool by_stress = mean.by_stress >= count && over_limit >= kLeastStress * count;
+    const bool by_stretch = mean.by_stretch >= count;
+    if (!(stress > 0) || !(by_stress || by_stretch)) return true;
+    stress_[joint] = stress;
+    for_each_side(joint, [&](int e, const Side&) { greatest_[e] = std::max(greatest_[e], stress); });
+    return false;
+  });
+  std::erase_if(faces_, [&](int joint) {
+    bool is_greatest = true;
+    for_each_side(
+        joint, [&](int e, const Side&) { is_greatest = is_greatest && stress_[joint] >= (1 - kEqual) * greatest_[e]; });
+    return !is_greatest;
+  });
+}
+
+/// Of these, the ones that set free what a crack takes, or begin one. A face counts on those beside it that open too.
+void Tear::keep_released(const Model& model, ConstPoints x, const CornerForces& forces) {
+  const auto needed = [&](int joint) {  // [J/m^2]
+    const std::span<const int> held = model.joints().hexahedra(joint);
+    return 0.5 * (model.material(held.front()).fracture_energy + model.material(held.back()).fracture_energy);
+  };
+  for (const int joint : faces_) joints_[joint] = kOpening;
+  for (bool has_changed = true; has_changed;) {
+    staying_.clear();
+    for (const int joint : faces_) {
+      const double energy = needed(joint);
+      if (energy == 0) continue;
+      const Joints::Face& face = model.joints().faces()[joint];
+      const double area = area_of(model.initial_mesh().positions(),
+                                  face_of(model.initial_mesh().hexahedra()[face.hexahedron], kFaces[face.side]))
+                              .norm();
+      const Release free = release(model, x, forces, joint);
+      if (free.is_at_front && !(free.energy >= energy * area)) staying_.push_back(joint);
+    }
+    has_changed = !staying_.empty();
+    for (const int joint : staying_) joints_[joint] = kClosed;
+    std::erase_if(faces_, [&](int joint) { return joints_[joint] == kClosed; });
+  }
+  for (const int joint : faces_) joints_[joint] = kClosed;  // it is not this that opens them
+}
+
+int Tear::Around::root(int e) {
+  return groups.root(static_cast<int>(std::ranges::find(all, e, &HexMesh::Incidence::element) - all.begin()));
+}
+
+/// The hexahedra at a present node that would still be together there.
+void Tear::group(const Model& model, int node) {
+  const Joints& joints = model.joints();
+  around_.all = model.mesh.incident(node);
+  around_.groups.assign(static_cast<int>(around_.all.size()));
+  const auto join_at = [&](int joint) {
+    if (joint < 0 || joints_[joint] != kClosed) return;
+    const std::span<const int> held = joints.hexahedra(joint);
+    for (const int e : held) around_.groups.join(around_.root(held.front()), around_.root(e));
+  };
+  for (const auto& [element, corner] : around_.all)
+    for (int side = 0; side < 6; ++side)
+      if (std::ranges::find(kFaces[side], corner) != kFaces[side].end()) join_at(joints.across(element)[side]);
+  const auto is_here = [&](int e) {
+    return std::ranges::find(around_.all, e, &HexMesh::Incidence::element) != around_.all.end();
+  };
+  for (const int hinge : joints.hinges_at(model.copies.initial()[node]))
+    if (is_here(joints.hexahedra(hinge).front())) join_at(hinge);
+}
+
+/// Virtual crack closure: half the force across the face at the nodes that would split, times how far the crack gapes
+/// just behind them. A node is shared by the faces that it lies ahead of.
+Tear::Release Tear::release(const Model& model, ConstPoints x, const CornerForces& forces, int face) {
+  const Joints& joints = model.joints();
+  const HexMesh& initial = model.initial_mesh();
+  const int upper = joints.hexahedra(face).front(), lower = joints.hexahedra(face).back();
+  Release found;
+  for (const int node : joints.nodes(face)) {
+    const int present = model.mesh.hexahedra()[upper][corner_at(initial.hexahedra()[upper], node)];
+    group(model, present);
+    const int of_upper = around_.root(upper), of_lower = around_.root(lower);
+    int num_ahead = 0;
+    Vec3 forward = Vec3::Zero(), force = forward, opening = forward;
+    for (const auto& [element, corner] : around_.all) {
+      for (int side = 0; side < 6; ++side) {
+        const int joint = joints.across(element)[side];
+        if (joint < 0 || joints_[joint] != kOpening || joints.hexahedra(joint).front() != element) continue;
+        const Quad nodes = face_of(initial.hexahedra()[element], kFaces[side]);
+        if (std::ranges::find(nodes, node) == nodes.end()) continue;
+        if (of_upper != of_lower && around_.root(element) == around_.root(joints.hexahedra(joint).back())) continue;
+        ++num_ahead;
+        for (const int n : nodes) forward += row(initial.positions(), n) - row(initial.positions(), node);
+      }
+      if (const int root = around_.root(element); of_upper != of_lower && (root == of_upper || root == of_lower))
+        force += (root == of_upper ? 0.5 : -0.5) * Vec3(forces(element).row(corner).transpose());
+    }
+    if (!add_opening(model, x, node, forward, upper, lower, opening)) continue;
+    found.is_at_front = true;
+    if (of_upper != of_lower) found.energy += 0.5 * force.dot(opening) / num_ahead;
+  }
+  return found;
+}
+
+/// How far the two sides of a crack have parted one edge behind a node at its front, the upper one from the lower one.
+/// False where no crack ends at the node.
+bool Tear::add_opening(const Model& model, ConstPoints x, int initial_node, const Vec3& forward, int upper, int lower,
+                       Vec3& opening) {
+  const Joints& joints = model.joints();
+  const std::vector<Hexahedron>&hexahedra = model.mesh.hexahedra(), &initial = model.initial_mesh().hexahedra();
+  const PointArray& X = model.initial_mesh().positions();
+  const int of_upper = around_.root(upper), of_lower = around_.root(lower);
+  const auto is_here = [&](int e) {
+    return std::ranges::find(around_.all, e, &HexMesh::Incidence::element) != around_.all.end();
+  };
+  double least = kBehind;
+  int count = 0;
+  for (const auto& [element, corner] : around_.all)
+    for (int side = 0; side < 6; ++side) {
+      const Quad& face = kFaces[side];
+      const int joint = joints.across(element)[side];
+      if (joint < 0 || joints_[joint] != kOpen || joints.hexahedra(joint).front() != element) continue;
+      const auto at = std::ranges::find(face, corner) - face.begin();
+      const int other = joints.hexahedra(joint).back();
+      if (at == 4 || !is_here(other)) continue;
+      for (const auto next : {(at + 1) % 4, (at + 3) % 4}) {
+        const int behind = initial[element][face[next]];
+        const int one = hexahedra[element][face[next]], two = hexahedra[other][corner_at(initial[other], behind)];
+        if (one == two) continue;
+        const double cosine = forward.normalized().dot((row(X, behind) - row(X, initial_node)).normalized());
+        if (!(cosine < least + kEqual)) continue;
+        const int of_one = around_.root(element), of_two = around_.root(other);
+        double sign = 0;  // 0: not these two sides
+        if (of_upper == of_lower || (of_one == of_upper && of_two == of_lower))
+          sign = 1;
+        else if (of_one == of_lower && of_two == of_upper)
+          sign = -1;
+        if (sign == 0) continue;
+        if (cosine < least - kEqual) {
+          least = cosine;
+          count = 0;
+          opening.setZero();
+        }
+        opening += sign * (row(x, one) - row(x, two));
+        ++count;
+      }
+    }
+  if (count > 0) opening /= count;
+  return count > 0;
+}
+
+}  // namespace hexaplast
