@@ -21,6 +21,14 @@ namespace {
 
 constexpr double kInside = 1e-9;    // of a hexahedron's size: a point this near to it lies in it
 constexpr double kNoWeight = 1e-8;  // a corner with no more does not carry a point: what kInside lets through
+
+std::array<double, kCorners> weights_at(const ElementPoints& x, const Vec3& s, const Vec3& p) {
+  const CornerWeights w = weights_beyond(x, s, p);
+  std::array<double, kCorners> weight;
+  std::copy(w.begin(), w.end(), weight.begin());
+  return weight;
+}
+
 Eigen::AlignedBox3d box_of(const ElementPoints& x) {
   return {Vec3(x.colwise().minCoeff().transpose()), Vec3(x.colwise().maxCoeff().transpose())};
 }
@@ -61,15 +69,31 @@ Embedding::Embedding(ConstPoints x, std::span<const Hexahedron> hexahedra, Const
     if (!is_inside) distance[n] = place.distance;
     if (element < 0) return;  // so far away that distances are no numbers
 
-    const CornerWeights w = weights_beyond(gather(x, hexahedra[element]), place.s, p);
-    anchors_[n] = {.hexahedron = element, .corners = hexahedra[element], .weight = {}};
-    std::copy(w.begin(), w.end(), anchors_[n].weight.begin());
+    anchors_[n] = {element, hexahedra[element], weights_at(gather(x, hexahedra[element]), place.s, p)};
   });
   const auto lost = std::ranges::find(distance, std::numeric_limits<double>::infinity());
   if (lost != distance.end())
     throw InputError(fmt::format("embedded point {} lies too far from the hexahedra", lost - distance.begin()));
   num_outside_ = static_cast<int>(std::ranges::count_if(distance, [](double d) { return d > 0; }));
   if (num_outside_ > 0) greatest_distance_ = std::ranges::max(distance);
+}
+
+Embedding::Embedding(ConstPoints x, std::span<const Hexahedron> hexahedra, ConstPoints points,
+                     std::span<const int> hexahedron_of_point)
+    : num_nodes_(x.rows()), num_hexahedra_(std::ssize(hexahedra)) {
+  for (const Hexahedron& corners : hexahedra) require_nodes("Embedding", corners, num_nodes_);
+  require_finite(x, "position");
+  require_finite(points, "embedded point");
+  require_count("Embedding", "hexahedron_of_point", std::ssize(hexahedron_of_point), points.rows());
+  for (std::size_t n = 0; n < hexahedron_of_point.size(); ++n) {
+    const int e = hexahedron_of_point[n];
+    if (e < 0 || e >= num_hexahedra_)
+      throw InputError(fmt::format("Embedding: hexahedron {}, must lie in [0, {})", e, num_hexahedra_));
+    const Vec3 p = points.row(static_cast<Eigen::Index>(n)).transpose();
+    const ElementPoints at = gather(x, hexahedra[static_cast<std::size_t>(e)]);
+    const HexahedronPlace place = nearest_place(at, p, box_of(at).diagonal().norm());
+    anchors_.push_back({e, hexahedra[static_cast<std::size_t>(e)], weights_at(at, place.s, p)});
+  }
 }
 
 bool Embedding::is_left(std::span<const int> cell,

@@ -26,6 +26,10 @@ class Embedding {
   /// point looks at the few hexahedra around it, however many there are.
   Embedding(ConstPoints x, std::span<const Hexahedron> hexahedra, ConstPoints points);
 
+  /// The same where it is known which hexahedron moves each point, inside or not.
+  Embedding(ConstPoints x, std::span<const Hexahedron> hexahedra, ConstPoints points,
+            std::span<const int> hexahedron_of_point);
+
   int num_points() const { return static_cast<int>(anchors_.size()); }
 
   /// The hexahedron that a point lies in, or the nearest one.
