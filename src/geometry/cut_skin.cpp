@@ -2,7 +2,8 @@
 // An embedded surface is cut along with the hexahedra that carry it.
 #include <algorithm>
 #include <deque>
-#include <optional>
+#include <functional>
+#include <set>
 #include <utility>
 
 #include "hexaplast/geometry/cut_surface.hpp"
@@ -59,6 +60,7 @@ class SkinCut {
   void add_strips();
   std::vector<unsigned char> inside() const;
   void add_walls();
+  void fill_holes();
 
   const CutWalls& walls_;
   const int first_, num_;
@@ -71,7 +73,8 @@ class SkinCut {
   std::vector<unsigned char> is_wall_;
   std::vector<Lip> lips_;
   std::vector<WallFace> wall_faces_;
-  std::map<int, int> initial_;             // of copies on walls
+  std::map<int, int> initial_;              // of copies on walls
+  std::set<int> is_front_;                  // copies that the walls on both sides of a face have
   std::map<int, std::vector<int>> beside_;  // along edges of walls, by initial nodes
   std::map<int, std::pair<Vec3, int>> pull_;  // by initial node: sum of places on lips, and how many
   std::map<Edge, int> joined_;                // edges of walls along strips: how often
@@ -175,6 +178,7 @@ bool SkinCut::divide_long_edges() {
 
 /// Points go to the hexahedra of the side of the smooth wall that they lie on.
 void SkinCut::take_sides() {
+  const std::vector<int> before = hexahedron_;
   for (std::size_t p = 0; p < points_.size(); ++p) {
     const int e = hexahedron_[p];
     const Node* nearest = nullptr;
@@ -194,6 +198,16 @@ void SkinCut::take_sides() {
     if (copy == own) continue;
     if (const int carrier = walls_.carrier(*nearest, copy, points_[p]); carrier >= 0) hexahedron_[p] = carrier;
   }
+  // neighbours whose hexahedra do not touch any more stay where they were
+  for (bool has_changed = true; std::exchange(has_changed, false);)
+    for (const Triangle& triangle : triangles_)
+      for (int k = 0; k < 3; ++k) {
+        const int p = triangle[k], q = triangle[(k + 1) % 3];
+        if ((hexahedron_[p] == before[p] && hexahedron_[q] == before[q]) || !common_corners(p, q).empty()) continue;
+        hexahedron_[p] = before[p];
+        hexahedron_[q] = before[q];
+        has_changed = true;
+      }
 }
 
 /// Ends of an edge are parted if they have different copies of the nearest node that their hexahedra have in common.
@@ -207,13 +221,16 @@ SkinCut::Crossing SkinCut::crossing_at(int p, int q) {
     const Vec3 middle = (points_[low] + points_[high]) / 2;
     int nearest = -1;
     double distance = 0;
+    bool shares_copy = false;
     for (const int a : common_corners(low, high)) {
+      shares_copy = shares_copy || walls_.copy(e, a) == walls_.copy_at(other, walls_.initial_node(e, a));
       const double away = (walls_.mesh().positions().row(corners(e)[a]).transpose() - middle).norm();
       if (nearest >= 0 && away >= distance) continue;
       nearest = walls_.initial_node(e, a);
       distance = away;
     }
-    if (nearest >= 0 && walls_.node(nearest) && walls_.copy_at(e, nearest) != walls_.copy_at(other, nearest)) {
+    if (nearest >= 0 && walls_.node(nearest) && walls_.copy_at(e, nearest) != walls_.copy_at(other, nearest) &&
+        (!shares_copy || walls_.node(nearest)->copies.size() == 2)) {
       const Node& node = *walls_.node(nearest);
       const double from = node.normal.dot(points_[low] - node.middle), to = node.normal.dot(points_[high] - node.middle);
       const double at = from * to < 0 ? std::clamp(from / (from - to), kNearest, 1 - kNearest) : 0.5;
@@ -298,6 +315,15 @@ void SkinCut::find_walls() {
       beside[next].emplace_back(initial_[one], one);
     }
   }
+  std::map<Quad, std::vector<int>> copies_at;  // by the initial nodes of a face
+  for (const WallFace& face : wall_faces_) {
+    Quad initial;
+    std::ranges::transform(face.copies, initial.begin(), [&](int copy) { return initial_.at(copy); });
+    std::vector<int>& known = copies_at[sorted(initial)];
+    for (const int copy : face.copies)
+      if (std::ranges::count(known, copy) > 0) is_front_.insert(copy);
+    known.insert(known.end(), face.copies.begin(), face.copies.end());
+  }
   for (auto& [copy, others] : beside) {
     std::ranges::sort(others);
     others.erase(std::unique(others.begin(), others.end()), others.end());
@@ -332,7 +358,7 @@ void SkinCut::end_lips() {
   const auto end = [&](int point, int copy) {
     if (const auto found = end_of.find(point); found != end_of.end()) return found->second;
     const std::vector<int> found =
-        way(copy, [&](int other) { return !walls_.node(initial_.at(other))->is_split(); });
+        way(copy, [&](int other) { return is_front_.contains(other); });
     return end_of[point] = found.empty() ? -1 : found.back();
   };
   for (Lip& lip : lips_) {
@@ -376,27 +402,28 @@ std::vector<unsigned char> SkinCut::inside() const {
     return found != joined_.end() && found->second % 2 != 0;
   };
   std::vector<signed char> state(wall_faces_.size(), -1);
-  std::deque<int> next;
+  std::deque<Edge> next;  // where the state of a face may follow
   const auto set = [&](int face, bool is_inside) {
-    if (state[face] >= 0) return;
     state[face] = is_inside ? 1 : 0;
-    next.push_back(face);
+    for (int k = 0; k < 4; ++k)
+      next.push_back(sorted(Edge{wall_faces_[face].copies[k], wall_faces_[face].copies[(k + 1) % 4]}));
   };
   const auto spread = [&] {
-    while (!next.empty()) {
-      const int face = next.front();
-      next.pop_front();
-      for (int k = 0; k < 4; ++k) {
-        const Edge edge = sorted(Edge{wall_faces_[face].copies[k], wall_faces_[face].copies[(k + 1) % 4]});
-        const std::vector<int>& around = faces_at[edge];
-        if (around.size() == 2) set(around[around[0] == face ? 1 : 0], (state[face] != 0) != is_joined(edge));
+    for (; !next.empty(); next.pop_front()) {
+      int unknown = -1, num_unknown = 0;
+      bool is_odd = is_joined(next.front());
+      for (const int face : faces_at[next.front()]) {
+        if (state[face] < 0) unknown = face;
+        num_unknown += state[face] < 0 ? 1 : 0;
+        is_odd = is_odd != (state[face] > 0);
       }
+      if (num_unknown == 1) set(unknown, is_odd);
     }
   };
-  for (const auto& [edge, around] : faces_at)
-    if (around.size() == 1) set(around[0], is_joined(edge));
+  for (const auto& [edge, around] : faces_at) next.push_back(edge);
   spread();
   for (std::size_t f = 0; f < state.size(); ++f) {  // a cut that does not reach the outside
+    if (state[f] >= 0) continue;
     set(static_cast<int>(f), true);
     spread();
   }
@@ -427,7 +454,50 @@ void SkinCut::add_walls() {
     for (int& corner : quad) corner = point(corner);
     faces_.push_back(quad);
   }
+  fill_holes();
   is_wall_.resize(faces_.size(), 1);
+}
+
+/// Where lips end at nodes from which no wall leads on, as at a notch of the hexahedra, a few edges have an odd number of
+/// faces: these form rings, which fans fill.
+void SkinCut::fill_holes() {
+  std::map<Edge, std::pair<int, int>> faces_at;  // how many, and how many more run up along it
+  for (const Quad& face : faces_)
+    for (int k = 0; k < 4; ++k) {
+      const int from = face[k], to = face[(k + 1) % 4];
+      if (from == to) continue;
+      auto& [count, up] = faces_at[sorted(Edge{from, to})];
+      ++count;
+      up += from < to ? 1 : -1;
+    }
+  std::map<int, std::vector<int>> beside;
+  for (const auto& [edge, faces] : faces_at)
+    if (faces.first % 2 != 0)
+      for (const int k : {0, 1}) beside[edge[k]].push_back(edge[1 - k]);
+  const auto leave = [&](int from, int to) { beside[from].erase(std::ranges::find(beside[from], to)); };
+  for (const auto& [start, others] : beside) {
+    std::vector<int> way{start};
+    while (!beside[way.back()].empty()) {
+      const int from = way.back(), to = beside[from].back();
+      leave(from, to);
+      leave(to, from);
+      const auto ring = std::ranges::find(way, to);
+      if (ring == way.end()) {
+        way.push_back(to);
+        continue;
+      }
+      std::vector<int> corners(ring, way.end());
+      way.erase(ring + 1, way.end());
+      int same = 0;  // as the faces run
+      for (std::size_t k = 0; k < corners.size(); ++k) {
+        const int one = corners[k], next = corners[(k + 1) % corners.size()];
+        same += (one < next ? 1 : -1) * faces_at[sorted(Edge{one, next})].second;
+      }
+      if (same > 0) std::ranges::reverse(corners);
+      for (std::size_t k = 1; k + 1 < corners.size(); ++k)
+        faces_.push_back({corners[0], corners[k], corners[k + 1], corners[k + 1]});
+    }
+  }
 }
 
 CarriedSurface SkinCut::surface() {

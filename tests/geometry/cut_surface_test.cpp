@@ -182,8 +182,8 @@ TEST(CutSkin, RandomCutsLeaveAClosedSurfaceOfTheSameVolume) {
   std::mt19937 random(7);
   const Vec3 centre(6.1, 5.9, 6.05);
   const CarriedSurface whole = ball(centre, 4.3, 12);
-  for (int trial = 0; trial < 60; ++trial) {
-    Cutting cage(cubes({12, 12, 12}, [&](const Vec3& middle) { return (middle - centre).norm() < 5.1; }));
+  for (int trial = 0; trial < 600; ++trial) {
+    Cutting cage(cubes({12, 12, 12}, [&](const Vec3& middle) { return (middle - centre).norm() < 5.25; }));
     for (int cuts = 1 + trial % 3; cuts > 0; --cuts) {
       Vec3 way;
       const PointArray blade = random_blade(random, centre, 5, way);
@@ -198,7 +198,7 @@ TEST(CutSkin, RandomCutsLeaveAClosedSurfaceOfTheSameVolume) {
 TEST(CutSkin, PointsOfALipCoincideAtRest) {
   const Vec3 centre(6.1, 5.9, 6.05);
   const CarriedSurface whole = ball(centre, 4.3, 12);
-  Cutting cage(cubes({12, 12, 12}, [&](const Vec3& middle) { return (middle - centre).norm() < 5.1; }));
+  Cutting cage(cubes({12, 12, 12}, [&](const Vec3& middle) { return (middle - centre).norm() < 5.25; }));
   cage.pass(line({{-1, -1, 4.2}, {13, -1, 8.1}}), Vec3(0, 14, 1));
   const CarriedSurface skin = skin_of(cage, whole);
   const HexMesh mesh = cage.mesh();
