@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // An embedded surface is cut along with the hexahedra that carry it.
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <functional>
+#include <numbers>
 #include <set>
 #include <utility>
 
@@ -58,6 +60,7 @@ class SkinCut {
   std::vector<int> way(int from, const std::function<bool(int)>& is_goal) const;
   void end_lips();
   void add_strips();
+  bool winds_around(const Vec3& place) const;
   std::vector<unsigned char> inside() const;
   void add_walls();
   void fill_holes();
@@ -389,6 +392,17 @@ void SkinCut::add_strips() {
   }
 }
 
+/// Whether a place lies within the skin: by the solid angles of its triangles (Van Oosterom and Strackee 1983).
+bool SkinCut::winds_around(const Vec3& place) const {
+  double angle = 0;
+  for (const auto& [p, q, r] : triangles_) {
+    const Vec3 a = points_[p] - place, b = points_[q] - place, c = points_[r] - place;
+    angle += 2 * std::atan2(a.dot(b.cross(c)), a.norm() * b.norm() * c.norm() + a.dot(b) * c.norm() +
+                                                   b.dot(c) * a.norm() + c.dot(a) * b.norm());
+  }
+  return std::abs(angle) > 2 * std::numbers::pi;
+}
+
 /// Per face of a wall, whether it lies within the skin: strips and walls together have an even number of faces at each
 /// edge. Beyond an edge that one wall alone has lies the outside of all hexahedra.
 std::vector<unsigned char> SkinCut::inside() const {
@@ -422,11 +436,15 @@ std::vector<unsigned char> SkinCut::inside() const {
   };
   for (const auto& [edge, around] : faces_at) next.push_back(edge);
   spread();
-  for (std::size_t f = 0; f < state.size(); ++f) {  // a cut that does not reach the outside
-    if (state[f] >= 0) continue;
-    set(static_cast<int>(f), true);
-    spread();
-  }
+  for (const bool may_be_at_lips : {false, true})  // walls that do not reach the outside
+    for (std::size_t f = 0; f < state.size(); ++f) {
+      const auto is_at_lip = [&](int copy) { return pull_.contains(initial_.at(copy)); };
+      if (state[f] >= 0 || (!may_be_at_lips && std::ranges::any_of(wall_faces_[f].copies, is_at_lip))) continue;
+      Vec3 middle = Vec3::Zero();
+      for (const int copy : wall_faces_[f].copies) middle += walls_.node(initial_.at(copy))->place / 4;
+      set(static_cast<int>(f), winds_around(middle));
+      spread();
+    }
   return {state.begin(), state.end()};
 }
 
