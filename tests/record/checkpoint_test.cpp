@@ -70,7 +70,7 @@ TEST_F(CheckpointFile, HasTheDocumentedLayout) {
   const std::string bytes = read("checkpoint_000000001.hxc");
   ASSERT_EQ(bytes.size(), 32u + (8 + 8 + 8 + 8 + 12 + 8) + (8 + 8 + 8 + 4 + 8));
   EXPECT_EQ(bytes.substr(0, 8), std::string("HXPCKPT\0", 8));
-  EXPECT_EQ(bytes.substr(8, 8), std::string("\22\0\0\0\2\0\0\0", 8));
+  EXPECT_EQ(bytes.substr(8, 8), std::string("\23\0\0\0\2\0\0\0", 8));
   EXPECT_EQ(bytes.substr(16, 8), "\xef\xcd\xab\x90\x78\x56\x34\x12");
   EXPECT_EQ(bytes.substr(32, 16), std::string("scene\0\0\0\x1c\0\0\0\0\0\0\0", 16));
 }
