@@ -154,6 +154,7 @@ void add_reports(py::module_& module) {
       .def_readonly("rolled_back", &FlowReport::rolled_back,
                     "that keep the shape they had, because averaging would have flattened a hexahedron")
       .def_readonly("removed", &FlowReport::removed, "broken in this step: the last ones of Body.removed")
+      .def_readonly("torn", &FlowReport::torn, "numbers of the joints that open by it; in a Simulation they are open")
       .def_readonly("worst_volume_error", &FlowReport::worst_volume_error,
                     "[-] max |volume without load / initial volume - 1| before the step")
       .def_property_readonly(
@@ -237,6 +238,11 @@ void add_body_state(py::module_& module) {
                                return std::vector<int>(b.body().opened().begin(), b.body().opened().end());
                              }),
                              "numbers of the joints that are open, in the order of the calls that opened them")
+      .def_property_readonly("crossings", in_turn([](BodyState& b) {
+                               return std::vector<double>(b.body().crossings().begin(), b.body().crossings().end());
+                             }),
+                             "[-] where each of these was crossed: from the centre of its lower hexahedron (0) to the "
+                             "other (1)")
       .def_property_readonly("initial_nodes", in_turn([](BodyState& b) {
                                return py::array_t<int>(std::ssize(b.body().copies().initial()),
                                                        b.body().copies().initial().data());

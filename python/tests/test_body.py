@@ -248,6 +248,7 @@ def test_settings_and_materials_are_plain_data():
         "averaging": ("gaussNewton", "jacobi"),
         "precision": ("double", "mixed"),
         "implementation": ("auto", "plain"),
+        "fracture": ("cell", "face"),
     }.items():
         for word in words:
             setattr(settings, name, word)
