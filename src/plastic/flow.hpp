@@ -6,19 +6,10 @@
 #include <vector>
 
 #include "hexaplast/plastic/flow_report.hpp"
+#include "plastic/flow_pass.hpp"
 #include "plastic/tear.hpp"
-#include "state/history.hpp"
-#include "state/linearization.hpp"
 
 namespace hexaplast {
-
-/// What is left of an element's step once it is in the trial history.
-struct ElementFlow {
-  bool idle = false;  ///< gone, or at rest: the step leaves it as it is
-  bool yielded = false, inverted = false, skipped = false;
-  bool overflowed = false;  ///< some number of its history, or its dissipated energy, is not finite
-  double dissipated = 0;    ///< [J]
-};
 
 /// Scratch arrays of flow, kept so that a step allocates nothing.
 struct FlowWorkspace {

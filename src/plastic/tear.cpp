@@ -16,10 +16,14 @@ namespace {
 
 constexpr double kEqual = 1e-6;       // relative: a mirrored load tears the mirrored way
 constexpr double kLeastStress = 0.5;  // of the fracture stress, that pulls at a face which tears by stress
-constexpr double kBehind = -0.3;      // cosine: what lies behind a front makes more than this with the way ahead
+constexpr double kBehind = 0.3;       // cosine between the ways ahead of a front and behind it: a crack may turn
 
 int corner_at(const Hexahedron& corners, int node) {
   return static_cast<int>(std::ranges::find(corners, node) - corners.begin());
+}
+
+int side_of(const Joints& joints, int joint, int e) {
+  return static_cast<int>(std::ranges::find(joints.across(e), joint) - joints.across(e).begin());
 }
 
 Vec3 row(ConstPoints x, int node) { return x.row(node).transpose(); }
@@ -46,10 +50,8 @@ double stretch_ratio(const Material& material, const History& history, int e, in
 
 Tear::Tear(const Model& model, const History& history)
     : joints_(model.joints().count(), kClosed),
-      stress_(model.joints().num_faces()),
       is_listed_(model.mesh.num_elements(), 0),
-      sides_(model.mesh.num_elements()),
-      greatest_(model.mesh.num_elements()) {
+      sides_(model.mesh.num_elements()) {
   for (const int joint : history.opened) joints_[joint] = kOpen;
   broken.reserve(model.mesh.num_elements());
   hexahedra_.reserve(model.mesh.num_elements());
@@ -61,26 +63,47 @@ std::vector<int> Tear::faces(const Model& model, const History& history, ConstPo
   if (broken.empty()) return {};
   find_candidates(model, history);
   find_sides(model, history, x, steps);
-  keep_greatest(model, history);
-  keep_released(model, x, forces);
+  std::erase_if(faces_,
+                [&](int joint) { return !passes(model, history, joint) || !is_greatest(model, history, joint); });
+  keep_advancing(model, x, forces);
   return faces_;
 }
 
-/// Closed faces of what is broken, to living neighbours.
+/// Whether a face still carries load between all of its corners: closed, or opened where no node has split.
+bool Tear::holds(const Model& model, int joint) const {
+  if (joint < 0) return false;
+  if (joints_[joint] != kOpen) return true;
+  const int one = model.joints().hexahedra(joint).front(), other = model.joints().hexahedra(joint).back();
+  const auto corner_of = [&](int e, int node) {
+    return model.mesh.hexahedra()[e][corner_at(model.initial_mesh().hexahedra()[e], node)];
+  };
+  return std::ranges::all_of(model.joints().nodes(joint),
+                             [&](int node) { return corner_of(one, node) == corner_of(other, node); });
+}
+
+void Tear::list(const History& history, int element) {
+  if (history.alive[element] && !std::exchange(is_listed_[element], 1)) hexahedra_.push_back(element);
+}
+
+/// Closed faces of what is broken, to living neighbours; and the hexahedra at all faces that these are compared with.
 void Tear::find_candidates(const Model& model, const History& history) {
   const Joints& joints = model.joints();
   const auto is_alive = [&](int e) { return history.alive[e] != 0; };
   faces_.clear();
   hexahedra_.clear();
-  for (const int e : broken)
-    for (const int joint : joints.across(e)) {
-      if (joint < 0 || joints_[joint] != kClosed || std::ranges::count_if(joints.hexahedra(joint), is_alive) < 2)
-        continue;
-      joints_[joint] = kCandidate;
-      faces_.push_back(joint);
-      for (const int side : joints.hexahedra(joint))
-        if (is_alive(side) && !std::exchange(is_listed_[side], 1)) hexahedra_.push_back(side);
-    }
+  for (const int e : broken) list(history, e);
+  for (int round = 0; round < 2; ++round) {
+    const std::size_t end = hexahedra_.size();
+    for (std::size_t k = 0; k < end; ++k)
+      for (const int joint : joints.across(hexahedra_[k])) {
+        if (!holds(model, joint)) continue;
+        for (const int e : joints.hexahedra(joint)) list(history, e);
+        if (round > 0 || joints_[joint] != kClosed || std::ranges::count_if(joints.hexahedra(joint), is_alive) < 2)
+          continue;
+        joints_[joint] = kListed;
+        faces_.push_back(joint);
+      }
+  }
   std::ranges::sort(faces_);
   for (const int joint : faces_) joints_[joint] = kClosed;
   for (const int e : hexahedra_) is_listed_[e] = 0;
@@ -116,60 +139,48 @@ void Tear::find_sides(const Model& model, const History& history, ConstPoints x,
   });
 }
 
-/// Of the candidates those that have passed a limit, are pulled, and are pulled most on both of their sides.
-void Tear::keep_greatest(const Model& model, const History& history) {
-  const Joints& joints = model.joints();
-  const auto for_each_side = [&](int joint, const auto& act) {
-    for (const int e : joints.hexahedra(joint))
-      if (history.alive[e]) act(e, sides_[e][std::ranges::find(joints.across(e), joint) - joints.across(e).begin()]);
-  };
-  for (const int e : hexahedra_) greatest_[e] = 0;
-  std::erase_if(faces_, [&](int joint) {
-    int count = 0;
-    double over_limit = 0;  // [-] of the stress
-    Side mean;
-    for_each_side(joint, [&](int e, const Side& side) {
-      ++count;
-      mean.stress += side.stress;
-      mean.by_stress += side.by_stress;
-      mean.by_stretch += side.by_stretch;
-      over_limit += side.stress / model.material(e).fracture_stress;
+/// [Pa] Mean of both sides.
+double Tear::normal_stress(const Model& model, const History& history, int joint) const {
+  double sum = 0;
+  int count = 0;
+  for (const int e : model.joints().hexahedra(joint))
+    if (history.alive[e]) sum += sides_[e][side_of(model.joints(), joint, e)].stress, ++count;
+  return sum / count;
+}
+
+/// Whether a face is pulled, and has passed a limit.
+bool Tear::passes(const Model& model, const History& history, int joint) const {
+  int count = 0;
+  double by_stress = 0, by_stretch = 0, stress = 0;  // [-] over the limits
+  for (const int e : model.joints().hexahedra(joint)) {
+    if (!history.alive[e]) continue;
+    const Side& side = sides_[e][side_of(model.joints(), joint, e)];
+    ++count;
+    by_stress += side.by_stress;
+    by_stretch += side.by_stretch;
+    stress += side.stress / model.material(e).fracture_stress;
+  }
+  return normal_stress(model, history, joint) > 0 &&
+         ((by_stress >= count && stress >= kLeastStress * count) || by_stretch >= count);
+}
+
+/// Whether no other face of its hexahedra is pulled more, be it near its limits or not.
+bool Tear::is_greatest(const Model& model, const History& history, int joint) const {
+  const double stress = normal_stress(model, history, joint);
+  return std::ranges::all_of(model.joints().hexahedra(joint), [&](int e) {
+    return !history.alive[e] || std::ranges::all_of(model.joints().across(e), [&](int other) {
+      return !holds(model, other) || stress >= (1 - kEqual) * normal_stress(model, history, other);
     });
-    const double stress = mean.stress / count;
-    const bool by_stress = mean.by_stress >= count && over_limit >= kLeastStress * count;
-    const bool by_stretch = mean.by_stretch >= count;
-    if (!(stress > 0) || !(by_stress || by_stretch)) return true;
-    stress_[joint] = stress;
-    for_each_side(joint, [&](int e, const Side&) { greatest_[e] = std::max(greatest_[e], stress); });
-    return false;
-  });
-  std::erase_if(faces_, [&](int joint) {
-    bool is_greatest = true;
-    for_each_side(
-        joint, [&](int e, const Side&) { is_greatest = is_greatest && stress_[joint] >= (1 - kEqual) * greatest_[e]; });
-    return !is_greatest;
   });
 }
 
-/// Of these, the ones that set free what a crack takes, or begin one. A face counts on those beside it that open too.
-void Tear::keep_released(const Model& model, ConstPoints x, const CornerForces& forces) {
-  const auto needed = [&](int joint) {  // [J/m^2]
-    const std::span<const int> held = model.joints().hexahedra(joint);
-    return 0.5 * (model.material(held.front()).fracture_energy + model.material(held.back()).fracture_energy);
-  };
+/// Of these, the ones that begin a crack or lead it on. A face counts on those beside it that open too.
+void Tear::keep_advancing(const Model& model, ConstPoints x, const CornerForces& forces) {
   for (const int joint : faces_) joints_[joint] = kOpening;
   for (bool has_changed = true; has_changed;) {
     staying_.clear();
-    for (const int joint : faces_) {
-      const double energy = needed(joint);
-      if (energy == 0) continue;
-      const Joints::Face& face = model.joints().faces()[joint];
-      const double area = area_of(model.initial_mesh().positions(),
-                                  face_of(model.initial_mesh().hexahedra()[face.hexahedron], kFaces[face.side]))
-                              .norm();
-      const Release free = release(model, x, forces, joint);
-      if (free.is_at_front && !(free.energy >= energy * area)) staying_.push_back(joint);
-    }
+    for (const int joint : faces_)
+      if (!advances(model, x, forces, joint)) staying_.push_back(joint);
     has_changed = !staying_.empty();
     for (const int joint : staying_) joints_[joint] = kClosed;
     std::erase_if(faces_, [&](int joint) { return joints_[joint] == kClosed; });
@@ -177,8 +188,22 @@ void Tear::keep_released(const Model& model, ConstPoints x, const CornerForces& 
   for (const int joint : faces_) joints_[joint] = kClosed;  // it is not this that opens them
 }
 
-int Tear::Around::root(int e) {
-  return groups.root(static_cast<int>(std::ranges::find(all, e, &HexMesh::Incidence::element) - all.begin()));
+/// Beside a crack only its front tears, and sets free what that takes.
+bool Tear::advances(const Model& model, ConstPoints x, const CornerForces& forces, int joint) {
+  const std::span<const int> held = model.joints().hexahedra(joint);
+  const bool is_at_crack = std::ranges::any_of(held, [&](int e) {
+    return std::ranges::any_of(model.mesh.hexahedra()[e],
+                               [&](int node) { return model.copies.of(model.copies.initial()[node]).size() > 1; });
+  });
+  const double needed =  // [J/m^2]
+      0.5 * (model.material(held.front()).fracture_energy + model.material(held.back()).fracture_energy);
+  if (!is_at_crack && needed == 0) return true;
+  const Release free = release(model, x, forces, joint);
+  if (is_at_crack && !free.splits) return false;
+  if (!free.is_at_front || needed == 0) return true;
+  const Joints::Face& face = model.joints().faces()[joint];
+  const Quad nodes = face_of(model.initial_mesh().hexahedra()[face.hexahedron], kFaces[face.side]);
+  return free.energy >= needed * area_of(model.initial_mesh().positions(), nodes).norm();
 }
 
 /// The hexahedra at a present node that would still be together there.
@@ -194,21 +219,18 @@ void Tear::group(const Model& model, int node) {
   for (const auto& [element, corner] : around_.all)
     for (int side = 0; side < 6; ++side)
       if (std::ranges::find(kFaces[side], corner) != kFaces[side].end()) join_at(joints.across(element)[side]);
-  const auto is_here = [&](int e) {
-    return std::ranges::find(around_.all, e, &HexMesh::Incidence::element) != around_.all.end();
-  };
   for (const int hinge : joints.hinges_at(model.copies.initial()[node]))
-    if (is_here(joints.hexahedra(hinge).front())) join_at(hinge);
+    if (around_.has(joints.hexahedra(hinge).front())) join_at(hinge);
 }
 
 /// Virtual crack closure: half the force across the face at the nodes that would split, times how far the crack gapes
 /// just behind them. A node is shared by the faces that it lies ahead of.
-Tear::Release Tear::release(const Model& model, ConstPoints x, const CornerForces& forces, int face) {
+Tear::Release Tear::release(const Model& model, ConstPoints x, const CornerForces& forces, int joint) {
   const Joints& joints = model.joints();
   const HexMesh& initial = model.initial_mesh();
-  const int upper = joints.hexahedra(face).front(), lower = joints.hexahedra(face).back();
+  const int upper = joints.hexahedra(joint).front(), lower = joints.hexahedra(joint).back();
   Release found;
-  for (const int node : joints.nodes(face)) {
+  for (const int node : joints.nodes(joint)) {
     const int present = model.mesh.hexahedra()[upper][corner_at(initial.hexahedra()[upper], node)];
     group(model, present);
     const int of_upper = around_.root(upper), of_lower = around_.root(lower);
@@ -216,35 +238,34 @@ Tear::Release Tear::release(const Model& model, ConstPoints x, const CornerForce
     Vec3 forward = Vec3::Zero(), force = forward, opening = forward;
     for (const auto& [element, corner] : around_.all) {
       for (int side = 0; side < 6; ++side) {
-        const int joint = joints.across(element)[side];
-        if (joint < 0 || joints_[joint] != kOpening || joints.hexahedra(joint).front() != element) continue;
+        const int ahead = joints.across(element)[side];
+        if (ahead < 0 || joints_[ahead] != kOpening || joints.hexahedra(ahead).front() != element) continue;
         const Quad nodes = face_of(initial.hexahedra()[element], kFaces[side]);
         if (std::ranges::find(nodes, node) == nodes.end()) continue;
-        if (of_upper != of_lower && around_.root(element) == around_.root(joints.hexahedra(joint).back())) continue;
+        if (of_upper != of_lower && around_.root(element) == around_.root(joints.hexahedra(ahead).back())) continue;
         ++num_ahead;
         for (const int n : nodes) forward += row(initial.positions(), n) - row(initial.positions(), node);
       }
       if (const int root = around_.root(element); of_upper != of_lower && (root == of_upper || root == of_lower))
         force += (root == of_upper ? 0.5 : -0.5) * Vec3(forces(element).row(corner).transpose());
     }
-    if (!add_opening(model, x, node, forward, upper, lower, opening)) continue;
+    if (!find_opening(model, x, node, forward, upper, lower, opening)) continue;
     found.is_at_front = true;
-    if (of_upper != of_lower) found.energy += 0.5 * force.dot(opening) / num_ahead;
+    if (of_upper == of_lower) continue;
+    found.splits = true;
+    found.energy += 0.5 * force.dot(opening) / num_ahead;
   }
   return found;
 }
 
 /// How far the two sides of a crack have parted one edge behind a node at its front, the upper one from the lower one.
 /// False where no crack ends at the node.
-bool Tear::add_opening(const Model& model, ConstPoints x, int initial_node, const Vec3& forward, int upper, int lower,
-                       Vec3& opening) {
+bool Tear::find_opening(const Model& model, ConstPoints x, int initial_node, const Vec3& forward, int upper, int lower,
+                        Vec3& opening) {
   const Joints& joints = model.joints();
   const std::vector<Hexahedron>&hexahedra = model.mesh.hexahedra(), &initial = model.initial_mesh().hexahedra();
   const PointArray& X = model.initial_mesh().positions();
   const int of_upper = around_.root(upper), of_lower = around_.root(lower);
-  const auto is_here = [&](int e) {
-    return std::ranges::find(around_.all, e, &HexMesh::Incidence::element) != around_.all.end();
-  };
   double least = kBehind;
   int count = 0;
   for (const auto& [element, corner] : around_.all)
@@ -254,7 +275,7 @@ bool Tear::add_opening(const Model& model, ConstPoints x, int initial_node, cons
       if (joint < 0 || joints_[joint] != kOpen || joints.hexahedra(joint).front() != element) continue;
       const auto at = std::ranges::find(face, corner) - face.begin();
       const int other = joints.hexahedra(joint).back();
-      if (at == 4 || !is_here(other)) continue;
+      if (at == 4 || !around_.has(other)) continue;
       for (const auto next : {(at + 1) % 4, (at + 3) % 4}) {
         const int behind = initial[element][face[next]];
         const int one = hexahedra[element][face[next]], two = hexahedra[other][corner_at(initial[other], behind)];

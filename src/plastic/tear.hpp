@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <span>
@@ -27,40 +28,47 @@ class Tear {
                          const CornerForces& forces);
 
  private:
-  enum Joint : unsigned char { kClosed, kOpen, kCandidate, kOpening };
+  enum Joint : unsigned char { kClosed, kOpen, kListed, kOpening };
   struct Side {
     double stress = 0;                     // [Pa] normal to it at present: positive where it is pulled
     double by_stress = 0, by_stretch = 0;  // [-] over the limits
   };
-  /// What becomes free if a face opens together with all others that do.
+  /// What becomes of a crack if a face opens together with all others that do.
   struct Release {
+    bool splits = false;       // some node
     bool is_at_front = false;  // of a crack that gapes
-    double energy = 0;         // [J]
+    double energy = 0;         // [J] that becomes free
   };
   /// Hexahedra at a node, and which of them would still be together.
   struct Around {
     std::span<const HexMesh::Incidence> all;
     DisjointSets groups;
-    int root(int e);
+    bool has(int e) const { return std::ranges::find(all, e, &HexMesh::Incidence::element) != all.end(); }
+    int root(int e) {
+      return groups.root(static_cast<int>(std::ranges::find(all, e, &HexMesh::Incidence::element) - all.begin()));
+    }
   };
 
+  bool holds(const Model& model, int joint) const;
+  void list(const History& history, int element);
   void find_candidates(const Model& model, const History& history);
   void find_sides(const Model& model, const History& history, ConstPoints x, std::span<const BranchStep> steps);
-  void keep_greatest(const Model& model, const History& history);
-  void keep_released(const Model& model, ConstPoints x, const CornerForces& forces);
+  double normal_stress(const Model& model, const History& history, int joint) const;
+  bool passes(const Model& model, const History& history, int joint) const;
+  bool is_greatest(const Model& model, const History& history, int joint) const;
+  void keep_advancing(const Model& model, ConstPoints x, const CornerForces& forces);
+  bool advances(const Model& model, ConstPoints x, const CornerForces& forces, int joint);
   void group(const Model& model, int node);
-  Release release(const Model& model, ConstPoints x, const CornerForces& forces, int face);
-  bool add_opening(const Model& model, ConstPoints x, int initial_node, const Vec3& forward, int upper, int lower,
-                   Vec3& opening);
+  Release release(const Model& model, ConstPoints x, const CornerForces& forces, int joint);
+  bool find_opening(const Model& model, ConstPoints x, int initial_node, const Vec3& forward, int upper, int lower,
+                    Vec3& opening);
 
   std::vector<unsigned char> joints_;       // per joint
   std::vector<int> faces_;                  // that may open, ascending
-  std::vector<int> staying_;                // of them, those that set too little free
-  std::vector<double> stress_;              // [Pa] per face
-  std::vector<int> hexahedra_;              // on both sides of these
+  std::vector<int> staying_;                // of them, those that do not
+  std::vector<int> hexahedra_;              // whose sides are known
   std::vector<unsigned char> is_listed_;    // per element: it is one of them
   std::vector<std::array<Side, 6>> sides_;  // per element
-  std::vector<double> greatest_;            // [Pa] per element: of its candidates
   Around around_;
 };
 

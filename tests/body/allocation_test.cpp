@@ -74,6 +74,7 @@ struct Case {
   std::unique_ptr<LinearSolver> (*solver)();
   RestShape rest_shape = RestShape::kIsolated;
   bool relaxes = false;
+  bool may_tear = false;  // along faces, later
 };
 
 template <Preconditioner kPreconditioner>
@@ -103,6 +104,10 @@ TEST_P(Allocations, AStepHasNone) {
   Settings settings;
   settings.precision = GetParam().precision;
   settings.rest_shape = GetParam().rest_shape;
+  if (GetParam().may_tear) {
+    material.fracture_stress = 1e6;
+    settings.fracture = Fracture::kFace;
+  }
   if (GetParam().relaxes) settings.relaxation = {0.7, 0.3, 2, 0.02};
   Body body(support::block({8, 8, 32}, 0.01), {material}, settings);
   support::SimulationSetup setup;
@@ -113,6 +118,7 @@ TEST_P(Allocations, AStepHasNone) {
   FlowReport flow;
   EXPECT_EQ(allocations_of([&] { flow = simulation.step(); }), 0);
   EXPECT_EQ(flow.yielded > 0, GetParam().plasticity == Does::kFlows);
+  EXPECT_TRUE(flow.torn.empty());
 }
 
 TEST(Allocations, AStepOfManyBodiesInOneLoopHasNone) {
@@ -141,6 +147,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"tight_mixed", Precision::kMixed, Does::kNothing, tight},
         Case{"isolated_double", Precision::kDouble, Does::kFlows, preconditioned<Preconditioner::kMultigrid>},
         Case{"isolated_mixed", Precision::kMixed, Does::kFlows, plain},
+        Case{"may_tear", Precision::kDouble, Does::kFlows, plain, RestShape::kIsolated, false, true},
         Case{"relaxing_double", Precision::kDouble, Does::kNothing, preconditioned<Preconditioner::kMultigrid>,
              RestShape::kJoined, true},
         Case{"relaxing_mixed", Precision::kMixed, Does::kNothing, plain, RestShape::kIsolated, true},
