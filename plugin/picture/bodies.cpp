@@ -61,6 +61,22 @@ bool Bodies::are_split() const {
   return std::ranges::any_of(entries_, [](const Entry& entry) { return entry.body->copies().is_split(); });
 }
 
+std::shared_ptr<const OpenFaces> Bodies::open_faces() const {
+  if (!are_split()) return nullptr;
+  const auto open = std::make_shared<OpenFaces>();
+  int num_initial = 0;
+  for (const Entry& entry : all()) {
+    const Body& body = *entry.body;
+    const OpenFaces own = hexaplast::open_faces(body.joints(), body.copies(), body.opened(), body.crossings(),
+                                                body.mesh().num_elements());
+    for (const int node : own.initial_node) open->initial_node.push_back(num_initial + node);
+    for (const int node : own.copy) open->copy.push_back(entry.first_node + node);
+    open->crossing.insert(open->crossing.end(), own.crossing.begin(), own.crossing.end());
+    num_initial += body.copies().num_initial();
+  }
+  return open;
+}
+
 std::span<const unsigned char> Bodies::alive() const {
   if (is_one()) return entries_[0].body->alive();
   alive_.clear();

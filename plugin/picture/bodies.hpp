@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hexaplast/body.hpp"
+#include "hexaplast/geometry/cut_surface.hpp"
 
 namespace hexaplast::output {
 
@@ -38,6 +39,9 @@ class Bodies {
 
   /// Whether nodes have split.
   bool are_split() const;
+
+  /// For those who draw walls. Null: no nodes have split.
+  std::shared_ptr<const OpenFaces> open_faces() const;
 
   /// The same as those of Body, for all. Views are valid until the next call, or until a body changes.
   std::span<const unsigned char> alive() const;

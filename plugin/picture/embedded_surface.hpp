@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "hexaplast/base/types.hpp"
-#include "hexaplast/geometry/embed.hpp"
+#include "hexaplast/geometry/cut_surface.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 
 namespace hexaplast::output {
@@ -24,6 +25,24 @@ struct EmbeddedSurface {
                  num_hexahedra < 0 ? std::dynamic_extent : static_cast<std::size_t>(num_hexahedra));
   }
   Embedding embedding(const HexMesh& mesh) const { return {mesh.positions(), carriers(mesh), points}; }
+
+  /// It, cut along with the hexahedra. original: embedding of its points; faces: its own; walls: null where none are
+  /// open.
+  CarriedSurface cut(const HexMesh& mesh, const Embedding& original, std::vector<Quad> faces,
+                     const CutWalls* walls) const {
+    const auto count = static_cast<int>(carriers(mesh).size());
+    if (walls) return cut_skin(*walls, points, faces, original, first_hexahedron, count);
+    CarriedSurface whole{points, {}, std::move(faces), {}};
+    for (int n = 0; n < original.num_points(); ++n)
+      whole.hexahedron.push_back(first_hexahedron + original.hexahedron_of(n));
+    whole.is_wall.assign(whole.faces.size(), 0);
+    return whole;
+  }
+  Embedding embedding(const HexMesh& mesh, const CarriedSurface& of_it) const {
+    std::vector<int> own;
+    for (const int e : of_it.hexahedron) own.push_back(e - first_hexahedron);
+    return {mesh.positions(), carriers(mesh), of_it.points, own};
+  }
 };
 
 /// Whether a face of embedded points is shown where hexahedra have gone: with those that carry its corners. alive: one

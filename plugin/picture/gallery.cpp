@@ -39,11 +39,12 @@ Gallery::Gallery(const HexMesh& mesh, std::string title, int time_decimals, Stag
 }
 
 void Gallery::add(long step, double time, ConstPoints positions, const std::vector<double>& values,
-                  std::span<const unsigned char> alive, const BoundaryConditions& conditions, const PointArray* ghost) {
+                  std::span<const unsigned char> alive, const BoundaryConditions& conditions, const PointArray* ghost,
+                  const std::shared_ptr<const OpenFaces>& open) {
   const bool is_nodal = entry_of(shapes_.staging.quantity).of_nodes;
-  states_.push_back(
-      {shapes_.at(positions, is_nodal ? values : nodal_means(shapes_.mesh(), values, alive), alive, conditions, ghost),
-       step, time});
+  states_.push_back({shapes_.at(positions, is_nodal ? values : nodal_means(shapes_.mesh(), values, alive), alive,
+                                conditions, ghost, open),
+                     step, time});
 }
 
 Strongest Gallery::strongest_forces() const {

@@ -27,10 +27,11 @@ class Gallery {
 
   /// positions: num_nodes x 3 [m]; values: of the quantity, one per hexahedron or per node; alive, if not empty: one
   /// per hexahedron, 0 for those that are removed and not shown, and neither is what is embedded in them; conditions:
-  /// what holds and loads the body; ghost: nodes of the pale shape [m], null: the initial positions.
+  /// what holds and loads the body; ghost: nodes of the pale shape [m], null: the initial positions; open: faces
+  /// between hexahedra, null: none.
   void add(long step, double time, ConstPoints positions, const std::vector<double>& values,
            std::span<const unsigned char> alive = {}, const BoundaryConditions& conditions = {},
-           const PointArray* ghost = nullptr);
+           const PointArray* ghost = nullptr, const std::shared_ptr<const OpenFaces>& open = nullptr);
 
   int num_states() const { return static_cast<int>(states_.size()); }
   long step(int state) const { return states_[state].step; }

@@ -23,6 +23,7 @@ struct Geometry {
   using Places = std::vector<Eigen::Vector3f>;
 
   Vertices surface;        ///< of the body or what is embedded in it, in the colours of the scale
+  Vertices walls;          ///< of what blades and tears have opened, the same, tinted
   Vertices cut_faces;      ///< where the body is cut through, the same: as far as it lies within the surface
   bool is_hollow = false;  ///< the surface is embedded, and not the hexahedra' own
   bool is_closed = true, are_tools_closed = true;  ///< surfaces: only these have an inside where they are cut

@@ -24,6 +24,8 @@ inline constexpr Colour kMetal{0.78f, 0.84f, 0.90f};     // and their surfaces
 inline constexpr Colour kEdge{0.20f, 0.16f, 0.19f};
 inline constexpr Colour kCage{0.25f, 0.30f, 0.38f};    // edges of hexahedra around embedded surfaces
 inline constexpr Colour kSpring{0.36f, 0.42f, 0.16f};  // springs, and what ties places together
+inline constexpr Colour kWall{0.62f, 0.16f, 0.15f};    // of cuts
+inline constexpr float kWallTint = 0.6f;               // part of it in the colour of walls; the rest is the scale's
 inline constexpr Colour kNoValue{0.80f, 0.81f, 0.82f};
 inline constexpr std::array kAxes{Colour{0.76f, 0.25f, 0.16f}, Colour{0.20f, 0.50f, 0.22f},
                                   Colour{0.16f, 0.36f, 0.72f}};

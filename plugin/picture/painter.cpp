@@ -151,6 +151,7 @@ void Painter::draw_shadows(const Geometry& geometry, const Matrix4f& seen) {
   };
   set_clips(flat_, geometry.cut, {});
   cast(geometry.surface, true);
+  if (!geometry.walls.empty()) cast(geometry.walls, false);
   if (light_.tools_cast_shadows && !geometry.tools.empty()) cast(geometry.tools, false);
   set_clips(flat_, {}, {});
   if (!geometry.cut_faces.empty() && !geometry.is_hollow) cast(geometry.cut_faces, false);

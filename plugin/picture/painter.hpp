@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <initializer_list>
 #include <optional>
 #include <vector>
 
@@ -57,10 +58,11 @@ class Painter {
   void draw_marks(const View& view, const std::optional<EdgeInk>& edges, float density);
   void draw_veil(const Geometry& geometry);
 
-  void draw_lit(const Geometry::Vertices& vertices, Lit how, const Colour* paint, unsigned mode = 4);  // GL_TRIANGLES
+  void draw_lit(const Geometry::Vertices& vertices, Lit how, const Colour* paint, unsigned mode = 4,  // GL_TRIANGLES
+                float opacity_of_paint = 1);
   void draw_arrows(const Geometry::Vertices& arrows, const Colour& colour, float scale);
-  void draw_within(const Geometry& geometry, const Geometry::Vertices& closed, const Eigen::AlignedBox3f& room,
-                   const std::function<void()>& draw_cap);
+  void draw_within(const Geometry& geometry, std::initializer_list<const Geometry::Vertices*> closed,
+                   const Eigen::AlignedBox3f& room, const std::function<void()>& draw_cap);
   int bind(const Geometry::Vertices& vertices);  // and says how many there are
   void draw_lines(const Geometry::Places& ends, const Colour& colour, float opacity, float width);
   void draw_places(const Geometry::Places& places, unsigned mode, const Colour& colour, float opacity = 1);

@@ -105,6 +105,7 @@ void Painter::draw_body(const View& view, bool has_lines, float density) {
   // where no lines lie on it, stepping back would only show what faces away along its silhouette
   if (!has_lines) glDisable(GL_POLYGON_OFFSET_FILL);
   draw_lit(geometry.surface, kTissue, nullptr);
+  draw_lit(geometry.walls, kTissue, &kWall, GL_TRIANGLES, kWallTint);
   glEnable(GL_POLYGON_OFFSET_FILL);
   glLineWidth(kWireWidth * density);
   draw_lit(geometry.wires, kUnlit, nullptr, GL_LINES);
@@ -121,10 +122,10 @@ void Painter::draw_tools(const View& view) {
   if (!geometry.is_hollow)
     draw_cut_faces();
   else if (geometry.cut && geometry.is_closed)
-    draw_within(geometry, geometry.surface, {}, draw_cut_faces);
+    draw_within(geometry, {&geometry.surface, &geometry.walls}, {}, draw_cut_faces);
   glDisable(GL_POLYGON_OFFSET_FILL);
   if (geometry.cut && geometry.are_tools_closed && !geometry.tools.empty())
-    draw_within(geometry, geometry.tools, geometry.room, [&] { draw_lit(plane_around(geometry), kUnlit, &kMetal); });
+    draw_within(geometry, {&geometry.tools}, geometry.room, [&] { draw_lit(plane_around(geometry), kUnlit, &kMetal); });
   set_clips(surface_, {}, {});
   glDepthRange(0, 0.01);
   draw_arrows(geometry.tool_arrows, kSteel, view.camera.scale());
@@ -172,9 +173,11 @@ void Painter::draw_veil(const Geometry& geometry) {
   draw_lit(geometry.veil, kTissue, &kVeil);
 }
 
-void Painter::draw_lit(const Geometry::Vertices& vertices, Lit how, const Colour* paint, unsigned mode) {
+void Painter::draw_lit(const Geometry::Vertices& vertices, Lit how, const Colour* paint, unsigned mode,
+                       float opacity_of_paint) {
   glUniform1i(place_of(surface_, "lighting"), how);
-  set(surface_, "paint", paint ? Vector4f(paint->red, paint->green, paint->blue, 1) : Vector4f(0, 0, 0, 0));
+  set(surface_, "paint",
+      paint ? Vector4f(paint->red, paint->green, paint->blue, opacity_of_paint) : Vector4f(0, 0, 0, 0));
   if (!vertices.empty()) glDrawElements(mode, bind(vertices), GL_UNSIGNED_INT, nullptr);
 }
 
@@ -189,8 +192,8 @@ void Painter::draw_arrows(const Geometry::Vertices& arrows, const Colour& colour
 
 // Draws what lies in the plane of the cut, as far as that is within closed surfaces: there one sees more of their backs
 // than of their fronts.
-void Painter::draw_within(const Geometry& geometry, const Geometry::Vertices& closed, const Eigen::AlignedBox3f& room,
-                          const std::function<void()>& draw_cap) {
+void Painter::draw_within(const Geometry& geometry, std::initializer_list<const Geometry::Vertices*> closed,
+                          const Eigen::AlignedBox3f& room, const std::function<void()>& draw_cap) {
   glEnable(GL_STENCIL_TEST);
   glClear(GL_STENCIL_BUFFER_BIT);
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
@@ -199,7 +202,7 @@ void Painter::draw_within(const Geometry& geometry, const Geometry::Vertices& cl
   glStencilOpSeparate(GL_FRONT, GL_KEEP, GL_KEEP, GL_DECR_WRAP);
   glStencilOpSeparate(GL_BACK, GL_KEEP, GL_KEEP, GL_INCR_WRAP);
   set_clips(surface_, geometry.cut, {});
-  draw_lit(closed, kUnlit, nullptr);
+  for (const Geometry::Vertices* surface : closed) draw_lit(*surface, kUnlit, nullptr);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glEnable(GL_DEPTH_TEST);
   glStencilFunc(GL_NOTEQUAL, 0, ~0u);

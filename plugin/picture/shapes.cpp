@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "hexaplast/geometry/sections.hpp"
+#include "mesh/neighbours.hpp"
 #include "picture/ink.hpp"
 
 namespace hexaplast::output {
@@ -97,10 +98,12 @@ std::optional<Arrow> Strongest::arrow_of(const Moment::Tool& one) const {
   return Arrow{one.place, one.place + arrow / tool * one.force, girth};
 }
 
-Shapes::Boundary::Boundary(const HexMesh& mesh, std::span<const unsigned char> alive) {
+Shapes::Boundary::Boundary(const HexMesh& mesh, std::span<const unsigned char> alive, const CutWalls* walls_of_cuts) {
   std::vector<int> point_of_node(static_cast<std::size_t>(mesh.num_nodes()), -1);
-  std::vector<Surface::Face> faces = mesh.boundary_faces(alive);
-  for (Surface::Face& face : faces)
+  std::vector<Surface::Face> faces;
+  std::vector<unsigned char> is_wall;
+  for (const auto& [nodes, element] : boundary_of(mesh, alive)) {
+    Surface::Face& face = faces.emplace_back(nodes);
     for (int& corner : face) {
       int& point = point_of_node[corner];
       if (point < 0) {
@@ -109,10 +112,27 @@ Shapes::Boundary::Boundary(const HexMesh& mesh, std::span<const unsigned char> a
       }
       corner = point;
     }
-  surface = std::make_shared<Surface>(single(points_at(mesh.positions())), std::move(faces));
+    if (walls_of_cuts) is_wall.push_back(walls_of_cuts->is_wall(element, nodes) ? 1 : 0);
+  }
+  if (walls_of_cuts) {
+    WallVertices vertices = wall_vertices(*walls_of_cuts);
+    std::vector<int> rows, hexahedra;
+    for (std::size_t k = 0; k < vertices.node.size(); ++k)
+      if (const int point = point_of_node[static_cast<std::size_t>(vertices.node[k])]; point >= 0) {
+        wall_points.push_back(point);
+        rows.push_back(static_cast<int>(k));
+        hexahedra.push_back(vertices.hexahedron[k]);
+      }
+    walls.emplace(mesh.positions(), mesh.hexahedra(), PointArray(vertices.points(rows, Eigen::all)), hexahedra);
+  }
+  surface = std::make_shared<Surface>(single(points_at(mesh.positions())), std::move(faces), std::move(is_wall));
 }
 
-PointArray Shapes::Boundary::points_at(ConstPoints nodes) const { return nodes(node_of_point, Eigen::all); }
+PointArray Shapes::Boundary::points_at(ConstPoints nodes) const {
+  PointArray points = nodes(node_of_point, Eigen::all);
+  if (walls) points(wall_points, Eigen::all) = applied(*walls, nodes);
+  return points;
+}
 
 Shapes::Shapes(const HexMesh& mesh, Staging staging_of_all)
     : staging(std::move(staging_of_all)),
@@ -126,35 +146,55 @@ Shapes::Shapes(const HexMesh& mesh, Staging staging_of_all)
     std::vector<Surface::Face> faces = embedded.quads;
     std::ranges::copy(faces_of(embedded.triangles), std::back_inserter(faces));
     const auto whole = std::make_shared<Surface>(single(embedded.points), std::move(faces));
-    embedded_surfaces_.push_back({embedded.embedding(mesh), whole, whole});
+    const Embedding embedding = embedded.embedding(mesh);
+    embedded_surfaces_.push_back({embedding, embedding, whole, whole});
   }
 }
 
 // What is left from now on.
-void Shapes::follow(std::span<const unsigned char> alive) {
+void Shapes::follow(std::span<const unsigned char> alive, const std::shared_ptr<const OpenFaces>& open) {
   const bool all_alive = std::ranges::all_of(alive, [](unsigned char is_alive) { return is_alive != 0; });
-  const bool has_split = mesh_.hexahedra() != current_hexahedra_;
+  const bool has_split = mesh_.hexahedra() != current_hexahedra_, has_opened = open != current_open_;
   if (has_split) {
     current_hexahedra_ = mesh_.hexahedra();
     for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s)
-      embedded_surfaces_[s].embedding.follow(staging.embedded_surfaces[s].carriers(mesh_), mesh_.num_nodes());
+      embedded_surfaces_[s].original.follow(staging.embedded_surfaces[s].carriers(mesh_), mesh_.num_nodes());
   }
-  if (all_alive && current_hexahedra_ == original_hexahedra_) {
+  if (!open && all_alive && current_hexahedra_ == original_hexahedra_) {
     current_ = original_;
-    for (Carried& embedded : embedded_surfaces_) embedded.current = embedded.whole;
-    current_alive_.clear();
-  } else if (has_split || !std::ranges::equal(alive, current_alive_)) {
-    current_ = std::make_shared<Boundary>(mesh_, alive);
-    for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s) {
-      Carried& embedded = embedded_surfaces_[s];
-      std::vector<Surface::Face> left;
-      for (const Surface::Face& face : embedded.whole->faces())
-        if (is_carried(face, staging.embedded_surfaces[s], embedded.embedding, alive)) left.push_back(face);
-      embedded.current = std::make_shared<Surface>(embedded.whole->original(), std::move(left));
+    for (Carried& embedded : embedded_surfaces_) {
+      embedded.embedding = embedded.original;
+      embedded.current = embedded.whole;
     }
+    current_alive_.clear();
+  } else if (has_split || has_opened || !std::ranges::equal(alive, current_alive_)) {
+    std::optional<CutWalls> walls;
+    if (open) walls.emplace(mesh_, *open, alive);
+    if (walls && walls->empty()) walls.reset();
+    current_ = std::make_shared<Boundary>(mesh_, alive, walls ? &*walls : nullptr);
+    carry(alive, walls ? &*walls : nullptr);
     current_alive_.assign(alive.begin(), alive.end());
   }
+  current_open_ = open;
   divide(alive);
+}
+
+// What is left of the embedded surfaces.
+void Shapes::carry(std::span<const unsigned char> alive, const CutWalls* walls) {
+  for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s) {
+    Carried& embedded = embedded_surfaces_[s];
+    const EmbeddedSurface& carried = staging.embedded_surfaces[s];
+    const CarriedSurface surface = carried.cut(mesh_, embedded.original, embedded.whole->faces(), walls);
+    embedded.embedding = carried.embedding(mesh_, surface);
+    std::vector<Surface::Face> left;
+    std::vector<unsigned char> is_wall;
+    for (std::size_t f = 0; f < surface.faces.size(); ++f)
+      if (is_carried(surface.faces[f], carried, embedded.embedding, alive)) {
+        left.push_back(surface.faces[f]);
+        is_wall.push_back(surface.is_wall[f]);
+      }
+    embedded.current = std::make_shared<Surface>(single(surface.points), std::move(left), std::move(is_wall));
+  }
 }
 
 // Into what is shown by itself.
@@ -167,13 +207,18 @@ void Shapes::divide(std::span<const unsigned char> alive) {
     Part& part = parts_.emplace_back(Part{number, {mesh_, staging.regions.alive_in(number, alive)}, {}});
     if (!staging.shown_regions.empty()) continue;
     for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s) {
-      const auto& [embedding, whole, current] = embedded_surfaces_[s];
+      const auto& [original, embedding, whole, current] = embedded_surfaces_[s];
       std::vector<Surface::Face> carried;
-      for (const Surface::Face& face : current->faces()) {
+      std::vector<unsigned char> is_wall;
+      for (std::size_t f = 0; f < current->faces().size(); ++f) {
+        const Surface::Face& face = current->faces()[f];
         const int hexahedron = staging.embedded_surfaces[s].first_hexahedron + embedding.hexahedron_of(face[0]);
-        if (staging.regions.of_hexahedra[static_cast<std::size_t>(hexahedron)] == number) carried.push_back(face);
+        if (staging.regions.of_hexahedra[static_cast<std::size_t>(hexahedron)] != number) continue;
+        carried.push_back(face);
+        is_wall.push_back(current->is_wall(f) ? 1 : 0);
       }
-      part.embedded_surfaces.push_back(std::make_shared<Surface>(whole->original(), std::move(carried)));
+      part.embedded_surfaces.push_back(
+          std::make_shared<Surface>(current->original(), std::move(carried), std::move(is_wall)));
     }
   }
 }
@@ -198,8 +243,9 @@ void Shapes::add_parts(ConstPoints positions, std::span<const double> values, Mo
 }
 
 Moment Shapes::at(ConstPoints positions, std::span<const double> values, std::span<const unsigned char> alive,
-                  const BoundaryConditions& conditions, const PointArray* ghost) {
-  follow(alive);
+                  const BoundaryConditions& conditions, const PointArray* ghost,
+                  const std::shared_ptr<const OpenFaces>& open) {
+  follow(alive, open);
   Moment moment;
   PointArray at_nodes = PointArray::Zero(mesh_.num_nodes(), 3);  // in its first column
   at_nodes.col(0) = Eigen::VectorXd::Map(values.data(), mesh_.num_nodes());
@@ -271,7 +317,7 @@ std::vector<Moment::Shown> Shapes::ghosts_at(const PointArray* nodes) const {
     ghosts.push_back({shown.surface, nodes ? single(shown.points_at(*nodes)) : shown.surface->original(), {}});
     return ghosts;
   }
-  for (const auto& [embedding, whole, current] : embedded_surfaces_)
+  for (const auto& [original, embedding, whole, current] : embedded_surfaces_)
     if (nodes)
       ghosts.push_back({current, single(applied(embedding, *nodes)), {}});
     else
@@ -304,11 +350,11 @@ Geometry Shapes::geometry(const Moment& moment, const Camera& camera, const Stro
           geometry.wires.push_back({one->points[point], camera.towards(), one->values[point]});
   } else {
     for (const Moment::Shown* one : moment.filled(staging)) {
-      draw_surface(*one, camera.scale(), geometry.surface);
+      draw_surface(*one, camera.scale(), geometry.surface, geometry.walls);
       if (is_within && staging.shows_edges) add_lines(one->surface->edges(), one->points, geometry.edges);
     }
     for (const Moment::Shown* one : moment.whole(staging)) {
-      if (is_within) draw_surface(*one, camera.scale(), geometry.veil);
+      if (is_within) draw_surface(*one, camera.scale(), geometry.veil, geometry.veil);
       if (!moment.ghosts.empty())
         add_lines(one->surface->outline(one->points, camera.towards()), one->points, geometry.halo);
       geometry.is_closed = geometry.is_closed && one->surface->is_closed();
@@ -325,7 +371,8 @@ Geometry Shapes::geometry(const Moment& moment, const Camera& camera, const Stro
     if (!geometry.is_hollow)
       add_lines(moment.cut.outline, moment.cut.points, geometry.cut_outline);
     else if (staging.cut && geometry.is_closed)
-      add_crossing(geometry.surface, *staging.cut, geometry.cut_outline);
+      for (const Geometry::Vertices* surface : {&geometry.surface, &geometry.walls})
+        add_crossing(*surface, *staging.cut, geometry.cut_outline);
   }
   std::ranges::copy_if(moment.fixed, std::back_inserter(geometry.fixed), is_left);
 
@@ -351,13 +398,15 @@ Geometry Shapes::geometry(const Moment& moment, const Camera& camera, const Stro
 
 // A quad is a bilinear patch, and a triangle one with two corners in one place: their pieces are drawn as four
 // triangles around the middle of each, so that none shows a preferred diagonal.
-void Shapes::draw_surface(const Moment::Shown& shown, float scale, Geometry::Vertices& vertices) const {
+void Shapes::draw_surface(const Moment::Shown& shown, float scale, Geometry::Vertices& surface_vertices,
+                          Geometry::Vertices& walls) const {
   const Surface& surface = *shown.surface;
   const std::vector<std::array<Vector3f, 4>> normals = surface.corner_normals(shown.points);
   const int fine = std::clamp(static_cast<int>(surface.mean_edge() * scale / kPatch), 1, kMaxParts);
   std::vector<Geometry::Vertex> grid;
   for (std::size_t f = 0; f < normals.size(); ++f) {
     const Surface::Face& face = surface.faces()[f];
+    Geometry::Vertices& vertices = surface.is_wall(f) ? walls : surface_vertices;
     if (Surface::is_triangle(face) && fine == 1) {
       for (int k = 0; k < 3; ++k) vertices.push_back({shown.points[face[k]], normals[f][k], shown.values[face[k]]});
       continue;

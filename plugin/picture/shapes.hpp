@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "hexaplast/geometry/embed.hpp"
+#include "hexaplast/geometry/cut_surface.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
 #include "picture/arrow.hpp"
 #include "picture/boundary_conditions.hpp"
@@ -118,19 +118,22 @@ struct Strongest {
 /// A body and the surfaces embedded in it, as they are shown: follows what is removed, and where the rest goes.
 class Shapes {
  public:
-  /// The boundary of the hexahedra that are left, by itself: points are those nodes that lie on it.
+  /// The boundary of the hexahedra that are left, by itself: points are those nodes that lie on it; walls of cuts are
+  /// smooth.
   struct Boundary {
-    Boundary(const HexMesh& mesh, std::span<const unsigned char> alive);
+    Boundary(const HexMesh& mesh, std::span<const unsigned char> alive, const CutWalls* walls = nullptr);
 
     PointArray points_at(ConstPoints nodes) const;  ///< [m]
 
     std::vector<int> node_of_point;
     std::shared_ptr<const Surface> surface;
+    std::vector<int> wall_points;  ///< which lie elsewhere than their nodes:
+    std::optional<Embedding> walls;
   };
 
-  /// An embedded surface, and what is left of it.
+  /// An embedded surface, and what is left of it: cut where the hexahedra are.
   struct Carried {
-    Embedding embedding;
+    Embedding original, embedding;
     std::shared_ptr<const Surface> whole, current;
   };
 
@@ -145,9 +148,11 @@ class Shapes {
 
   /// positions: num_nodes x 3 [m]; values: of the quantity, one per node; alive, if not empty: one per hexahedron, 0
   /// for those that are removed and not shown, and neither is what is embedded in them; conditions: what holds and
-  /// loads the body; ghost: nodes of the pale shape [m], null: the initial positions.
+  /// loads the body; ghost: nodes of the pale shape [m], null: the initial positions; open: of the hexahedra, null:
+  /// none are open, or their walls are drawn as they are.
   Moment at(ConstPoints positions, std::span<const double> values, std::span<const unsigned char> alive,
-            const BoundaryConditions& conditions, const PointArray* ghost);
+            const BoundaryConditions& conditions, const PointArray* ghost,
+            const std::shared_ptr<const OpenFaces>& open = nullptr);
 
   /// A moment as a fitted camera sees it.
   Geometry geometry(const Moment& moment, const Camera& camera, const Strongest& strongest) const;
@@ -162,14 +167,16 @@ class Shapes {
     std::vector<std::shared_ptr<const Surface>> embedded_surfaces;  ///< what of them it carries
   };
 
-  void follow(std::span<const unsigned char> alive);
+  void follow(std::span<const unsigned char> alive, const std::shared_ptr<const OpenFaces>& open);
+  void carry(std::span<const unsigned char> alive, const CutWalls* walls);
   void divide(std::span<const unsigned char> alive);
   void add_parts(ConstPoints positions, std::span<const double> values, Moment& moment) const;
   std::vector<Moment::Shown> ghosts_at(const PointArray* nodes) const;
   std::vector<Moment::Load> loads_of(const BoundaryConditions& conditions, ConstPoints positions,
                                      std::span<const unsigned char> alive) const;
   Moment::Tool tool_of(const Instrument& instrument, ConstPoints positions);
-  void draw_surface(const Moment::Shown& shown, float scale, Geometry::Vertices& vertices) const;
+  void draw_surface(const Moment::Shown& shown, float scale, Geometry::Vertices& vertices,
+                    Geometry::Vertices& walls) const;
 
   const HexMesh& mesh_;
   float longest_arrow_;                                             // [m]
@@ -178,6 +185,7 @@ class Shapes {
   std::shared_ptr<const Boundary> original_, current_;
   std::map<int, std::shared_ptr<const Surface>> tools_;  // by the number of the instrument, as it was last
   std::vector<unsigned char> current_alive_;             // that current_ belongs to; empty: all
+  std::shared_ptr<const OpenFaces> current_open_;        // and null: none
   std::vector<Part> parts_;
   std::shared_ptr<const Boundary> parts_of_;  // that they are parts of
 };

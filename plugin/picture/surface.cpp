@@ -26,8 +26,8 @@ std::vector<Vector3f> single(ConstPoints points) {
   return places;
 }
 
-Surface::Surface(std::vector<Vector3f> original, std::vector<Face> faces)
-    : original_(std::move(original)), faces_(std::move(faces)) {
+Surface::Surface(std::vector<Vector3f> original, std::vector<Face> faces, std::vector<unsigned char> walls)
+    : original_(std::move(original)), faces_(std::move(faces)), is_wall_(std::move(walls)) {
   const int num_faces = static_cast<int>(faces_.size());
   std::map<Edge, std::vector<int>> faces_of_edge;
   DisjointSets corners(4 * num_faces);
@@ -44,7 +44,9 @@ Surface::Surface(std::vector<Vector3f> original, std::vector<Face> faces)
     edges_.push_back(edge);
     is_closed_ = is_closed_ && around.size() == 2;
     const Vector3f first = normals[around.front()].normalized(), last = normals[around.back()].normalized();
-    if (around.size() != 2 || first.dot(last) < kCrease) {
+    const bool is_lip = is_wall(around.front()) != is_wall(around.back());
+    const bool is_bent = first.dot(last) < kCrease && !first.isZero(0) && !last.isZero(0);
+    if (around.size() != 2 || is_lip || is_bent) {
       creases_.push_back(edge);
       continue;
     }

@@ -20,11 +20,13 @@ class Surface {
   using Face = std::array<int, 4>;
 
   /// original: the points [m] at which is decided where the surface bends smoothly and where it has a crease.
-  Surface(std::vector<Eigen::Vector3f> original, std::vector<Face> faces);
+  /// walls: per face, 1 for walls of cuts, which do not bend smoothly into the rest; empty: none is one.
+  Surface(std::vector<Eigen::Vector3f> original, std::vector<Face> faces, std::vector<unsigned char> walls = {});
 
   const std::vector<Eigen::Vector3f>& original() const { return original_; }
   const std::vector<Face>& faces() const { return faces_; }
   const std::vector<Edge>& edges() const { return edges_; }  ///< each once
+  bool is_wall(std::size_t face) const { return !is_wall_.empty() && is_wall_[face] != 0; }
 
   bool is_closed() const { return is_closed_; }  ///< two faces meet at each edge
 
@@ -46,6 +48,7 @@ class Surface {
 
   std::vector<Eigen::Vector3f> original_;
   std::vector<Face> faces_;
+  std::vector<unsigned char> is_wall_;
   std::vector<Edge> edges_;
   std::vector<Edge> creases_, smooth_;               // where the original is not smooth, and where it is
   std::vector<std::array<int, 2>> faces_of_smooth_;  // the two faces at each smooth edge

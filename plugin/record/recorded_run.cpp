@@ -204,6 +204,24 @@ std::vector<int> RecordedRun::rows_of_nodes(const fs::path& file, const Imported
   return rows;
 }
 
+std::shared_ptr<const OpenFaces> RecordedRun::open_in(const fs::path& file, const ImportedState& state,
+                                                      const std::vector<int>& ids, const std::vector<int>& rows) const {
+  if (!has_cell_data(state, kCrossing)) return nullptr;
+  const std::vector<double> crossing = cell_numbers(file, state, kCrossing, 6);
+  if (!std::ranges::all_of(crossing, [](double place) { return (place >= 0 && place <= 1) || place == -1; }))
+    throw InputError(fmt::format("{}: array '{}' must hold numbers in [0, 1], or -1", file.string(), kCrossing));
+  const auto open = std::make_shared<OpenFaces>();
+  open->initial_node = initial_node_;
+  open->copy = rows;
+  std::array<double, 6> closed;
+  closed.fill(-1);
+  open->crossing.assign(static_cast<std::size_t>(mesh_->num_elements()), closed);
+  for (std::size_t cell = 0; cell < ids.size(); ++cell)
+    std::copy_n(crossing.begin() + static_cast<std::ptrdiff_t>(6 * cell), 6,
+                open->crossing[index_of(file, ids[cell])].begin());
+  return open;
+}
+
 std::vector<EmbeddedSurface> RecordedRun::embedded_surfaces() const {
   std::error_code error;
   const fs::path surfaces = directory_ / "surface.pvd";
@@ -239,6 +257,7 @@ RecordedRun::State RecordedRun::state(const Entry& entry, Quantity quantity) con
     state.alive[e] = 1;
     if (!wanted.of_nodes) state.values[e] = of_cells[cell];
   }
+  state.open = open_in(entry.file, read_state, ids, rows);
   state.conditions = conditions_in(entry.file, read_state);
   BoundaryConditions& conditions = state.conditions;
   if (const std::vector<unsigned char> fixed = std::exchange(conditions.fixed, {}); !fixed.empty())

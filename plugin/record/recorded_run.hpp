@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,11 +28,12 @@ class RecordedRun {
   };
 
   struct State {
-    PointArray positions;              ///< [m] num_nodes x 3
-    PointArray plastic_rest;           ///< [m] the same of the rest shape
-    std::vector<double> values;        ///< of a quantity, one per hexahedron or per node
-    std::vector<unsigned char> alive;  ///< one per hexahedron, 0 for those that are removed
-    BoundaryConditions conditions;     ///< as far as the files hold them
+    PointArray positions;                   ///< [m] num_nodes x 3
+    PointArray plastic_rest;                ///< [m] the same of the rest shape
+    std::vector<double> values;             ///< of a quantity, one per hexahedron or per node
+    std::vector<unsigned char> alive;       ///< one per hexahedron, 0 for those that are removed
+    BoundaryConditions conditions;          ///< as far as the files hold them
+    std::shared_ptr<const OpenFaces> open;  ///< faces between hexahedra of the mesh; null: none, or not in the files
   };
 
   /// place: the directory of a run, or its .pvd file. Throws OutputError where there is none, InputError where it names
@@ -60,6 +62,9 @@ class RecordedRun {
  private:
   std::size_t index_of(const std::filesystem::path& file, int id) const;  // of a hexahedron, in mesh_
   [[noreturn]] void refuse_hexahedron(const std::filesystem::path& file, int id) const;
+
+  std::shared_ptr<const OpenFaces> open_in(const std::filesystem::path& file, const ImportedState& state,
+                                           const std::vector<int>& ids, const std::vector<int>& rows) const;
 
   /// For each node of mesh_, the one of a state that it was then.
   std::vector<int> rows_of_nodes(const std::filesystem::path& file, const ImportedState& state,

@@ -346,7 +346,7 @@ void Recorder::Files::write_state() {
   if (surfaces) {
     const std::vector<double> strains = nodal_means(bodies.mesh(), fields.plastic_strain, alive);
     write(*surfaces, kSurface, [&](const fs::path& file) {
-      embedded_surfaces.write(file, bodies.mesh(), latest_positions, strains, alive);
+      embedded_surfaces.write(file, bodies.mesh(), latest_positions, strains, alive, bodies.open_faces().get());
     });
   }
   if (instruments)
@@ -374,7 +374,7 @@ void Recorder::Files::write_viewer() {
 void Recorder::Files::keep_for_picture() {
   gallery->add(latest.step, latest.time, latest_positions,
                values_of(plan.staging.quantity, bodies, latest_positions, latest_velocities, plan.staging.regions),
-               bodies.alive(), latest_conditions);
+               bodies.alive(), latest_conditions, nullptr, bodies.open_faces());
 }
 
 std::vector<std::string> Recorder::Files::draw_pictures() {

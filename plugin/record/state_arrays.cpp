@@ -49,9 +49,18 @@ std::vector<int> point_numbers(const fs::path& file, const ImportedState& state,
 }
 
 std::vector<double> cell_scalars(const fs::path& file, const ImportedState& state, std::string_view name) {
-  const auto values =
-      rows_of(file, "cells", state.cell_data, name, 1, static_cast<Eigen::Index>(state.mesh.hexahedra.size()));
+  return cell_numbers(file, state, name, 1);
+}
+
+std::vector<double> cell_numbers(const fs::path& file, const ImportedState& state, std::string_view name,
+                                 int num_components) {
+  const auto values = rows_of(file, "cells", state.cell_data, name, num_components,
+                              static_cast<Eigen::Index>(state.mesh.hexahedra.size()));
   return {values.data(), values.data() + values.size()};
+}
+
+bool has_cell_data(const ImportedState& state, std::string_view name) {
+  return std::ranges::find(state.cell_data, name, &ImportedArray::name) != state.cell_data.end();
 }
 
 bool has_point_data(const ImportedState& state, std::string_view name) {

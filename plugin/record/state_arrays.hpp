@@ -15,6 +15,11 @@ PointArray point_vectors(const std::filesystem::path& file, const ImportedState&
 std::vector<int> point_numbers(const std::filesystem::path& file, const ImportedState& state, std::string_view name);
 std::vector<double> cell_scalars(const std::filesystem::path& file, const ImportedState& state, std::string_view name);
 
+/// Per cell, as many numbers as its array has components.
+std::vector<double> cell_numbers(const std::filesystem::path& file, const ImportedState& state, std::string_view name,
+                                 int num_components);
+
+bool has_cell_data(const ImportedState& state, std::string_view name);
 bool has_point_data(const ImportedState& state, std::string_view name);
 
 }  // namespace hexaplast::output

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "formats/vtu_grid.hpp"
 #include "hexaplast/base/error.hpp"
 #include "record/state_arrays.hpp"
@@ -15,22 +17,34 @@ CarriedSurfaces::CarriedSurfaces(const HexMesh& mesh, std::vector<EmbeddedSurfac
 }
 
 void CarriedSurfaces::write(const std::filesystem::path& file, const HexMesh& mesh, ConstPoints positions,
-                            const std::vector<double>& strains, std::span<const unsigned char> alive) {
-  for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s)
-    embeddings_[s].follow(embedded_surfaces_[s].carriers(mesh), mesh.num_nodes());
+                            const std::vector<double>& strains, std::span<const unsigned char> alive,
+                            const OpenFaces* open) {
+  std::optional<CutWalls> walls;
+  if (open) walls.emplace(mesh, *open, alive);
+  std::vector<CarriedSurface> surfaces;
+  std::vector<Embedding> embeddings;
   Eigen::Index num_points = 0;
-  for (const EmbeddedSurface& embedded : embedded_surfaces_) num_points += embedded.points.rows();
+  for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s) {
+    const EmbeddedSurface& embedded = embedded_surfaces_[s];
+    embeddings_[s].follow(embedded.carriers(mesh), mesh.num_nodes());
+    std::vector<Quad> faces;  // triangles first
+    for (const auto& [a, b, c] : embedded.triangles) faces.push_back({a, b, c, c});
+    faces.insert(faces.end(), embedded.quads.begin(), embedded.quads.end());
+    surfaces.push_back(embedded.cut(mesh, embeddings_[s], std::move(faces), walls ? &*walls : nullptr));
+    embeddings.push_back(walls ? embedded.embedding(mesh, surfaces.back()) : embeddings_[s]);
+    num_points += surfaces.back().points.rows();
+  }
   PointArray points(num_points, 3), displacement(num_points, 3), blended(num_points, 3);
   PointArray at_nodes = PointArray::Zero(positions.rows(), 3);  // in its first column
   at_nodes.col(0) = Eigen::VectorXd::Map(strains.data(), positions.rows());
 
   std::vector<std::int32_t> surface, connectivity;
   std::vector<int> first_points;
-  for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s) {
-    const auto first = static_cast<Eigen::Index>(surface.size()), count = embedded_surfaces_[s].points.rows();
-    embeddings_[s].apply(positions, points.middleRows(first, count));
-    embeddings_[s].apply(at_nodes, blended.middleRows(first, count));
-    displacement.middleRows(first, count) = points.middleRows(first, count) - embedded_surfaces_[s].points;
+  for (std::size_t s = 0; s < surfaces.size(); ++s) {
+    const auto first = static_cast<Eigen::Index>(surface.size()), count = surfaces[s].points.rows();
+    embeddings[s].apply(positions, points.middleRows(first, count));
+    embeddings[s].apply(at_nodes, blended.middleRows(first, count));
+    displacement.middleRows(first, count) = points.middleRows(first, count) - surfaces[s].points;
     first_points.push_back(static_cast<int>(first));
     surface.insert(surface.end(), static_cast<std::size_t>(count), static_cast<std::int32_t>(s));
   }
@@ -41,20 +55,20 @@ void CarriedSurfaces::write(const std::filesystem::path& file, const HexMesh& me
     plastic_strain[p] = std::clamp(blended(static_cast<Eigen::Index>(p), 0), min, max);
 
   VtuGrid grid{.points = {points.data(), static_cast<std::size_t>(points.size())}, .shown_first = {}};
-  const auto add_faces = [&](const auto& faces, std::size_t s, std::uint8_t type) {
-    for (const auto& face : faces) {
-      if (!is_carried(face, embedded_surfaces_[s], embeddings_[s], alive)) continue;
-      for (const int point : face) connectivity.push_back(first_points[s] + point);
-      grid.add_cells(1, type, static_cast<int>(face.size()));
+  std::vector<std::int32_t> is_wall;
+  for (std::size_t s = 0; s < surfaces.size(); ++s)
+    for (std::size_t f = 0; f < surfaces[s].faces.size(); ++f) {
+      const Quad& face = surfaces[s].faces[f];
+      if (!is_carried(face, embedded_surfaces_[s], embeddings[s], alive)) continue;
+      const int num_corners = face[2] == face[3] ? 3 : 4;
+      for (int k = 0; k < num_corners; ++k) connectivity.push_back(first_points[s] + face[k]);
+      grid.add_cells(1, num_corners == 3 ? kVtkTriangle : kVtkQuad, num_corners);
+      is_wall.push_back(surfaces[s].is_wall[f]);
     }
-  };
-  for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s) {
-    add_faces(embedded_surfaces_[s].triangles, s, kVtkTriangle);
-    add_faces(embedded_surfaces_[s].quads, s, kVtkQuad);
-  }
   grid.connectivity = std::as_bytes(std::span(connectivity));
   grid.point_data = {vectors("displacement", displacement), scalars("Int32", "surface", surface),
                      scalars("Float64", "plastic_strain", plastic_strain)};
+  if (walls && !walls->empty()) grid.cell_data = {scalars("Int32", "wall", is_wall)};
   grid.write(file);
 }
 

@@ -24,9 +24,13 @@ class CarriedSurfaces {
   ///
   /// mesh: the present one, some of whose nodes may have split; strains: plastic strain at the nodes, which is blended
   /// between them; alive: one per hexahedron, 0 for those that are removed: faces go with the hexahedra that carry
-  /// them. Throws OutputError.
+  /// them; open: faces between hexahedra, along which surfaces are cut; null: none. Of cut surfaces there is also
+  ///
+  ///   cell data: wall (1 for walls of cuts, else 0)
+  ///
+  /// Throws OutputError.
   void write(const std::filesystem::path& file, const HexMesh& mesh, ConstPoints positions,
-             const std::vector<double>& strains, std::span<const unsigned char> alive);
+             const std::vector<double>& strains, std::span<const unsigned char> alive, const OpenFaces* open = nullptr);
 
  private:
   std::vector<EmbeddedSurface> embedded_surfaces_;

@@ -61,6 +61,12 @@ void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoi
                     scalars("Float64", "yield_stress", fields.yield_stress),
                     scalars("Float64", "volume_ratio", fields.volume_ratio),
                     scalars("Float64", "strain", fields.strain)};
+  std::vector<double> crossing;
+  if (const std::shared_ptr<const OpenFaces> open = bodies.open_faces()) {
+    for (std::size_t e = 0; e < open->crossing.size(); ++e)
+      if (alive[e]) crossing.insert(crossing.end(), open->crossing[e].begin(), open->crossing[e].end());
+    grid.cell_data.push_back(reals(kCrossing, 6, crossing));
+  }
   std::vector<std::int32_t> body_of;
   if (!bodies.is_one()) {
     for (const Bodies::Entry& entry : bodies.all())

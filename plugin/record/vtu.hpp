@@ -11,6 +11,8 @@ namespace hexaplast::output {
 
 inline constexpr std::string_view kRegionPrefix = "region ";  ///< of the field data that name regions
 
+inline constexpr std::string_view kCrossing = "crossing";
+
 /// Writes one state of bodies as a VTK unstructured grid of hexahedra (formats/vtu_grid.hpp). The points are the
 /// current positions [m].
 ///
@@ -20,6 +22,7 @@ inline constexpr std::string_view kRegionPrefix = "region ";  ///< of the field 
 ///   cell data:  id, part, of several bodies also body, stress_norm [Pa], plastic_strain [-], yield_stress [Pa],
 ///               volume_ratio [-], strain [-] (ElementFields), and region where regions are given: the number of the
 ///               hexahedron's region
+///               and where nodes are split, crossing [-]: one per side of the hexahedron (OpenFaces, kFaces)
 ///   field data: `region NAME` for each region: its number
 ///
 /// Cells are the hexahedra that are left; points are all nodes, also those that have lost their last hexahedron. `id`

@@ -44,7 +44,7 @@ void Figure::update(const Snapshot& snapshot, const Look& look, const output::St
   stage(look, shapes_.staging);
   shapes_.staging.quantity = snapshot.quantity;
   moment_ = shapes_.at(snapshot.positions, snapshot.values, snapshot.alive, look.conditions(snapshot),
-                       look.ghost_nodes(snapshot));
+                       look.ghost_nodes(snapshot), snapshot.open);
   const float longest = shapes_.longest_arrow();
   strongest_ = {strongest.load, strongest.tool, longest, output::kArrowGirth * longest};
   nodes_ = snapshot.positions;
@@ -104,7 +104,7 @@ std::optional<Figure::Seen> Figure::hit_surfaces(const Ray& ray) const {
   if (!staging.has_surfaces()) return hit_body(ray);
   std::optional<Seen> first;
   for (std::size_t s = 0; s < staging.embedded_surfaces.size(); ++s) {
-    const auto& [embedding, whole, current] = shapes_.embedded_surfaces()[s];
+    const auto& [original, embedding, whole, current] = shapes_.embedded_surfaces()[s];
     PointArray points(embedding.num_points(), 3);
     embedding.apply(nodes_, points);
     std::optional<Seen> found = hit(*current, points, ray);

@@ -14,7 +14,7 @@ output::Drawing page_picture(const Source& source, const Snapshot& snapshot, con
                           std::move(page));
   gallery.add(snapshot.step, snapshot.sample.time, snapshot.positions,
               snapshot.of_hexahedra.empty() ? snapshot.values : snapshot.of_hexahedra, snapshot.alive,
-              look.conditions(snapshot), look.ghost_nodes(snapshot));
+              look.conditions(snapshot), look.ghost_nodes(snapshot), snapshot.open);
   output::Drawing picture;
   gallery.for_each_drawing([&](int, const output::Drawing& drawing) { picture = drawing; });
   return picture;

@@ -84,6 +84,7 @@ bool Replay::take(Snapshot& snapshot) {
     snapshot.positions = std::move(state.positions);
     snapshot.plastic_rest = std::move(state.plastic_rest);
     snapshot.alive = std::move(state.alive);
+    snapshot.open = std::move(state.open);
     snapshot.conditions = std::move(state.conditions);
     snapshot.failure.clear();
   } catch (const std::exception& error) {

@@ -158,6 +158,7 @@ class Session final : public Source {
   std::deque<Saved> saved_;  // the latest at the end
   std::vector<Change> changes_;
   std::shared_ptr<const HexMesh> present_mesh_;
+  std::shared_ptr<const OpenFaces> open_;  // of it
   Snapshot back_;
 
   // read and written by the caller alone

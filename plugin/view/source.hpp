@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hexaplast/mesh/hex_mesh.hpp"
+#include "hexaplast/geometry/cut_surface.hpp"
 #include "picture/boundary_conditions.hpp"
 #include "picture/quantity.hpp"
 #include "record/measures.hpp"
@@ -37,13 +37,14 @@ struct Sample {
 struct Snapshot {
   long step = 0;
   bool is_running = false;
-  bool is_late = false;                      ///< steps take longer than the pace asks for
-  std::string failure;                       ///< why it cannot go on before a reset; empty: it can
-  std::vector<std::string> messages;         ///< that came since the last snapshot
-  std::shared_ptr<const HexMesh> mesh = {};  ///< of a session: the present one, the same until nodes split
-  PointArray positions;                      ///< [m]
-  PointArray plastic_rest;                   ///< [m] what the body would be without forces
-  std::vector<unsigned char> alive;          ///< per hexahedron
+  bool is_late = false;                        ///< steps take longer than the pace asks for
+  std::string failure;                         ///< why it cannot go on before a reset; empty: it can
+  std::vector<std::string> messages;           ///< that came since the last snapshot
+  std::shared_ptr<const HexMesh> mesh = {};    ///< of a session: the present one, the same until nodes split
+  std::shared_ptr<const OpenFaces> open = {};  ///< faces between hexahedra of the mesh; null: none
+  PointArray positions;                        ///< [m]
+  PointArray plastic_rest;                     ///< [m] what the body would be without forces
+  std::vector<unsigned char> alive;            ///< per hexahedron
   Quantity quantity = Quantity::kPlasticStrain;
   std::vector<double> values;        ///< of the quantity, per node; infinite for the yield stress of what never yields
   std::vector<double> of_hexahedra;  ///< the same per hexahedron; of the speed: empty

@@ -29,8 +29,8 @@ class SkinCut {
  private:
   /// Where the cut crosses an edge of the skin, from its lower end.
   struct Crossing {
-    int node = -1;            // initial one, by which the ends are parted; -1: they are not
-    std::array<int, 2> point; // on the side of the lower end, and of the other
+    int node = -1;             // initial one, by which the ends are parted; -1: they are not
+    std::array<int, 2> point;  // on the side of the lower end, and of the other
   };
   /// An edge of a lip, as the skin runs along it, and the copies of wall nodes that its ends are joined to.
   struct Lip {
@@ -76,9 +76,9 @@ class SkinCut {
   std::vector<unsigned char> is_wall_;
   std::vector<Lip> lips_;
   std::vector<WallFace> wall_faces_;
-  std::map<int, int> initial_;              // of copies on walls
-  std::set<int> is_front_;                  // copies that the walls on both sides of a face have
-  std::map<int, std::vector<int>> beside_;  // along edges of walls, by initial nodes
+  std::map<int, int> initial_;                // of copies on walls
+  std::set<int> is_front_;                    // copies that the walls on both sides of a face have
+  std::map<int, std::vector<int>> beside_;    // along edges of walls, by initial nodes
   std::map<int, std::pair<Vec3, int>> pull_;  // by initial node: sum of places on lips, and how many
   std::map<Edge, int> joined_;                // edges of walls along strips: how often
   std::vector<std::pair<Triangle, std::array<bool, 3>>> strips_;  // which corners are copies
@@ -235,7 +235,8 @@ SkinCut::Crossing SkinCut::crossing_at(int p, int q) {
     if (nearest >= 0 && walls_.node(nearest) && walls_.copy_at(e, nearest) != walls_.copy_at(other, nearest) &&
         (!shares_copy || walls_.node(nearest)->copies.size() == 2)) {
       const Node& node = *walls_.node(nearest);
-      const double from = node.normal.dot(points_[low] - node.middle), to = node.normal.dot(points_[high] - node.middle);
+      const double from = node.normal.dot(points_[low] - node.middle),
+                   to = node.normal.dot(points_[high] - node.middle);
       const double at = from * to < 0 ? std::clamp(from / (from - to), kNearest, 1 - kNearest) : 0.5;
       const Vec3 place = points_[low] + at * (points_[high] - points_[low]);
       const int point = add_point(place, e);
@@ -360,8 +361,7 @@ void SkinCut::end_lips() {
   std::map<int, int> end_of;  // point of the skin
   const auto end = [&](int point, int copy) {
     if (const auto found = end_of.find(point); found != end_of.end()) return found->second;
-    const std::vector<int> found =
-        way(copy, [&](int other) { return is_front_.contains(other); });
+    const std::vector<int> found = way(copy, [&](int other) { return is_front_.contains(other); });
     return end_of[point] = found.empty() ? -1 : found.back();
   };
   for (Lip& lip : lips_) {
@@ -372,9 +372,9 @@ void SkinCut::end_lips() {
 
 void SkinCut::add_strips() {
   for (const Lip& lip : lips_) {
-    const std::vector<int> nodes =
-        initial_.contains(lip.copy_from) ? way(lip.copy_from, [&](int copy) { return copy == lip.copy_to; })
-                                         : std::vector<int>();
+    const std::vector<int> nodes = initial_.contains(lip.copy_from)
+                                       ? way(lip.copy_from, [&](int copy) { return copy == lip.copy_to; })
+                                       : std::vector<int>();
     if (nodes.empty()) continue;
     strips_.push_back({{lip.to, lip.from, nodes[0]}, {false, false, true}});
     for (std::size_t k = 0; k + 1 < nodes.size(); ++k) {
@@ -476,8 +476,8 @@ void SkinCut::add_walls() {
   is_wall_.resize(faces_.size(), 1);
 }
 
-/// Where lips end at nodes from which no wall leads on, as at a notch of the hexahedra, a few edges have an odd number of
-/// faces: these form rings, which fans fill.
+/// Where lips end at nodes from which no wall leads on, as at a notch of the hexahedra, a few edges have an odd number
+/// of faces: these form rings, which fans fill.
 void SkinCut::fill_holes() {
   std::map<Edge, std::pair<int, int>> faces_at;  // how many, and how many more run up along it
   for (const Quad& face : faces_)

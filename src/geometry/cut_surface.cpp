@@ -44,8 +44,8 @@ OpenFaces open_faces(const Joints& joints, const NodeCopies& copies, std::span<c
 }
 
 struct CutWalls::Face {
-  Quad initial;             // nodes, around it
-  Vec3 crossing, link;      // [m]
+  Quad initial;         // nodes, around it
+  Vec3 crossing, link;  // [m]
 };
 
 CutWalls::CutWalls(const HexMesh& mesh, const OpenFaces& open, std::span<const unsigned char> alive)
@@ -70,6 +70,12 @@ int CutWalls::copy_at(int hexahedron, int initial) const {
   for (int a = 0; a < kCorners; ++a)
     if (initial_node(hexahedron, a) == initial) return copy(hexahedron, a);
   return -1;
+}
+
+bool CutWalls::is_wall(int hexahedron, const Quad& nodes) const {
+  for (int side = 0; side < 6; ++side)
+    if (is_wall_[hexahedron][side] != 0 && face_of(mesh_.hexahedra()[hexahedron], kFaces[side]) == nodes) return true;
+  return false;
 }
 
 const CutWalls::Node* CutWalls::node(int initial) const {
@@ -151,8 +157,7 @@ void CutWalls::find_nodes(std::span<const Face> faces, std::span<const unsigned 
     std::vector<int> around = own[initial];
     if (node.copies.size() <= 2)  // where sheets meet, each has a plane of its own
       for (const int other : neighbours[initial])
-        if (nodes_[other].copies.size() <= 2)
-          around.insert(around.end(), own[other].begin(), own[other].end());
+        if (nodes_[other].copies.size() <= 2) around.insert(around.end(), own[other].begin(), own[other].end());
     std::ranges::sort(around);
     around.erase(std::unique(around.begin(), around.end()), around.end());
     fit(node, at[initial], faces, own[initial], around);
@@ -176,8 +181,7 @@ void CutWalls::fit(Node& node, const Vec3& at, std::span<const Face> faces, cons
   }
   const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
   const bool is_plane =
-      node.copies.size() <= 2 &&
-      axes.eigenvalues()[0] <= std::max(kFlat * axes.eigenvalues()[1], kFaceNormals * scale);
+      node.copies.size() <= 2 && axes.eigenvalues()[0] <= std::max(kFlat * axes.eigenvalues()[1], kFaceNormals * scale);
   const Mat3 tangents = outer_tangents(node);
   Vec3 move = tangents * (own_middle - at);
   if (is_plane) {
@@ -254,7 +258,8 @@ WallVertices wall_vertices(const CutWalls& walls) {
       vertices.hexahedron.push_back(walls.carrier(node, walls.copy(e, corner), node.place));
     }
   vertices.points.resize(std::ssize(points), 3);
-  for (std::size_t k = 0; k < points.size(); ++k) vertices.points.row(static_cast<Eigen::Index>(k)) = points[k].transpose();
+  for (std::size_t k = 0; k < points.size(); ++k)
+    vertices.points.row(static_cast<Eigen::Index>(k)) = points[k].transpose();
   return vertices;
 }
 

@@ -24,8 +24,8 @@ struct OpenFaces {
 OpenFaces open_faces(const Joints& joints, const NodeCopies& copies, std::span<const int> opened,
                      std::span<const double> crossings, int num_hexahedra);
 
-/// The smooth walls of a cut: a quad per open face that parts nodes, on either side, whose vertices are the nodes of the
-/// open faces, moved to where the cut passed. Both lips have the same initial places.         theory.md section 10
+/// The smooth walls of a cut: a quad per open face that parts nodes, on either side, whose vertices are the nodes of
+/// the open faces, moved to where the cut passed. Both lips have the same initial places.         theory.md section 10
 class CutWalls {
  public:
   struct Wall {
@@ -51,7 +51,8 @@ class CutWalls {
   bool empty() const { return walls_.empty(); }
   const std::vector<Wall>& walls() const { return walls_; }  ///< of hexahedra that are left
   bool is_wall(Wall face) const { return is_wall_[face.hexahedron][face.side] != 0; }
-  double mean_link() const { return mean_link_; }  ///< [m] between the centres of hexahedra across open faces
+  bool is_wall(int hexahedron, const Quad& nodes) const;  ///< of the mesh
+  double mean_link() const { return mean_link_; }         ///< [m] between the centres of hexahedra across open faces
 
   const std::map<int, Node>& nodes() const { return nodes_; }  ///< by initial node
   const Node* node(int initial) const;                         ///< null: it is on no wall
@@ -95,9 +96,9 @@ struct CarriedSurface {
   std::vector<unsigned char> is_wall;  ///< per face
 };
 
-/// A surface of triangles and quads, embedded in hexahedra, some of whose faces are open: triangles that the cut crosses
-/// are divided, and lips and walls are closed by strips. A closed surface stays closed: at each edge an even number of
-/// faces meet. Its first points are those of the surface.
+/// A surface of triangles and quads, embedded in hexahedra, some of whose faces are open: triangles that the cut
+/// crosses are divided, and lips and walls are closed by strips. A closed surface stays closed: at each edge an even
+/// number of faces meet. Its first points are those of the surface.
 ///   embedding: the points in hexahedra from `first_hexahedron` on, `num_hexahedra` of them.
 CarriedSurface cut_skin(const CutWalls& walls, ConstPoints points, std::span<const Quad> faces,
                         const Embedding& embedding, int first_hexahedron, int num_hexahedra);

@@ -236,7 +236,7 @@ void add(const RecordedRun::Entry& entry, const RecordedRun::State& state, const
   const bool shows_marks = !options.no_marks && !is_free_of_loads(options);
   gallery.add(entry.step.value_or(0), entry.time, shown_positions(state, options), state.values, state.alive,
               shows_marks ? state.conditions : output::BoundaryConditions(),
-              options.ghost == "rest" ? &state.plastic_rest : nullptr);
+              options.ghost == "rest" ? &state.plastic_rest : nullptr, state.open);
 }
 
 void render_film(const Subject& subject, const RenderOptions& options, output::Renderer& renderer) {
