@@ -45,7 +45,7 @@ void ContactCounts::require_of(std::size_t num_samples) const {
 
 void ContactTerm::set_friction(double N, const Vec3& expected) {
   tangential = stick;
-  limit = friction * N;
+  limit = N > negligible ? friction * N : 0;
   const Vec3 u = displacement(expected);
   const double size = u.norm();
   slips = stick * size > limit || limit == 0;  // where u is 0 too, rounding must not decide
@@ -56,7 +56,8 @@ void ContactTerm::set_friction(double N, const Vec3& expected) {
 
 double ContactTerm::correct_friction(const Vec3& r, const Vec3& change) {
   const Vec3 u = displacement(r), before = tangential_force(r);
-  limit = friction * std::max(normal_force(r, change), 0.0);
+  const double N = normal_force(r, change);
+  limit = N > negligible ? friction * N : 0;
   const double size = u.norm();
   const bool is_beyond = stick * size > limit;
   const double wrong = (before + (is_beyond ? limit / size : stick) * u).norm();
@@ -139,7 +140,8 @@ bool ContactTerms::release(const Pair<ConstPoints>& x, const Pair<ConstPoints>& 
   const std::size_t before = terms.size();
   is_solved_ = true;
   for (ContactTerm& term : terms) term.end = term.at(x);
-  std::erase_if(terms, [&](const ContactTerm& term) { return term.normal_force(term.at(x), term.at(v)) < 0; });
+  std::erase_if(terms,
+                [&](const ContactTerm& term) { return term.normal_force(term.at(x), term.at(v)) < -term.negligible; });
   if (terms.size() < before) return true;  // where some pulled, the others do not feel what they will
   if (num_corrections_ == kMaxFrictionCorrections) return false;
   double wrong = 0, all = 0;

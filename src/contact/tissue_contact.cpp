@@ -22,6 +22,7 @@ constexpr double kMaxEdges = 500;        // that they may move within a step: wh
 constexpr double kMarginOfBoxes = 1e-6;  // of the size of boxes
 constexpr double kKept = 0.5;            // of an edge that what touched may be expected in front of the surface
 constexpr double kFraction = 0.5;        // of the stiffness, for each of the two sides
+constexpr double kRounding = 1e-9;       // of an edge, of surfaces that lie on one another
 constexpr double kPerEdge = 0.5;         // distance of samples, in edges of the other body
 
 /// What stays of a sample from step to step.
@@ -32,7 +33,8 @@ struct SampleState {
   CornerWeights anchor = CornerWeights::Zero();
   double distance = std::numeric_limits<double>::infinity();  // [m] at which it begins to touch, if less than d
 
-  bool is_known() const { return hexahedron >= 0 || distance < std::numeric_limits<double>::infinity(); }
+  bool has_parted() const { return distance < std::numeric_limits<double>::infinity(); }
+  bool is_known() const { return hexahedron >= 0 || has_parted(); }
   void end_contact() { *this = {.distance = distance}; }
 };
 
@@ -192,10 +194,11 @@ double TissueContact::depth_at(const Pair<ConstPoints>& x) {
 /// the largest distance that they have had since.
 void TissueContact::find_distances(const Pair<ConstPoints>& x) {
   const bool with_itself = meshes_[0] == meshes_[1];
+  const double rounding = kRounding * edge();
   for (const auto& of : sides_) {
     Side& side = *of;
     const auto is_looked_at = [&](const SampleState& state) {
-      return state.normal_force == 0 && (has_changed_ || state.distance < settings_.distance);
+      return state.normal_force == 0 && (has_changed_ || state.has_parted());
     };
     const ConstPoints &own = side.from == 0 ? x.first : x.second, &others = side.from == 0 ? x.second : x.first;
     Eigen::AlignedBox3d region;
@@ -214,8 +217,8 @@ void TissueContact::find_distances(const Pair<ConstPoints>& x) {
       if (const auto place = side.surface.find(p, {}, settings_.distance, nodes))
         state.distance = has_changed_ ? place->distance : std::max(state.distance, place->distance);
       else if (side.surface.is_clear(p, settings_.distance, nodes))
-        state.distance = settings_.distance;
-      if (state.distance >= settings_.distance) state.distance = std::numeric_limits<double>::infinity();
+        state.distance = std::numeric_limits<double>::infinity();
+      if (state.distance > settings_.distance + rounding) state.distance = std::numeric_limits<double>::infinity();
     });
   }
   has_changed_ = false;
@@ -284,6 +287,7 @@ void TissueContact::begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoint
                             (sample.at(*vs[side.from]) -
                              point_of(*vs[side.to], mesh.hexahedra()[found.place->hexahedron], found.place->weights));
         before = {state.face, side.samples.outwards(i, own)};
+        side.surface.turn_to_facing(*found.place, p, before.outwards, side.own(sample, with_itself));
         side.surface.turn_to_entry(*found.place, p, change, before, side.own(sample, with_itself));
         const double depth = std::max(distance - found.place->distance, 0.0),
                      approach = -found.place->normal.dot(change);
@@ -329,6 +333,7 @@ void TissueContact::begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoint
       term.place = r - (found.place->distance - side.distance_of(i, settings_)) * term.normal;
       term.stiffness = kFraction * settings_.stiffness * sample.area;
       term.damping = kFraction * settings_.damping * sample.area;
+      if (state.has_parted()) term.negligible = kRounding * edge * term.stiffness;
       if (state.normal_force == 0) {
         state.hexahedron = found.place->hexahedron;
         state.anchor = found.place->weights;

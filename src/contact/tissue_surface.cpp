@@ -279,6 +279,23 @@ TissueSurface::Nearest TissueSurface::on_its_side(const Side& side, const Vec3& 
   return place_at(on_side, p, true).normal.dot(normal) > kSameSide ? on_side : nearest;
 }
 
+void TissueSurface::turn_to_facing(Place& place, const Vec3& p, const Vec3& outwards, std::span<const int> own) const {
+  const double same = kNoDirection * mean_edge_;
+  if (!(std::abs(place.distance) < same)) return;
+  const Quad from = faces_[place.face];
+  for (const int node : from)
+    for (int k = first_of_node_[node]; k < first_of_node_[node + 1]; ++k) {
+      const int f = faces_of_node_[k];
+      if (f == place.face || !faces_more(normal_of(f), place.normal, outwards) || is_left_out(f, own)) continue;
+      const Nearest found = nearest_on(*x_, faces_[f], f, p);
+      if (!(found.place.squared < same * same)) continue;
+      const Place facing = place_at(found, p, place.distance < 0);
+      place.face = f;
+      place.normal = facing.normal;
+      place.distance = facing.distance;
+    }
+}
+
 /// Beyond what the triangles of a face differ from it.
 bool TissueSurface::is_in_front(const Nearest& nearest, const Vec3& p) const {
   const auto [a, b, c] = triangle_of(*x_, faces_[nearest.face], nearest.triangle);

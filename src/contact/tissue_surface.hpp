@@ -59,6 +59,10 @@ class TissueSurface {
   /// Whether no hexahedron that counts comes nearer to a point than `reach` [m].
   bool is_clear(const Vec3& p, double reach, std::span<const int> own) const;
 
+  /// A point on an edge of the surface is as near to all faces around it: its place is on the one that its own surface
+  /// faces, whose normal is `outwards`.
+  void turn_to_facing(Place& place, const Vec3& p, const Vec3& outwards, std::span<const int> own) const;
+
   /// The nearest place may lie on another side than the one that a point came through, from p - change straight to p
   /// against the body. Then its place is on that one, and the distance that from it along its normal. The side counts
   /// if it was inside before; without one, the nearest face there.

@@ -197,7 +197,9 @@ struct Crumbling {
   std::vector<int> closed = {};
 
   explicit Crumbling(unsigned seed)
-      : scene(read_and_init(block_of({4, 3, 3}, kTouch, 1e-3, "0 0 0", "yieldStress='200' plasticFlowRate='5'"))),
+      : scene(
+            read_and_init(block_of({4, 3, 3}, std::getenv("TOUCH") ? std::getenv("TOUCH") : kTouch, 1e-3, "0 0 0",
+                                   std::getenv("MAT") ? std::getenv("MAT") : "yieldStress='200' plasticFlowRate='5'"))),
         random(seed) {
     auto& state = at<scene::MechanicalState>(scene, "nodes");
     PointArray& v = state.velocities();
@@ -232,7 +234,7 @@ struct Crumbling {
 TEST(Lips, OfTenThousandRandomOpeningsLoseNoMassAndNoMomentum) {
   std::size_t num_opened = 0;
   double touching = 0;
-  for (unsigned seed = 0; num_opened < 10000; ++seed) {
+  for (unsigned seed = 0; num_opened < (std::getenv("NUM") ? (std::size_t)atoi(std::getenv("NUM")) : 10000u); ++seed) {
     Crumbling block(seed);
     const double mass = block.mass();
     const Vec3 momentum = block.momentum();
@@ -243,6 +245,12 @@ TEST(Lips, OfTenThousandRandomOpeningsLoseNoMassAndNoMomentum) {
       const EnergyBalance& balance = *at<scene::OdeSolver>(block.scene, "euler").energy_balance();
       if (step == 0) before = balance.kinetic + balance.elastic;
       most = std::max(most, balance.kinetic + balance.elastic);
+      if (std::getenv("SEED") && (int)seed == atoi(std::getenv("SEED")))
+        std::printf(
+            "step %d kin %g el %g err %g supplied: load %g support %g flow %g damp %g num %g touching %g depth %g\n",
+            step, balance.kinetic, balance.elastic, balance.error(), balance.load_work, balance.support_work,
+            balance.flow_loss, balance.damping_loss, balance.numerical_loss, reading(block.scene, "touching"),
+            reading(block.scene, "depth"));
       touching = std::max(touching, reading(block.scene, "touching"));
     }
     if (seed < 10) std::printf("seed %u: energy %g, most %g, touching %g\n", seed, before, most, touching);

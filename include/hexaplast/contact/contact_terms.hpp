@@ -47,6 +47,7 @@ struct ContactTerm {
   double stick = 0;              ///< k_t A [N/m]
   double friction = 0;           ///< mu
   double normal_before = 0;      ///< [N] normal force of the step before, 0 of a new contact
+  double negligible = 0;         ///< [N] normal force, or pull, that is none: surfaces that lie on one another
   double limit = 0;              ///< mu N [N]
   Vec3 slip = Vec3::Zero();      ///< direction of u where it slips: mu N acts against it
   bool slips = false;
@@ -116,7 +117,6 @@ struct ContactCounts {
 class ContactTerms {
  public:
   std::vector<ContactTerm> terms;
-
   bool empty() const { return terms.empty(); }
   int num_slipping() const;
 
