@@ -188,12 +188,18 @@ void Tear::keep_advancing(const Model& model, ConstPoints x, const CornerForces&
   for (const int joint : faces_) joints_[joint] = kClosed;  // it is not this that opens them
 }
 
-/// Beside a crack only its front tears, and sets free what that takes.
+/// Within two hexahedra of a crack only its front tears, and sets free what that takes.
 bool Tear::advances(const Model& model, ConstPoints x, const CornerForces& forces, int joint) {
   const std::span<const int> held = model.joints().hexahedra(joint);
-  const bool is_at_crack = std::ranges::any_of(held, [&](int e) {
-    return std::ranges::any_of(model.mesh.hexahedra()[e],
-                               [&](int node) { return model.copies.of(model.copies.initial()[node]).size() > 1; });
+  const auto has_split = [&](int e) {
+    return std::ranges::any_of(model.mesh.hexahedra()[e], [&](int node) {
+      return model.copies.of(model.copies.initial()[node]).size() > 1;
+    });
+  };
+  const bool is_at_crack = model.copies.is_split() && std::ranges::any_of(held, [&](int e) {
+    return std::ranges::any_of(model.mesh.hexahedra()[e], [&](int node) {
+      return std::ranges::any_of(model.mesh.incident(node), has_split, &HexMesh::Incidence::element);
+    });
   });
   const double needed =  // [J/m^2]
       0.5 * (model.material(held.front()).fracture_energy + model.material(held.back()).fracture_energy);
