@@ -32,10 +32,11 @@ struct SampleState {
   int hexahedron = -1;      // of the other body, that has the anchor
   CornerWeights anchor = CornerWeights::Zero();
   double distance = std::numeric_limits<double>::infinity();  // [m] at which it begins to touch, if less than d
+  bool is_new = false;                                        // its surroundings: that distance is to be found
 
   bool has_parted() const { return distance < std::numeric_limits<double>::infinity(); }
-  bool is_known() const { return hexahedron >= 0 || has_parted(); }
-  void end_contact() { *this = {.distance = distance}; }
+  bool is_known() const { return hexahedron >= 0 || has_parted() || is_new; }
+  void end_contact() { *this = {.distance = distance, .is_new = is_new}; }
 };
 
 double greatest_speed(ConstPoints v, std::span<const int> nodes, const Vec3& mean) {
@@ -144,16 +145,21 @@ void TissueContact::set_alive(std::span<const unsigned char> first, std::span<co
       for (std::size_t i = 0; i < old.states.size(); ++i)
         if (old.states[i].is_known()) before.emplace(old.samples.samples[i].key(), old.states[i]);
       for (std::size_t i = 0; i < side->states.size(); ++i) {
-        const auto at = before.find(side->samples.samples[i].key(split[from]));
-        if (at == before.end()) continue;
-        SampleState& state = side->states[i] = at->second;
-        if (state.face >= 0) state.face = faces[state.face];
-        if (!alive[to].empty() && state.hexahedron >= 0 && !alive[to][state.hexahedron]) state.end_contact();
+        SampleState& state = side->states[i];
+        const SurfaceSamples::Sample& sample = side->samples.samples[i];
+        if (const auto at = before.find(sample.key(split[from])); at != before.end()) {
+          state = at->second;
+          if (state.face >= 0) state.face = faces[state.face];
+          if (!alive[to].empty() && state.hexahedron >= 0 && !alive[to][state.hexahedron]) state.end_contact();
+        }
+        state.is_new = state.is_new || std::ranges::any_of(side->own(sample, with_itself), [&](int node) {
+                         return side->surface.has_changed_at(node, old.surface, split[to]);
+                       });
       }
     }
     sides.push_back(std::move(side));
   }
-  has_touching_ = has_changed_ = !sides_.empty();
+  has_touching_ = !sides_.empty();
   sides_ = std::move(sides);
   terms_.terms.clear();
 }
@@ -190,38 +196,39 @@ double TissueContact::depth_at(const Pair<ConstPoints>& x) {
   return depth;
 }
 
-/// Where samples begin to touch that do not press: at their distance, where the surface has changed, else not before
-/// the largest distance that they have had since.
-void TissueContact::find_distances(const Pair<ConstPoints>& x) {
-  const bool with_itself = meshes_[0] == meshes_[1];
-  const double rounding = kRounding * edge();
-  for (const auto& of : sides_) {
-    Side& side = *of;
-    const auto is_looked_at = [&](const SampleState& state) {
-      return state.normal_force == 0 && (has_changed_ || state.has_parted());
-    };
-    const ConstPoints &own = side.from == 0 ? x.first : x.second, &others = side.from == 0 ? x.second : x.first;
-    Eigen::AlignedBox3d region;
-    for (std::size_t i = 0; i < side.states.size(); ++i)
-      if (is_looked_at(side.states[i])) region.extend(side.samples.samples[i].at(own));
-    if (region.isEmpty()) continue;
-    region.min().array() -= settings_.distance;
-    region.max().array() += settings_.distance;
-    side.surface.look_at(others, region, settings_.distance);
-    parallel_for(static_cast<int>(side.states.size()), [&](int i) {
-      SampleState& state = side.states[i];
-      if (!is_looked_at(state)) return;
-      const SurfaceSamples::Sample& sample = side.samples.samples[i];
-      const Vec3 p = sample.at(own);
-      const std::span<const int> nodes = side.own(sample, with_itself);
-      if (const auto place = side.surface.find(p, {}, settings_.distance, nodes))
-        state.distance = has_changed_ ? place->distance : std::max(state.distance, place->distance);
-      else if (side.surface.is_clear(p, settings_.distance, nodes))
-        state.distance = std::numeric_limits<double>::infinity();
-      if (state.distance > settings_.distance + rounding) state.distance = std::numeric_limits<double>::infinity();
-    });
-  }
-  has_changed_ = false;
+/// Where samples begin to touch. With others around them than before: where they are, so that the force stays as it is;
+/// and those that do not press at the largest distance that they have had since.
+void TissueContact::find_distances(ConstPoints x) {
+  Side& side = *sides_[0];
+  const double D = settings_.distance, edge = this->edge();
+  const auto is_looked_at = [](const SampleState& state) {
+    return state.is_new || (state.normal_force == 0 && state.has_parted());
+  };
+  Eigen::AlignedBox3d region;
+  for (std::size_t i = 0; i < side.states.size(); ++i)
+    if (is_looked_at(side.states[i])) region.extend(side.samples.samples[i].at(x));
+  if (region.isEmpty()) return;
+  side.surface.look_at(x, {region.min().array() - D, region.max().array() + D}, D);
+  parallel_for(static_cast<int>(side.states.size()), [&](int i) {
+    SampleState& state = side.states[i];
+    if (!is_looked_at(state)) return;
+    const SurfaceSamples::Sample& sample = side.samples.samples[i];
+    const Vec3 p = sample.at(x);
+    const std::span<const int> nodes = side.own(sample, true);
+    const bool touches = state.normal_force > 0;
+    TissueSurface::Side before;
+    if (touches) before = {state.face, side.samples.outwards(i, x)};
+    const auto place = side.surface.find(p, before, touches ? std::max(kKept * edge, D) : D, nodes);
+    if (place && touches)
+      state.distance = std::min(state.distance,
+                                place->distance + state.normal_force / (kFraction * settings_.stiffness * sample.area));
+    else if (place)
+      state.distance = state.is_new ? place->distance : std::max(state.distance, place->distance);
+    else if (side.surface.is_clear(p, D, nodes))
+      state.distance = std::numeric_limits<double>::infinity();
+    if (state.distance > D + kRounding * edge) state.distance = std::numeric_limits<double>::infinity();
+    state.is_new = false;
+  });
 }
 
 void TissueContact::begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, double h) {
@@ -248,7 +255,7 @@ void TissueContact::begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoint
     has_touching_ = false;
     return;
   }
-  find_distances(x);
+  if (with_itself) find_distances(x.first);
   const double num_checks = this->num_checks(v, h);
   for (const auto& side : sides_) side->found.assign(side->states.size(), {});
 
@@ -391,7 +398,7 @@ void TissueContact::end_step(const Pair<ConstPoints>& x) {
 
 void TissueContact::reset() {
   for (const auto& side : sides_) side->states.assign(side->states.size(), {});
-  has_touching_ = has_changed_ = false;
+  has_touching_ = false;
   terms_.terms.clear();
   loaded_ = {};
   force_.setZero();
@@ -419,18 +426,16 @@ void TissueContact::serialize(Archive& archive) {
       ++count;
       numbers.push_back(state.normal_force);
       numbers.insert(numbers.end(), state.anchor.begin(), state.anchor.end());
-      places.insert(places.end(), {state.hexahedron, state.face});
+      places.insert(places.end(), {state.hexahedron, state.face, state.is_new ? 1 : 0});
       distances.push_back(state.distance);
     }
   Vec3 force = force_;
   double depth = depth_, energy = energy_;
   ContactCounts counts{num_touching(), num_slipping()};
-  bool has_changed = has_changed_;
-  archive(numbers, places, distances, has_changed, force.x(), force.y(), force.z(), depth, energy, counts.touching,
-          counts.slipping);
+  archive(numbers, places, distances, force.x(), force.y(), force.z(), depth, energy, counts.touching, counts.slipping);
   if (!archive.reads()) return;
-  if (numbers.size() != (1 + kCorners) * count || places.size() != 2 * count || distances.size() != count)
-    throw InputError(fmt::format("contact is saved of {} samples, there are {}", places.size() / 2, count));
+  if (numbers.size() != (1 + kCorners) * count || places.size() != 3 * count || distances.size() != count)
+    throw InputError(fmt::format("contact is saved of {} samples, there are {}", places.size() / 3, count));
   const auto is_number = [](double distance) { return distance > -std::numeric_limits<double>::infinity(); };
   const bool is_finite = std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); }) &&
                          std::ranges::all_of(distances, is_number) && force.allFinite() && std::isfinite(depth) &&
@@ -443,10 +448,11 @@ void TissueContact::serialize(Archive& archive) {
       const std::size_t k = states.size();
       const SampleState& state = states.emplace_back(SampleState{
           .normal_force = std::max(numbers[(1 + kCorners) * k], 0.0),
-          .face = places[2 * k + 1],
-          .hexahedron = places[2 * k],
+          .face = places[3 * k + 1],
+          .hexahedron = places[3 * k],
           .anchor = CornerWeights::Map(&numbers[(1 + kCorners) * k + 1]),
           .distance = distances[k],
+          .is_new = places[3 * k + 2] != 0,
       });
       const bool has_place =
           side->surface.has_hexahedron(state.hexahedron) && state.face >= -1 && state.face < side->surface.num_faces();
@@ -460,7 +466,6 @@ void TissueContact::serialize(Archive& archive) {
     from += std::ssize(side->states);
   }
   has_touching_ = true;
-  has_changed_ = has_changed;
   terms_.terms.clear();
   loaded_ = counts;
   force_ = force;

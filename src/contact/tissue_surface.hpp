@@ -26,6 +26,11 @@ class TissueSurface {
 
   int num_faces() const { return static_cast<int>(faces_.size()); }
   const Quad& face(int f) const { return faces_[static_cast<std::size_t>(f)]; }
+  /// Of a body that touches itself: whether hexahedra count at a node that did not before, or the other way round.
+  bool has_changed_at(int node, const TissueSurface& before, const SplitNodes& split) const {
+    const auto old = static_cast<std::size_t>(split.before(node));
+    return old >= before.near_.size() || near_[node] != before.near_[old];
+  }
   /// Per face of the surface that was there before: the one that it is now, or -1. split: nodes that have since.
   std::vector<int> faces_since(const TissueSurface& before, const SplitNodes& split) const;
   const std::vector<int>& nodes() const { return nodes_; }  ///< of the hexahedra that are left, ascending

@@ -29,15 +29,16 @@ namespace hexaplast {
 /// A body does not touch itself within two hexahedra, counted through faces that they have in common at present: the
 /// walls of a cut touch each other, but near its end.
 ///
-/// Where a surface changes, what does not press begins to touch at its present distance, so that a cut exerts no force.
-/// That distance grows with the largest one at the beginnings of steps, up to that of the settings: no energy appears.
+/// Where a body that touches itself opens, or hexahedra go, samples around begin to touch at their present distance, so
+/// that a cut exerts no force. While a sample does not press, that distance grows with the largest one at the
+/// beginnings of steps, up to that of the settings: no energy appears.
 ///
 /// Bodies that move by more than half of their smallest thickness against each other in a step, that of a hexahedron
 /// at the surface, are looked at in between as well. Where their boxes are apart, samples are not looked at. Nodes that
 /// no hexahedron has any more count nowhere.
 ///
 /// State: per sample its anchor, a place in a hexahedron of the other body, N, the face of the side that it came
-/// through, and the distance at which it begins to touch; whether the surface has changed since the latest step.
+/// through, and the distance at which it begins to touch; whether others are around it than in the latest step.
 class TissueContact {
  public:
   /// Of two bodies. The meshes must outlive it. max_parts: of the edge of a face, between samples. Throws InputError
@@ -95,7 +96,7 @@ class TissueContact {
  private:
   struct Side;
   double num_checks(const Pair<ConstPoints>& v, double h) const;
-  void find_distances(const Pair<ConstPoints>& x);
+  void find_distances(ConstPoints x);
 
   std::array<const HexMesh*, 2> meshes_;  // the same twice: with itself
   ContactSettings settings_;
@@ -104,7 +105,6 @@ class TissueContact {
   std::array<std::vector<int>, 2> nodes_;     // of the hexahedra that are left of each body
   std::vector<std::unique_ptr<Side>> sides_;  // samples of the first body in the second one, and the other way round
   bool has_touching_ = false;                 // some sample may have a state
-  bool has_changed_ = false;                  // the surface, since the latest step
   long num_examined_ = 0;
   ContactTerms terms_;
   ContactCounts loaded_;
