@@ -91,19 +91,13 @@ class TornScene : public Shipped {
   double removed = 0;                ///< hexahedra
 };
 
-TEST_F(TornScene, PeritoneumIsLeftWithAHoleAndAPieceInTheForceps) {
+TEST_F(TornScene, PeritoneumIsLeftWithAHoleAndAFlapInTheForceps) {
   tear("peritoneum_tear");
   const HexMesh mesh = regular_grid({36, 1, 28}, Vec3(-0.06, -0.0005, -0.048), Vec3(0.06, 0.0005, 0.048));
-  ASSERT_EQ(plastic_rest.rows(), mesh.num_nodes());
-  EXPECT_GE(removed, 20);
-  EXPECT_LE(removed, 50);
-
-  const ConnectedParts parts = connected_parts(mesh, alive);
+  EXPECT_GE(plastic_rest.rows(), mesh.num_nodes() + 2 * 16) << "nodes that split";
+  EXPECT_LE(plastic_rest.rows(), mesh.num_nodes() + 2 * 40);
+  EXPECT_EQ(removed, 0);
   const auto node = [](int i, int k) { return i + 37 * 2 * k; };  // on the lower side
-  EXPECT_GE(parts.count, 2);
-  const int held = parts.part_of_node[node(13, 14)];  // where the forceps closed
-  EXPECT_GE(held, 0);
-  EXPECT_NE(held, parts.part_of_node[node(0, 0)]);
 
   // the strip behind the hole, from the border on, in the row through the forceps
   const double stretch = (plastic_rest.row(node(7, 14)) - plastic_rest.row(node(0, 14))).norm() / (7 * 0.12 / 36);
