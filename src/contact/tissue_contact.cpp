@@ -32,7 +32,7 @@ struct SampleState {
   int hexahedron = -1;      // of the other body, that has the anchor
   CornerWeights anchor = CornerWeights::Zero();
   double distance = std::numeric_limits<double>::infinity();  // [m] at which it begins to touch, if less than d
-  bool is_new = false;                                        // its surroundings: that distance is to be found
+  bool is_new = false;                                        // that distance is to be found
 
   bool has_parted() const { return distance < std::numeric_limits<double>::infinity(); }
   bool is_known() const { return hexahedron >= 0 || has_parted() || is_new; }
@@ -155,6 +155,7 @@ void TissueContact::set_alive(std::span<const unsigned char> first, std::span<co
         state.is_new = state.is_new || std::ranges::any_of(side->own(sample, with_itself), [&](int node) {
                          return side->surface.has_changed_at(node, old.surface, split[to]);
                        });
+        has_opened_ = has_opened_ || state.is_new;
       }
     }
     sides.push_back(std::move(side));
@@ -196,8 +197,8 @@ double TissueContact::depth_at(const Pair<ConstPoints>& x) {
   return depth;
 }
 
-/// Where samples begin to touch. With others around them than before: where they are, so that the force stays as it is;
-/// and those that do not press at the largest distance that they have had since.
+/// Where samples begin to touch. With others around them than before, or after a contact, which may have been with
+/// others: where they are, so that the force stays as it is. Those that do not press: at the largest distance since.
 void TissueContact::find_distances(ConstPoints x) {
   Side& side = *sides_[0];
   const double D = settings_.distance, edge = this->edge();
@@ -310,6 +311,7 @@ void TissueContact::begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoint
       SampleState& state = side.states[i];
       const Side::Found& found = side.found[i];
       if (!found.place) {
+        state.is_new = state.is_new || (has_opened_ && state.normal_force > 0);
         state.end_contact();
         continue;
       }
@@ -365,7 +367,10 @@ void TissueContact::end_step(const Pair<ConstPoints>& x) {
   depth_ = energy_ = 0;
   if (has_touching_)
     for (const auto& side : sides_)
-      for (SampleState& state : side->states) state.normal_force = 0;
+      for (SampleState& state : side->states) {
+        state.is_new = state.is_new || (has_opened_ && state.normal_force > 0);
+        state.normal_force = 0;
+      }
   for (const ContactTerm& term : terms_.terms) {
     const auto [r, change] = terms_.end_of(term, x);
     const double N = term.normal_force(r, change), g = term.gap(r);
@@ -378,6 +383,7 @@ void TissueContact::end_step(const Pair<ConstPoints>& x) {
     SampleState& state = side.states[i];
     const SurfaceSamples::Sample& sample = side.samples.samples[i];
     state.normal_force = N;
+    state.is_new = false;
     const Vec3 u = term.displacement(term.at(x));
     const double stiffness = kFraction * settings_.tangential_stiffness * sample.area, limit = settings_.friction * N,
                  size = u.norm(), kept = stiffness * size > limit ? limit / (stiffness * size) : 1;
@@ -398,7 +404,7 @@ void TissueContact::end_step(const Pair<ConstPoints>& x) {
 
 void TissueContact::reset() {
   for (const auto& side : sides_) side->states.assign(side->states.size(), {});
-  has_touching_ = false;
+  has_touching_ = has_opened_ = false;
   terms_.terms.clear();
   loaded_ = {};
   force_.setZero();
@@ -432,7 +438,9 @@ void TissueContact::serialize(Archive& archive) {
   Vec3 force = force_;
   double depth = depth_, energy = energy_;
   ContactCounts counts{num_touching(), num_slipping()};
-  archive(numbers, places, distances, force.x(), force.y(), force.z(), depth, energy, counts.touching, counts.slipping);
+  bool has_opened = has_opened_;
+  archive(numbers, places, distances, has_opened, force.x(), force.y(), force.z(), depth, energy, counts.touching,
+          counts.slipping);
   if (!archive.reads()) return;
   if (numbers.size() != (1 + kCorners) * count || places.size() != 3 * count || distances.size() != count)
     throw InputError(fmt::format("contact is saved of {} samples, there are {}", places.size() / 3, count));
@@ -466,6 +474,7 @@ void TissueContact::serialize(Archive& archive) {
     from += std::ssize(side->states);
   }
   has_touching_ = true;
+  has_opened_ = has_opened;
   terms_.terms.clear();
   loaded_ = counts;
   force_ = force;

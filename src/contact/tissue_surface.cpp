@@ -123,6 +123,14 @@ bool TissueSurface::is_near(int hexahedron, std::span<const int> own) const {
   return std::ranges::any_of(own, [&](int node) { return std::ranges::binary_search(near_[node], hexahedron); });
 }
 
+/// By so many steps through faces at most.
+bool TissueSurface::is_joined(int hexahedron, int other, int steps) const {
+  if (hexahedron == other) return true;
+  if (steps == 0) return false;
+  return std::ranges::any_of(across_[hexahedron],
+                             [&](int next) { return next >= 0 && is_joined(next, other, steps - 1); });
+}
+
 void TissueSurface::look_at(ConstPoints x, const Eigen::AlignedBox3d& region, double reach) {
   x_.emplace(x);
   boxes_.resize(static_cast<std::size_t>(mesh_->num_elements()));
@@ -286,7 +294,8 @@ void TissueSurface::turn_to_facing(Place& place, const Vec3& p, const Vec3& outw
   for (const int node : from)
     for (int k = first_of_node_[node]; k < first_of_node_[node + 1]; ++k) {
       const int f = faces_of_node_[k];
-      if (f == place.face || !faces_more(normal_of(f), place.normal, outwards) || is_left_out(f, own)) continue;
+      if (f == place.face || (!own.empty() && !is_joined(place.hexahedron, owner_[f]))) continue;
+      if (!faces_more(normal_of(f), place.normal, outwards) || is_left_out(f, own)) continue;
       const Nearest found = nearest_on(*x_, faces_[f], f, p);
       if (!(found.place.squared < same * same)) continue;
       const Place facing = place_at(found, p, place.distance < 0);
@@ -314,7 +323,8 @@ void TissueSurface::turn_to_entry(Place& place, const Vec3& p, const Vec3& chang
   for_each_cell(way, [&](int cell) {
     for (int i = first_in_cell_[cell]; i < first_in_cell_[cell + 1]; ++i) {
       const int e = in_cell_[i];
-      if (!boxes_[e].intersects(way) || (!own.empty() && is_near(e, own))) continue;
+      if (!boxes_[e].intersects(way) || (!own.empty() && (is_near(e, own) || !is_joined(place.hexahedron, e))))
+        continue;
       for (int j = first_of_hexahedron_[e]; j < first_of_hexahedron_[e + 1]; ++j) {
         const int f = faces_of_hexahedron_[j];
         for (int k = 0; k < 4; ++k) {
@@ -401,7 +411,8 @@ std::optional<TissueSurface::Place> TissueSurface::find(const Vec3& p, const Sid
       return initially.face >= 0 ? walk(initially.face, p, own) : initially;
     }();
     if (nearest.face < 0) return std::nullopt;
-    if (face < 0 || !is_in_front(nearest, p)) {  // else it is in another one than those of its side
+    const bool is_another = !own.empty() && !is_joined(inside, owner_[nearest.face]);
+    if (face < 0 || !(is_another || is_in_front(nearest, p))) {  // else it is in another one than those of its side
       Place place = place_at(nearest, p, true);
       place.hexahedron = inside;
       place.weights = weights_beyond(gather(*x_, mesh_->hexahedra()[inside]), at.s, p, kFarthestBeyond);

@@ -84,6 +84,7 @@ class TissueSurface {
   void find_neighbourhoods(std::span<const unsigned char> alive);
   void find_thickness();
   bool is_near(int hexahedron, std::span<const int> own) const;
+  bool is_joined(int hexahedron, int other, int steps = 3) const;
   bool is_left_out(int face, std::span<const int> own) const { return !own.empty() && is_near(owner_[face], own); }
   template <class Visit>
   void for_each_around(const Vec3& p, const Visit& visit) const;

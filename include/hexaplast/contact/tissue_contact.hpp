@@ -38,7 +38,7 @@ namespace hexaplast {
 /// no hexahedron has any more count nowhere.
 ///
 /// State: per sample its anchor, a place in a hexahedron of the other body, N, the face of the side that it came
-/// through, and the distance at which it begins to touch; whether others are around it than in the latest step.
+/// through, and the distance at which it begins to touch, or that this is to be found; whether the body has opened.
 class TissueContact {
  public:
   /// Of two bodies. The meshes must outlive it. max_parts: of the edge of a face, between samples. Throws InputError
@@ -105,6 +105,7 @@ class TissueContact {
   std::array<std::vector<int>, 2> nodes_;     // of the hexahedra that are left of each body
   std::vector<std::unique_ptr<Side>> sides_;  // samples of the first body in the second one, and the other way round
   bool has_touching_ = false;                 // some sample may have a state
+  bool has_opened_ = false;                   // a body that touches itself
   long num_examined_ = 0;
   ContactTerms terms_;
   ContactCounts loaded_;
