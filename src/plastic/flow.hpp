@@ -30,8 +30,7 @@ FlowReport count_inverted(const Model& model, const Linearization& at);
 /// (theory.md sections 5.9, 5.10). Where `at` is current and screened, elements that its screen finds at rest are
 /// passed over; without, all are looked at, to the same result. With branches all elements are looked at, and relax;
 /// `at` needs to know the plastic rest shape and the positions. Throws NumericalError naming the element whose history
-/// is not finite; the history is then as before. With Fracture::kFace
-/// nothing is removed: work.tear knows what broke.
+/// is not finite; the history is then as before. With Fracture::kFace nothing is removed: work.tear knows what broke.
 FlowReport flow(const Model& model, const Linearization& at, double dt, History& history, FlowWorkspace& work,
                 std::span<const BranchStep> branches = {});
 

@@ -10,7 +10,7 @@ namespace hexaplast {
 
 namespace {
 
-Mat3 plastic_stretch(const History& history, int element, int corner) {
+Mat3 stretch_that_stays(const History& history, int element, int corner) {
   return history.plastic_inverse.empty() ? history.plastic_stretch[element][corner]
                                          : Mat3(history.plastic_inverse[element][corner].inverse());
 }
@@ -31,7 +31,7 @@ bool is_broken(const Model& model, const History& before, const History& next, i
   }
   if (!std::isfinite(material.fracture_stretch)) return false;
   for (int i = 0; i < kCorners; ++i) {
-    const Mat3 Fp = plastic_stretch(next, element, i);
+    const Mat3 Fp = stretch_that_stays(next, element, i);
     if (Fp.norm() < material.fracture_stretch) continue;  // no singular value is above the norm
     if (signed_svd(Fp).d[0] > material.fracture_stretch) return true;
   }
@@ -39,7 +39,7 @@ bool is_broken(const Model& model, const History& before, const History& next, i
 }
 
 double largest_plastic_stretch(const History& history, int element, int corner) {
-  return signed_svd(plastic_stretch(history, element, corner)).d[0];
+  return signed_svd(stretch_that_stays(history, element, corner)).d[0];
 }
 
 }  // namespace hexaplast

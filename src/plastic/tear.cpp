@@ -18,7 +18,7 @@ constexpr double kEqual = 1e-6;       // relative: a mirrored load tears the mir
 constexpr double kLeastStress = 0.5;  // of the fracture stress, that pulls at a face which tears by stress
 constexpr double kBehind = 0.3;       // cosine between the ways ahead of a front and behind it: a crack may turn
 
-int corner_at(const Hexahedron& corners, int node) {
+int number_in(const Hexahedron& corners, int node) {
   return static_cast<int>(std::ranges::find(corners, node) - corners.begin());
 }
 
@@ -26,11 +26,11 @@ int side_of(const Joints& joints, int joint, int e) {
   return static_cast<int>(std::ranges::find(joints.across(e), joint) - joints.across(e).begin());
 }
 
-Vec3 row(ConstPoints x, int node) { return x.row(node).transpose(); }
+Vec3 place_of(ConstPoints x, int node) { return x.row(node).transpose(); }
 
 /// Corners of a face, half the cross product of its diagonals [m^2].
 Vec3 area_of(ConstPoints x, const Quad& face) {
-  return 0.5 * (row(x, face[2]) - row(x, face[0])).cross(row(x, face[3]) - row(x, face[1]));
+  return 0.5 * (place_of(x, face[2]) - place_of(x, face[0])).cross(place_of(x, face[3]) - place_of(x, face[1]));
 }
 
 /// tau over its limit. Where it has not grown, and lies beyond, the corner is no nearer to breaking than others.
@@ -75,7 +75,7 @@ bool Tear::holds(const Model& model, int joint) const {
   if (joints_[joint] != kOpen) return true;
   const int one = model.joints().hexahedra(joint).front(), other = model.joints().hexahedra(joint).back();
   const auto corner_of = [&](int e, int node) {
-    return model.mesh.hexahedra()[e][corner_at(model.initial_mesh().hexahedra()[e], node)];
+    return model.mesh.hexahedra()[e][number_in(model.initial_mesh().hexahedra()[e], node)];
   };
   return std::ranges::all_of(model.joints().nodes(joint),
                              [&](int node) { return corner_of(one, node) == corner_of(other, node); });
@@ -192,15 +192,15 @@ void Tear::keep_advancing(const Model& model, ConstPoints x, const CornerForces&
 bool Tear::advances(const Model& model, ConstPoints x, const CornerForces& forces, int joint) {
   const std::span<const int> held = model.joints().hexahedra(joint);
   const auto has_split = [&](int e) {
-    return std::ranges::any_of(model.mesh.hexahedra()[e], [&](int node) {
-      return model.copies.of(model.copies.initial()[node]).size() > 1;
-    });
+    return std::ranges::any_of(model.mesh.hexahedra()[e],
+                               [&](int node) { return model.copies.of(model.copies.initial()[node]).size() > 1; });
   };
-  const bool is_at_crack = model.copies.is_split() && std::ranges::any_of(held, [&](int e) {
-    return std::ranges::any_of(model.mesh.hexahedra()[e], [&](int node) {
-      return std::ranges::any_of(model.mesh.incident(node), has_split, &HexMesh::Incidence::element);
-    });
-  });
+  const bool is_at_crack =
+      model.copies.is_split() && std::ranges::any_of(held, [&](int e) {
+        return std::ranges::any_of(model.mesh.hexahedra()[e], [&](int node) {
+          return std::ranges::any_of(model.mesh.incident(node), has_split, &HexMesh::Incidence::element);
+        });
+      });
   const double needed =  // [J/m^2]
       0.5 * (model.material(held.front()).fracture_energy + model.material(held.back()).fracture_energy);
   if (!is_at_crack && needed == 0) return true;
@@ -237,7 +237,7 @@ Tear::Release Tear::release(const Model& model, ConstPoints x, const CornerForce
   const int upper = joints.hexahedra(joint).front(), lower = joints.hexahedra(joint).back();
   Release found;
   for (const int node : joints.nodes(joint)) {
-    const int present = model.mesh.hexahedra()[upper][corner_at(initial.hexahedra()[upper], node)];
+    const int present = model.mesh.hexahedra()[upper][number_in(initial.hexahedra()[upper], node)];
     group(model, present);
     const int of_upper = around_.root(upper), of_lower = around_.root(lower);
     int num_ahead = 0;
@@ -250,7 +250,7 @@ Tear::Release Tear::release(const Model& model, ConstPoints x, const CornerForce
         if (std::ranges::find(nodes, node) == nodes.end()) continue;
         if (of_upper != of_lower && around_.root(element) == around_.root(joints.hexahedra(ahead).back())) continue;
         ++num_ahead;
-        for (const int n : nodes) forward += row(initial.positions(), n) - row(initial.positions(), node);
+        for (const int n : nodes) forward += place_of(initial.positions(), n) - place_of(initial.positions(), node);
       }
       if (const int root = around_.root(element); of_upper != of_lower && (root == of_upper || root == of_lower))
         force += (root == of_upper ? 0.5 : -0.5) * Vec3(forces(element).row(corner).transpose());
@@ -284,9 +284,9 @@ bool Tear::find_opening(const Model& model, ConstPoints x, int initial_node, con
       if (at == 4 || !around_.has(other)) continue;
       for (const auto next : {(at + 1) % 4, (at + 3) % 4}) {
         const int behind = initial[element][face[next]];
-        const int one = hexahedra[element][face[next]], two = hexahedra[other][corner_at(initial[other], behind)];
+        const int one = hexahedra[element][face[next]], two = hexahedra[other][number_in(initial[other], behind)];
         if (one == two) continue;
-        const double cosine = forward.normalized().dot((row(X, behind) - row(X, initial_node)).normalized());
+        const double cosine = forward.normalized().dot((place_of(X, behind) - place_of(X, initial_node)).normalized());
         if (!(cosine < least + kEqual)) continue;
         const int of_one = around_.root(element), of_two = around_.root(other);
         double sign = 0;  // 0: not these two sides
@@ -300,7 +300,7 @@ bool Tear::find_opening(const Model& model, ConstPoints x, int initial_node, con
           count = 0;
           opening.setZero();
         }
-        opening += sign * (row(x, one) - row(x, two));
+        opening += sign * (place_of(x, one) - place_of(x, two));
         ++count;
       }
     }

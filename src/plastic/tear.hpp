@@ -35,8 +35,8 @@ class Tear {
   };
   /// What becomes of a crack if a face opens together with all others that do.
   struct Release {
-    bool splits = false;       // some node
-    bool is_at_front = false;  // of a crack that gapes
+    bool is_at_front = false;  // it has nodes at which a crack ends that gapes
+    bool splits = false;       // one of them
     double energy = 0;         // [J] that becomes free
   };
   /// Hexahedra at a node, and which of them would still be together.
