@@ -164,6 +164,20 @@ TEST_F(Shipped, SheetIsCutWithoutLosingTissue) {
   EXPECT_LT(gap, 0.005);
 }
 
+// From its notch on the sheet tears across all 32 rows, in the plane that is its mirror.
+TEST_F(Shipped, NotchTearsStraightAndLeavesTwoMirrorImages) {
+  const auto [final, history] = run("notch");
+  const PointArray current = matrix(final["positions"]);
+  ASSERT_EQ(current.rows(), 49 * 3 * 33 + 3 * 33) << "nodes of the plane, twice";
+  EXPECT_EQ(history.numbers("opened").back(), 2 * 32) << "no other face";
+  EXPECT_EQ(history.numbers("pieces").back(), 2);
+  EXPECT_EQ(history.numbers("removed").back(), 0);
+  EXPECT_NEAR(history.numbers("plastic_rest_volume_ratio").back(), 1, 1e-6);
+  for (int row = 0; row < 3 * 33; ++row)
+    for (int i = 0; i < 24; ++i)
+      ASSERT_NEAR(current(i + 49 * row, 0), -current(48 - i + 49 * row, 0), 1e-6) << "node " << i + 49 * row;
+}
+
 // The grasper goes 26 mm up. The fat keeps more than half of it; the wall is drawn 4 mm along and comes back.
 TEST_F(Shipped, FattyTissueKeepsABumpOnAWallThatDoesNotFlow) {
   const auto [final, history] = run("fatty_tissue");
