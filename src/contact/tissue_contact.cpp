@@ -23,6 +23,7 @@ constexpr double kMarginOfBoxes = 1e-6;  // of the size of boxes
 constexpr double kKept = 0.5;            // of an edge that what touched may be expected in front of the surface
 constexpr double kFraction = 0.5;        // of the stiffness, for each of the two sides
 constexpr double kRounding = 1e-9;       // of an edge, of surfaces that lie on one another
+constexpr double kOther = 0.01;          // of an edge, by which a surface is nearer than one that was touched
 constexpr double kPerEdge = 0.5;         // distance of samples, in edges of the other body
 
 /// What stays of a sample from step to step.
@@ -197,8 +198,8 @@ double TissueContact::depth_at(const Pair<ConstPoints>& x) {
   return depth;
 }
 
-/// Where samples begin to touch. With others around them than before, or after a contact, which may have been with
-/// others: where they are, so that the force stays as it is. Those that do not press: at the largest distance since.
+/// Where samples begin to touch. With others around them than before: where they are, so that the force stays as it is.
+/// Those that do not press: at the largest distance since, or where they are if they have come upon another surface.
 void TissueContact::find_distances(ConstPoints x) {
   Side& side = *sides_[0];
   const double D = settings_.distance, edge = this->edge();
@@ -224,7 +225,9 @@ void TissueContact::find_distances(ConstPoints x) {
       state.distance = std::min(state.distance,
                                 place->distance + state.normal_force / (kFraction * settings_.stiffness * sample.area));
     else if (place)
-      state.distance = state.is_new ? place->distance : std::max(state.distance, place->distance);
+      state.distance = state.is_new || place->distance < state.distance - kOther * edge
+                           ? place->distance
+                           : std::max(state.distance, place->distance);
     else if (side.surface.is_clear(p, D, nodes))
       state.distance = std::numeric_limits<double>::infinity();
     if (state.distance > D + kRounding * edge) state.distance = std::numeric_limits<double>::infinity();
@@ -311,7 +314,7 @@ void TissueContact::begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoint
       SampleState& state = side.states[i];
       const Side::Found& found = side.found[i];
       if (!found.place) {
-        state.is_new = state.is_new || (has_opened_ && state.normal_force > 0);
+        if (has_opened_ && state.normal_force > 0) state.distance = side.distance_of(i, settings_);
         state.end_contact();
         continue;
       }
@@ -368,7 +371,7 @@ void TissueContact::end_step(const Pair<ConstPoints>& x) {
   if (has_touching_)
     for (const auto& side : sides_)
       for (SampleState& state : side->states) {
-        state.is_new = state.is_new || (has_opened_ && state.normal_force > 0);
+        if (has_opened_ && state.normal_force > 0) state.distance = std::min(state.distance, settings_.distance);
         state.normal_force = 0;
       }
   for (const ContactTerm& term : terms_.terms) {
@@ -383,7 +386,6 @@ void TissueContact::end_step(const Pair<ConstPoints>& x) {
     SampleState& state = side.states[i];
     const SurfaceSamples::Sample& sample = side.samples.samples[i];
     state.normal_force = N;
-    state.is_new = false;
     const Vec3 u = term.displacement(term.at(x));
     const double stiffness = kFraction * settings_.tangential_stiffness * sample.area, limit = settings_.friction * N,
                  size = u.norm(), kept = stiffness * size > limit ? limit / (stiffness * size) : 1;
