@@ -168,8 +168,8 @@ output::StatePlan data_plan_of(Simulation& simulation, long num_steps, const Run
   // of several for one attribute the last one counts
   std::ranges::reverse(plan.overrides);
   std::ranges::stable_sort(plan.overrides, {}, &std::pair<std::string, std::string>::first);
-  const auto repeated = std::ranges::unique(plan.overrides, {}, &std::pair<std::string, std::string>::first);
-  plan.overrides.erase(repeated.begin(), repeated.end());
+  const auto is_repeated = [](const auto& a, const auto& b) { return a.first == b.first; };
+  plan.overrides.erase(std::unique(plan.overrides.begin(), plan.overrides.end(), is_repeated), plan.overrides.end());
   return plan;
 }
 
