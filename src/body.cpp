@@ -81,8 +81,9 @@ std::size_t greatest_saved_size(const Model& model, const History& history) {
   const std::size_t num_nodes = model.initial_mesh().num_nodes() + kCorners * num_elements;
   constexpr std::size_t kJoints = 6 + kCorners;  // per element, each in a call of its own
   return present + 1024 + 2 * num_nodes * sizeof(Vec3) +
-         num_elements * (sizeof(Material) + sizeof(CornerValues) + sizeof(CornerTensors) + sizeof(int) +
-                         sizeof(ElementPoints) + model.maps_per_element() * sizeof(Mat3) + 2 * kJoints * sizeof(int));
+         num_elements *
+             (sizeof(Material) + sizeof(CornerValues) + sizeof(CornerTensors) + sizeof(int) + sizeof(ElementPoints) +
+              model.maps_per_element() * sizeof(Mat3) + kJoints * (2 * sizeof(int) + sizeof(double)));
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ NodalLoad with_gravity(const NodalLoad& load, const Vec3& gravity, const std::ve
   };
 }
 
-constexpr SavedKind kSavedForces{{'H', 'X', 'P', 'F', 'O', 'R', 'C', '\0'}, 1, "set of forces"};
+constexpr SavedKind kSavedForces{{'H', 'X', 'P', 'F', 'O', 'R', 'C', '\0'}, 2, "set of forces"};
 constexpr std::size_t kMaxSavedForces = std::size_t{1} << 32;
 constexpr SavedKind kSavedMotion{{'H', 'X', 'P', 'M', 'O', 'V', 'E', '\0'}, 5, "motion"};
 
@@ -179,17 +179,16 @@ FlowReport MovingBody::step() {
   for (std::size_t n = 0; n < held_.size() && settings_.first_order; ++n)
     if (const auto row = static_cast<Eigen::Index>(n); held_[n] == kPrescribed)
       positions.row(row) += dt_ * velocities.row(row);
+  FlowReport flowed;
   try {
     const Step beginning{.time = time(), .dt = dt_, .rayleigh_stiffness = settings_.rayleigh_stiffness};
     for (StepForces* forces : forces_) forces->begin_step(beginning, positions, velocities);
     const SolveReport solved = euler_.step(*system_, *solver_, time(), dt_, positions, velocities);
-    const FlowReport flowed = body.flow(positions, dt_);
+    flowed = body.flow(positions, dt_);
     for (StepForces* forces : forces_) forces->end_step(positions);
     latest = solved;
     ++steps_;
     arrive();
-    if (!flowed.torn.empty()) open(flowed.torn);
-    return flowed;
   } catch (...) {
     positions = positions_before_;
     velocities = velocities_before_;
@@ -198,6 +197,8 @@ FlowReport MovingBody::step() {
     for (StepForces* forces : forces_) forces->serialize(archive);
     throw;
   }
+  if (!flowed.torn.empty()) open(flowed.torn);
+  return flowed;
 }
 
 void RunReport::add(const SolveReport& solved, const FlowReport& flowed) {

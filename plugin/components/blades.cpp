@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <optional>
+#include <utility>
 
 #include "components/body_field.hpp"
 #include "components/components.hpp"
@@ -34,6 +35,7 @@ class BladeController final : public scene::Blade, public scene::Changeable, pub
   }
 
   void begin_step() override {
+    if (!std::exchange(has_asked_, true)) scene::require_followers(*field_);  // what stands behind it is there by now
     const scene::Clock& clock = node().clock();
     part_->begin_step({.time = clock.time, .dt = clock.dt, .rayleigh_stiffness = 0}, state_->positions());
   }
@@ -58,6 +60,7 @@ class BladeController final : public scene::Blade, public scene::Changeable, pub
   PointArray shape_points(double time) const override { return edge_.at(part_->pose_at(time)); }
 
  private:
+  bool has_asked_ = false;  // in a step
   scene::ForceField* field_ = nullptr;
   scene::MechanicalState* state_ = nullptr;
   std::optional<parts::Blade> part_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "attributes/hexaplast.hpp"
 #include "components/cells.hpp"
@@ -37,19 +38,25 @@ class HexahedronElastoplasticFEMForceField final : public ElasticForces<BodyFiel
     rayleigh_stiffness_ = real("rayleighStiffness");
   }
 
-  void bwd_init() override { require_followers(); }
+  void bwd_init() override { require_followers(elastic->materials(), elastic->settings()); }
+
+  // Once more, when all that stands behind it is there.
+  void begin_step() override {
+    if (!std::exchange(has_asked_, true)) require_followers(elastic->materials(), elastic->settings());
+  }
 
   // The material may change during a run: what flowed stays.
   void refresh(std::span<const std::string_view>) override {
     announce_change();
     try {
-      accepted(*this, [&] { part_->set_options(options(), node().clock().dt); });
+      const parts::HexahedralBodyOptions given = accepted(*this, [&] { return options(); });
+      require_followers(given.materials, given.settings);
+      accepted(*this, [&] { part_->set_options(given, node().clock().dt); });
     } catch (const InputError& error) {
       reject(error.what());
     }
     pass_on(*this, part_->take_warnings());
     rayleigh_stiffness_ = real("rayleighStiffness");
-    require_followers();
   }
 
   bool may_change(std::string_view attribute) const override {
@@ -114,8 +121,8 @@ class HexahedronElastoplasticFEMForceField final : public ElasticForces<BodyFiel
 
  private:
   /// What cannot follow a body that may tear refuses before it does.
-  void require_followers() {
-    if (may_tear(elastic->materials(), elastic->settings())) scene::require_followers(*this);
+  void require_followers(const std::vector<Material>& materials, const Settings& settings) {
+    if (may_tear(materials, settings)) scene::require_followers(*this);
   }
 
   void announce_change() {
@@ -139,6 +146,7 @@ class HexahedronElastoplasticFEMForceField final : public ElasticForces<BodyFiel
   const std::vector<Hexahedron>* hexahedra_ = nullptr;
   std::optional<parts::HexahedralBody> part_;
   double rayleigh_stiffness_ = 0;
+  bool has_asked_ = false;  // in a step
 };
 
 }  // namespace

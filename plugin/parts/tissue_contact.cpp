@@ -37,6 +37,7 @@ void Tissues::set_options(const ContactOptions& options) {
     }
     set_surface(*other);
     if (!contact_) other->reset();  // nothing has changed since it was made
+    if (bodies_[0]->copies().is_split()) other->begin_where_they_are();
   }
   // contact is looked for in the cells around a point
   if (const double edge = (other ? *other : *contact_).edge(); edge > 0) options.check_distance(edge);

@@ -336,6 +336,7 @@ bool refers_to(Component& component, const MechanicalState& state) {
 void require_followers(ForceField& field) {
   const std::vector<MechanicalState*> states = states_that_split(field);
   field.node().root().for_each<Component>([&](Component& component) {
+    if (component.stage() == Component::Stage::kFailed) return;
     const auto* mapping = dynamic_cast<const Mapping*>(&component);
     if (mapping && mapping->output() == states.front())
       field.reject("is on a state that follows another one: its joints cannot be opened");

@@ -230,6 +230,8 @@ void TissueContact::find_distances(ConstPoints x) {
                            : std::max(state.distance, place->distance);
     else if (side.surface.is_clear(p, D, nodes))
       state.distance = std::numeric_limits<double>::infinity();
+    else
+      return;  // something is near that it does not touch: it is looked at again
     if (state.distance > D + kRounding * edge) state.distance = std::numeric_limits<double>::infinity();
     state.is_new = false;
   });
@@ -286,6 +288,7 @@ void TissueContact::begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoint
         TissueSurface::Side before;
         if (touched) before = {state.face, side.samples.outwards(i, own)};
         found.place = side.surface.find(p, before, reach, side.own(sample, with_itself));
+        if (found.place && !touched && distance < 0 && found.place->distance > distance) found.place.reset();
         if (!found.place) return;
         const HexMesh& mesh = *meshes_[side.to];
         found.difference = p - point_of(others, mesh.hexahedra()[found.place->hexahedron], found.place->weights);
@@ -402,6 +405,13 @@ void TissueContact::end_step(const Pair<ConstPoints>& x) {
     state.anchor = weights_beyond(there, nearest_place(there, at, side.surface.mean_edge()).s, at, kFarthestBeyond);
     state.hexahedron = side.found[i].place->hexahedron;
   }
+}
+
+void TissueContact::begin_where_they_are() {
+  if (meshes_[0] != meshes_[1]) return;
+  for (const auto& side : sides_)
+    for (SampleState& state : side->states) state.is_new = true;
+  has_opened_ = true;
 }
 
 void TissueContact::reset() {

@@ -148,6 +148,9 @@ void validate(const Settings& settings, Names names) {
   require("yield_stress_measure", YieldStressMeasure::kCauchy, "rest_shape", RestShape::kIsolated);
   require("fracture", Fracture::kFace, "rest_shape", RestShape::kIsolated);
   require("fracture", Fracture::kFace, "implementation", Implementation::kAuto);
+  require("fracture", Fracture::kFace, "bending", Bending::kAssumedCorner);
+  require("fracture", Fracture::kFace, "volumetric", Volumetric::kVolumeRatio);
+  require("fracture", Fracture::kFace, "averaging", AveragingMethod::kGaussNewton);
   require("yield_stress_measure", YieldStressMeasure::kCauchy, "volumetric", Volumetric::kVolumeRatio);
   require_branches(settings, names);
 }

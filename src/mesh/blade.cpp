@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/require.hpp"
 #include "hexaplast/base/error.hpp"
@@ -142,32 +143,35 @@ Vec3 place(const End& end, double time) {
   return place;
 }
 
-/// Where a link is met, as a fraction of it. Link and segment span no volume at that time, which is bisected for; lines
-/// that are parallel then meet in the middle.
+/// Where a link is met, as a fraction of it. Link and segment span no volume at that time, which is bisected for; of
+/// several such times the one at which both meet counts. Lines that are parallel throughout meet in the middle.
 double crossing(const Sweep& link, const Sweep& segment) {
   constexpr int kSamples = 8, kBisections = 12;
   const auto along = [](const Sweep& line, double time) -> Vec3 { return place(line.q, time) - place(line.p, time); };
   const auto volume = [&](double time) {
     return along(link, time).cross(along(segment, time)).dot(place(segment.p, time) - place(link.p, time));
   };
-  double begin = 0, least = std::abs(volume(0));
+  double found = 0.5, least = std::numeric_limits<double>::infinity();  // how far beyond an end they are nearest
   for (int k = 0; k < kSamples; ++k) {
     double from = k / double{kSamples}, to = (k + 1) / double{kSamples};
-    if (volume(from) * volume(to) > 0) {
-      if (std::abs(volume(to)) < least) least = std::abs(volume(begin = to));
-      continue;
-    }
-    for (int step = 0; step < kBisections; ++step) {
+    for (int step = 0; step < kBisections && volume(from) * volume(to) <= 0; ++step) {
       const double middle = (from + to) / 2;
       (volume(from) * volume(middle) > 0 ? from : to) = middle;
     }
-    begin = (from + to) / 2;
-    break;
+    const double time = (from + to) / 2;
+    const Vec3 u = along(link, time), v = along(segment, time), w = place(segment.p, time) - place(link.p, time);
+    const Vec3 normal = u.cross(v);
+    if (!(normal.squaredNorm() > 0)) continue;
+    const double of_link = w.cross(v).dot(normal) / normal.squaredNorm(),
+                 of_segment = w.cross(u).dot(normal) / normal.squaredNorm(),
+                 apart = std::abs(w.dot(normal)) / normal.norm() / u.norm();
+    const double beyond = std::max(std::abs(of_link - 0.5), std::abs(of_segment - 0.5)) - 0.5;
+    if (const double miss = std::max(beyond, 0.0) + apart; miss < least) {
+      least = miss;
+      found = of_link;
+    }
   }
-  const Vec3 u = along(link, begin), v = along(segment, begin), w = place(segment.p, begin) - place(link.p, begin);
-  const double divisor = u.cross(v).squaredNorm();
-  if (!(divisor > 0)) return 0.5;
-  return std::clamp(w.cross(v).dot(u.cross(v)) / divisor, 0.0, 1.0);
+  return std::clamp(found, 0.0, 1.0);
 }
 
 End between(const End& end, double from, double to) { return {at(end, from), at(end, to)}; }

@@ -18,7 +18,7 @@ class Tear {
   /// [N] elastic ones at present, of a hexahedron.
   using CornerForces = std::function<ElementPoints(int element)>;
 
-  /// Makes room: steps in which nothing tears allocate nothing.
+  /// Makes room: steps in which nothing breaks allocate nothing.
   Tear(const Model& model, const History& history);
 
   std::vector<int> broken;  ///< hexahedra that have passed their limits in the latest step, ascending

@@ -192,10 +192,17 @@ TEST(FaceTearing, GoesOnAfterACheckpointAndIsUndoneByReset) {
 
 // Before the first step, and not when the first face tears.
 TEST(FaceTearing, IsRefusedByWhatCannotFollow) {
-  const std::string touch = "<TissueContactForceField name='touch' object1='@nodes'/>";
-  EXPECT_NE(errors_of(torn_sheet(touch)).find("no joint of HexahedronElastoplasticFEMForceField 'flesh' can be opened"),
+  const std::string second = "<HexahedronElastoplasticFEMForceField name='second'/>";
+  EXPECT_NE(errors_of(torn_sheet(second))
+                .find("is a second body on the same nodes: no joint of "
+                      "HexahedronElastoplasticFEMForceField 'flesh' can be opened"),
             std::string::npos);
-  EXPECT_EQ(errors_of(torn_sheet(touch, "cell")), "");
+  EXPECT_EQ(errors_of(torn_sheet(second, "cell")), "");
+  // a mapping that has failed is not asked
+  EXPECT_EQ(errors_of(torn_sheet("<Node><MechanicalObject position='0 0 0'/><BarycentricMapping "
+                                 "input_topology='@/nodes'/></Node>"))
+                .find("can be opened"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -73,6 +73,9 @@ class TissueContact {
   /// The step has ended at x: anchors follow, and forces are those by which it was solved.
   void end_step(const Pair<ConstPoints>& x);
 
+  /// Samples of a body that touches itself begin to touch where they are: for contact that is made where it is cut.
+  void begin_where_they_are();
+
   /// As it was made: nothing has touched yet, or come apart.
   void reset();
 
