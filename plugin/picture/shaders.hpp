@@ -79,7 +79,7 @@ inline constexpr const char* kSurfaceFragment = R"(
 in vec3 seen_place, seen_normal;
 in float fraction, gap, light;
 uniform sampler2D colours;
-uniform vec4 paint;  // in place of the scale, where its alpha is 1
+uniform vec4 paint;  // over the scale, as far as its alpha says
 uniform vec3 no_value;
 uniform float opacity;
 out vec4 colour;

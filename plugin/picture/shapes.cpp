@@ -154,7 +154,8 @@ Shapes::Shapes(const HexMesh& mesh, Staging staging_of_all)
 // What is left from now on.
 void Shapes::follow(std::span<const unsigned char> alive, const std::shared_ptr<const OpenFaces>& open) {
   const bool all_alive = std::ranges::all_of(alive, [](unsigned char is_alive) { return is_alive != 0; });
-  const bool has_split = mesh_.hexahedra() != current_hexahedra_, has_opened = open != current_open_;
+  const bool has_split = mesh_.hexahedra() != current_hexahedra_,
+             has_opened = open && current_open_ ? *open != *current_open_ : open != current_open_;
   if (has_split) {
     current_hexahedra_ = mesh_.hexahedra();
     for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s)
@@ -185,7 +186,7 @@ void Shapes::carry(std::span<const unsigned char> alive, const CutWalls* walls) 
     Carried& embedded = embedded_surfaces_[s];
     const EmbeddedSurface& carried = staging.embedded_surfaces[s];
     const CarriedSurface surface = carried.cut(mesh_, embedded.original, embedded.whole->faces(), walls);
-    embedded.embedding = carried.embedding(mesh_, surface);
+    embedded.embedding = walls ? carried.embedding(mesh_, surface) : embedded.original;
     std::vector<Surface::Face> left;
     std::vector<unsigned char> is_wall;
     for (std::size_t f = 0; f < surface.faces.size(); ++f)

@@ -291,7 +291,8 @@ void Hand::bring_scalpel(const Touch& touch, const HandSettings& settings) {
   const double size = size_of(*field.body());
   const auto turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), touch.towards);
   turn_ = {turn.x(), turn.y(), turn.z(), turn.w()};
-  const Vec3 away = touch.place + kAway * size * touch.towards;
+  out_ = kAway * size * touch.towards;
+  const Vec3 away = touch.place + out_;
   away_ = away;
   add_scalpel(nearest, settings);
   before_grab();
@@ -323,6 +324,7 @@ void Hand::release() {
   request_.reset();
   if (state_ != State::kHolding) return;
   if (tool_ != Tool::kGrip) {
+    if (tool_ == Tool::kScalpel) away_ = at_ + out_;  // along its edge, which opens nothing
     target_ = away_;
     is_coming_ = true;
     state_ = State::kLeaving;

@@ -144,6 +144,7 @@ class Hand {
   Vec3 offset_ = Vec3::Zero();                 // [m] of the instrument from the place that is dragged
   Vec3 at_ = Vec3::Zero();                     // [m] of the instrument
   Vec3 target_ = Vec3::Zero(), away_ = at_;    // [m] where it goes, and where it is out of the way
+  Vec3 out_ = Vec3::Zero();                    // [m] by which a scalpel leaves
   std::array<double, 4> turn_ = {0, 0, 0, 1};  // quaternion of what touches or cuts
 
   struct Request {

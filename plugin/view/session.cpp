@@ -482,10 +482,9 @@ void Session::publish() {
   back_.failure = failure_;
   for (const std::string& message : hand_.take_messages()) messages_.push_back(message);
   back_.messages = std::exchange(messages_, {});
-  if (present_mesh_->hexahedra() != shown_.mesh().hexahedra()) {
+  if (present_mesh_->hexahedra() != shown_.mesh().hexahedra())
     present_mesh_ = std::make_shared<const HexMesh>(shown_.mesh());
-    open_ = shown_.open_faces();
-  }
+  open_ = shown_.open_faces();
   back_.mesh = present_mesh_;
   back_.open = open_;
   back_.positions = x;

@@ -74,8 +74,8 @@ class Stream:
 
 
 class _Series:
-    """A data set that grows by a row per state, and a row by its first dimension; what earlier rows lack is `fill`.
-    Chunks are compressed outside of HDF5, where threads do not wait for each other."""
+    """A data set that grows by a row per state, and along the first dimension of its rows; what earlier rows lack is
+    `fill`. Chunks are compressed outside of HDF5, where threads do not wait for each other."""
 
     def __init__(self, file, name, stored, row, unit="", fill=0):
         chunk, size = list(row), 8
@@ -188,13 +188,11 @@ def write_overview(path, directory, runs, columns, attributes):
     dimension. It reads the data from their files (virtual data sets of HDF5).
 
     runs: names of files below `directory`; None: there is none, and the values are NaN, or -1 in whole numbers. columns:
-    name, unit and values (one per run) of further data sets. Returns the names of data sets whose shapes differ, which are
-    left out."""
-    common, differing = {}, set()
-    for run in filter(None, runs):
-        for name, one in _sets_of(directory / run).items():
-            if common.setdefault(name, one)[0] != one[0]:
-                differing.add(name)
+    name, unit and values (one per run) of further data sets. Returns the names of data sets whose shapes differ, or that
+    only some runs have: they are left out."""
+    sets = [_sets_of(directory / run) for run in runs if run]
+    common = {name: one for found in sets for name, one in found.items()}
+    differing = {name for name, one in common.items() if any(found.get(name, (None,))[0] != one[0] for found in sets)}
     with h5py.File(path, "w", locking=False) as file:
         file.attrs.update(attributes)
         for name, unit, values in columns:

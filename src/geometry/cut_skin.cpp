@@ -6,6 +6,7 @@
 #include <functional>
 #include <numbers>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "hexaplast/geometry/cut_surface.hpp"
@@ -14,7 +15,7 @@ namespace hexaplast {
 namespace {
 
 constexpr double kLongestEdge = 0.5;  // of triangles near the cut, in links between hexahedra
-constexpr int kMaxRounds = 6;         // in which they are divided
+constexpr int kMaxRounds = 12;        // in which they are divided
 constexpr double kNearest = 0.02;     // part of an edge that is left on either side of the cut
 
 using Node = CutWalls::Node;
@@ -49,7 +50,6 @@ class SkinCut {
   Crossing crossing_at(int p, int q);
   void divide();
   void divide_at(const Triangle& triangle, const std::array<Crossing, 3>& crossings);
-  void add_lip(int from, int to, int copy_from, int copy_to) { lips_.push_back({from, to, copy_from, copy_to}); }
 
   // walls, on copies of nodes
   struct WallFace {
@@ -71,6 +71,7 @@ class SkinCut {
   std::vector<int> hexahedron_;
   std::vector<Triangle> triangles_;
   std::vector<unsigned char> is_near_;  // per hexahedron: it has a node that is split
+  Eigen::AlignedBox3d cut_;             // around these nodes, wider by a link
   std::map<Edge, Crossing> crossings_;
   std::vector<Quad> faces_;
   std::vector<unsigned char> is_wall_;
@@ -96,7 +97,13 @@ SkinCut::SkinCut(const CutWalls& walls, ConstPoints points, std::span<const Quad
   is_near_.assign(walls.mesh().num_elements(), 0);
   for (int e = first_; e < first_ + num_; ++e)
     for (int a = 0; a < kCorners; ++a)
-      if (split_node(e, a)) is_near_[e] = 1;
+      if (const Node* node = split_node(e, a)) {
+        is_near_[e] = 1;
+        cut_.extend(node->place);
+      }
+  if (cut_.isEmpty()) return;
+  cut_.min().array() -= walls.mean_link();
+  cut_.max().array() += walls.mean_link();
 }
 
 const Node* SkinCut::split_node(int e, int corner) const {
@@ -127,16 +134,21 @@ void SkinCut::refine() {
 bool SkinCut::divide_long_edges() {
   std::map<Edge, int> middle;
   std::vector<Vec3> places;
-  for (const Triangle& triangle : triangles_)
+  for (const Triangle& triangle : triangles_) {
+    Eigen::AlignedBox3d box;
+    for (const int point : triangle) box.extend(points_[point]);
+    const bool comes_near = box.intersects(cut_);
     for (int k = 0; k < 3; ++k) {
       const Edge edge = sorted(Edge{triangle[k], triangle[(k + 1) % 3]});
       const auto [p, q] = edge;
-      if (!(is_near(p) || is_near(q)) || middle.contains(edge)) continue;
       const double length = (points_[q] - points_[p]).norm();
+      const bool may_be_crossed = is_near(p) || is_near(q) || (comes_near && length > walls_.mean_link());
+      if (!may_be_crossed || middle.contains(edge)) continue;
       if (length <= kLongestEdge * walls_.mean_link() && !common_corners(p, q).empty()) continue;
       middle[edge] = static_cast<int>(points_.size() + places.size());
       places.emplace_back((points_[p] + points_[q]) / 2);
     }
+  }
   if (middle.empty()) return false;
   PointArray added(std::ssize(places), 3);
   for (std::size_t k = 0; k < places.size(); ++k) added.row(static_cast<Eigen::Index>(k)) = places[k].transpose();
@@ -275,19 +287,19 @@ void SkinCut::divide_at(const Triangle& triangle, const std::array<Crossing, 3>&
     const auto [other, copy_of_other] = on(k, k + 1);
     add(corner(k), one, corner(k + 2));
     add(other, corner(k + 1), corner(k + 2));
-    add_lip(one, corner(k + 2), copy_of_one, -1);
-    add_lip(corner(k + 2), other, -1, copy_of_other);
+    lips_.push_back({one, corner(k + 2), copy_of_one, -1});
+    lips_.push_back({corner(k + 2), other, -1, copy_of_other});
   } else if (count == 2) {  // corner k alone on its side
     while (!is_crossed(k) || !is_crossed(k + 2)) ++k;
     const auto [next, copy_of_next] = on(k, k);
     const auto [last, copy_of_last] = on(k + 2, k);
     add(corner(k), next, last);
-    add_lip(next, last, copy_of_next, copy_of_last);
+    lips_.push_back({next, last, copy_of_next, copy_of_last});
     const auto [across_next, copy_across_next] = on(k, k + 1);
     const auto [across_last, copy_across_last] = on(k + 2, k + 2);
     add(across_next, corner(k + 1), corner(k + 2));
     add(across_next, corner(k + 2), across_last);
-    add_lip(across_last, across_next, copy_across_last, copy_across_next);
+    lips_.push_back({across_last, across_next, copy_across_last, copy_across_next});
   } else {
     Vec3 middle = Vec3::Zero();
     for (const Crossing& crossing : crossings) middle += points_[crossing.point[0]] / 3;
@@ -297,8 +309,8 @@ void SkinCut::divide_at(const Triangle& triangle, const std::array<Crossing, 3>&
       const int point = add_point(middle, hexahedron_[corner(k)]);
       add(corner(k), next, point);
       add(corner(k), point, last);
-      add_lip(next, point, copy_of_next, copy_of_next);
-      add_lip(point, last, copy_of_next, copy_of_last);
+      lips_.push_back({next, point, copy_of_next, copy_of_next});
+      lips_.push_back({point, last, copy_of_next, copy_of_last});
     }
   }
 }
@@ -476,25 +488,26 @@ void SkinCut::add_walls() {
   is_wall_.resize(faces_.size(), 1);
 }
 
-/// Where lips end at nodes from which no wall leads on, as at a notch of the hexahedra, a few edges have an odd number
-/// of faces: these form rings, which fans fill.
+/// Where lips end at nodes from which no wall leads on, as at a notch of the hexahedra, edges of lips, strips and walls
+/// have an odd number of faces: these form rings, which fans fill. Where the skin was open before, it stays so.
 void SkinCut::fill_holes() {
   std::map<Edge, std::pair<int, int>> faces_at;  // how many, and how many more run up along it
-  for (const Quad& face : faces_)
-    for (int k = 0; k < 4; ++k) {
-      const int from = face[k], to = face[(k + 1) % 4];
-      if (from == to) continue;
-      auto& [count, up] = faces_at[sorted(Edge{from, to})];
-      ++count;
-      up += from < to ? 1 : -1;
-    }
+  const auto add_edge = [&](int from, int to) {
+    if (from == to) return;
+    auto& [count, up] = faces_at[sorted(Edge{from, to})];
+    ++count;
+    up += from < to ? 1 : -1;
+  };
+  for (const Lip& lip : lips_) add_edge(lip.from, lip.to);
+  for (const Quad& face : std::span(faces_).subspan(is_wall_.size()))  // behind those of the skin
+    for (int k = 0; k < 4; ++k) add_edge(face[k], face[(k + 1) % 4]);
   std::map<int, std::vector<int>> beside;
   for (const auto& [edge, faces] : faces_at)
     if (faces.first % 2 != 0)
       for (const int k : {0, 1}) beside[edge[k]].push_back(edge[1 - k]);
   const auto leave = [&](int from, int to) { beside[from].erase(std::ranges::find(beside[from], to)); };
-  for (const auto& [start, others] : beside) {
-    std::vector<int> way{start};
+  for (const auto& entry : beside) {
+    std::vector<int> way{entry.first};
     while (!beside[way.back()].empty()) {
       const int from = way.back(), to = beside[from].back();
       leave(from, to);

@@ -226,6 +226,42 @@ TEST(CutSkin, RandomCutsLeaveAClosedSurfaceOfTheSameVolume) {
   }
 }
 
+/// A box of twelve triangles, or of eight where it has no ends.
+CarriedSurface box(const Vec3& lower, const Vec3& upper, bool has_ends) {
+  CarriedSurface box;
+  box.points.resize(8, 3);
+  for (int n = 0; n < 8; ++n)
+    for (int i = 0; i < 3; ++i) box.points(n, i) = (n >> i & 1) != 0 ? upper[i] : lower[i];
+  for (const Quad& q : {Quad{0, 1, 5, 4}, Quad{2, 6, 7, 3}, Quad{0, 2, 3, 1}, Quad{4, 5, 7, 6}, Quad{0, 4, 6, 2},
+                        Quad{1, 3, 7, 5}}) {  // the ends last
+    box.faces.push_back({q[0], q[1], q[2], q[2]});
+    box.faces.push_back({q[0], q[2], q[3], q[3]});
+  }
+  if (!has_ends) box.faces.resize(8);
+  return box;
+}
+
+TEST(CutSkin, OfFewTrianglesIsCutAndOpenEndsStayOpen) {
+  const Vec3 lower(0.4, 0.4, 0.4), upper(11.6, 4.6, 4.6);
+  for (const bool has_ends : {true, false}) {
+    const CarriedSurface whole = box(lower, upper, has_ends);
+    Cutting bar(cubes({12, 5, 5}, [](const Vec3&) { return true; }));
+    bar.pass(line({{6.2, -1, -1}, {6.7, -1, 6}}), Vec3(0, 7, 0));
+    const CarriedSurface skin = skin_of(bar, whole);
+    EXPECT_GT(std::ranges::count(skin.is_wall, 1), 20);
+    if (has_ends) expect_whole(skin, whole);
+    std::map<Edge, int> count;
+    for (const Quad& face : skin.faces)
+      for (int k = 0; k < 4; ++k)
+        if (const Edge edge = sorted(Edge{face[k], face[(k + 1) % 4]}); edge[0] != edge[1]) ++count[edge];
+    for (const auto& [edge, faces] : count) {
+      if (faces % 2 == 0) continue;
+      for (const int p : edge)
+        EXPECT_TRUE(skin.points(p, 0) == lower.x() || skin.points(p, 0) == upper.x()) << has_ends;
+    }
+  }
+}
+
 TEST(CutSkin, PointsOfALipCoincideAtRest) {
   const Vec3 centre(8.1, 7.9, 8.05);
   const CarriedSurface whole = ball(centre, 6.3, 16);

@@ -73,20 +73,22 @@ TEST_F(RecordedScene, RepeatsCuts) {
   const double height = whole.positions().col(2).maxCoeff() / 2 + 0.01;
   HandSettings scalpel = with(session.suggested_hand(), Tool::kScalpel);
   scalpel.depth = 1;
-  const auto cut = [&](const Vec3& from, int steps) {
+  const auto cut = [&](const Vec3& from, int steps, int steps_up = 0) {
     session.grab({.place = from, .outwards = Vec3::UnitY(), .towards = Vec3::UnitY()}, scalpel);
     advance(2);
     EXPECT_EQ(advance(3).messages, std::vector<std::string>());
-    const Snapshot last = drag(from, Vec3(0.02, 0, 0), steps);
+    Snapshot last = drag(from, Vec3(0.02, 0, 0), steps);
+    if (steps_up > 0) last = drag(from + steps * Vec3(0.02, 0, 0), Vec3(0, 0, 0.02), steps_up);
     session.release();
     return last;
   };
   advance(2);
   const PointArray before = cut(Vec3(-0.1, 0.1, height), 4).positions;
   EXPECT_EQ(before.rows(), whole.num_nodes()) << "it has not come to the first centres, and comes along its edge";
-  const Snapshot part = cut(Vec3(-0.01, 0.1, height), 3);
+  const Snapshot part = cut(Vec3(-0.01, 0.1, height), 3, 3);
   EXPECT_GT(part.positions.rows(), whole.num_nodes());
   EXPECT_EQ(part.mesh->num_nodes(), part.positions.rows());
+  EXPECT_EQ(advance(4).positions.rows(), part.positions.rows()) << "it leaves along its edge";
   session.undo();
   EXPECT_EQ(advance(1).positions.rows(), whole.num_nodes());
   cut(Vec3(-0.1, 0.1, height), 30);

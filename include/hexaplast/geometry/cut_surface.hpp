@@ -18,6 +18,8 @@ struct OpenFaces {
 
   /// Per hexahedron and side (kFaces): from its centre (0) to that of the hexahedron across (1); -1: closed.
   std::vector<std::array<double, 6>> crossing;
+
+  bool operator==(const OpenFaces&) const = default;
 };
 
 /// Of an initial mesh with open joints (Body::opened, Body::crossings).

@@ -16,7 +16,6 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "page/plot.hpp"
-#include "plastic/fracture.hpp"
 #include "record/files.hpp"
 #include "record/recorder.hpp"
 #include "runner/exit_code.hpp"
@@ -75,9 +74,9 @@ path place_of(const path& file, const RunOptions& options, const InputFiles& inp
   return place;
 }
 
-/// Whether joints of a body may open by themselves.
+/// Whether joints of a body may open by themselves, be it after a change of its material.
 bool tears(const scene::ForceField& field) {
-  return field.body() && may_tear(field.body()->materials(), field.body()->settings());
+  return field.body() && field.body()->settings().fracture == Fracture::kFace;
 }
 
 output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions& options) {
@@ -264,7 +263,8 @@ void warn_of_probes(const Simulation& simulation) {
 
 void warn_of_blades(Simulation& simulation) {
   const bool has_blades = !simulation.scene().root().all<scene::Blade>().empty();
-  if (has_blades && simulation.latest().step > 0 && simulation.bodies()->num_opened() == 0)
+  const bool is_done = simulation.latest().step > 0 && requested_signal() == 0;
+  if (has_blades && is_done && simulation.bodies()->num_opened() == 0)
     spdlog::warn("warning: nothing was cut: no blade passed between the centres of two hexahedra");
 }
 
