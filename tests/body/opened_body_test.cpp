@@ -131,7 +131,7 @@ TEST_P(OpenedBody, GoesOnWithTheSameBits) {
     joints.resize(10);
     if (moving == &second) std::ranges::reverse(joints);
     std::vector<double> crossings;
-    for (const int joint : joints) crossings.push_back(joint / double{moving->body.joints().count()});
+    for (const int joint : joints) crossings.push_back(joint / static_cast<double>(moving->body.joints().count()));
     moving->open(joints, crossings);
     moving->run(4);
     if (moving == &first) moving->save(saved);
@@ -141,7 +141,7 @@ TEST_P(OpenedBody, GoesOnWithTheSameBits) {
   set_num_threads(0);
   EXPECT_EQ(first.state_hash(), second.state_hash());
   for (std::size_t k = 0; k < 10; ++k)
-    EXPECT_EQ(first.body.crossings()[k], first.body.opened()[k] / double{first.body.joints().count()});
+    EXPECT_EQ(first.body.crossings()[k], first.body.opened()[k] / static_cast<double>(first.body.joints().count()));
   EXPECT_EQ(first.body.crossings().back(), 0.5);
   EXPECT_EQ(first.body.opened().size(), 10u + joints_across(made().body, 1, 0.04).size());
 
