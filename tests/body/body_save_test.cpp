@@ -141,10 +141,11 @@ TEST(SavedBody, KeepsTheBytesOfItsFormat) {
   settings.rest_shape = RestShape::kJoined;
   settings.yield_stress_measure = YieldStressMeasure::kBiot;
   settings.relaxation = {};
+  settings.fracture = Fracture::kCell;
   const std::string bytes = saved(Body(support::block({1, 1, 1}, kEdge), {material}, settings));
   StateHash hash;  // of "HXPBODY", version, what identifies the body, size, number of materials, material
   hash.add(bytes.data(), 8 + 4 + 3 * 8 + 8 * material_rows().size());
-  EXPECT_EQ(hash.text(), "403592c7bfa41bd5");
+  EXPECT_EQ(hash.text(), "d45aed8cd54f2910");
 }
 
 TEST(SavedBody, KnowsEveryMember) {

@@ -47,7 +47,7 @@ constexpr PinnedScene kScenes[] = {
     {"forceps_fat", 60},
     {"ligament", 100},
     {"liver_cage", 30},
-    {"liver_cut", 60},
+    {"liver_cut", 60, Comes::kElastic},
     {"liver_tumour", 40},
     {"notch", 150, Comes::kToTear},
     {"peritoneum_tear", 32},

@@ -69,7 +69,7 @@ view::Snapshot wait_for(view::Session& session, const Wanted& wanted) {
     if (session.take(snapshot) && wanted(snapshot)) return snapshot;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  ADD_FAILURE() << "the session does not get there";
+  ADD_FAILURE() << "the session does not get there, but to step " << snapshot.step << " " << snapshot.failure;
   return snapshot;
 }
 
