@@ -26,7 +26,7 @@ const std::string kTearingBar =
     ".05 -.2' graspTime='0.06' "
     "releaseTime='0.5' stiffness='300' maxForce='12'/><Node name='skin'><OglModel position='.05 .02 .1  .15 .02 .1  "
     ".1 .08 .3' triangles='0 1 2'/><BarycentricMapping/></Node>"
-    "<BladeController points='0 -1 0  0 1 0' keyTimes='0.1 0.3' positions='-.1 0 .3  .12 0 .3'/></Node>";
+    "<BladeController points='0 -1 0  0 1 0' keyTimes='0 0.08' positions='-.1 0 .3  .12 0 .3'/></Node>";
 
 class Resume : public Command {
  protected:
