@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_set>
+#include <utility>
 
 #include "hexaplast/mesh/faces.hpp"
 #include "mesh/neighbours.hpp"
@@ -214,9 +214,17 @@ TissueSurface::Nearest TissueSurface::nearest_on(ConstPoints x, const Quad& face
 /// For a point of a hexahedron: from there on, hexahedron by hexahedron. Of places that are as near as others, the one
 /// that is reached first counts: the other wall of a cut lies behind the end of the cut.
 TissueSurface::Nearest TissueSurface::nearest_initially(const Vec3& p, int hexahedron) const {
+  thread_local std::vector<int> reached;  // kept for their memory
+  thread_local std::vector<long> known;   // per hexahedron: the latest call that has reached it
+  thread_local long call = 0;
+  ++call;
+  if (known.size() < across_.size()) {
+    known.resize(across_.size(), 0);
+    reached.reserve(across_.size());
+  }
+  known[hexahedron] = call;
+  reached.assign(1, hexahedron);
   Nearest nearest;
-  std::vector<int> reached = {hexahedron};
-  std::unordered_set<int> known = {hexahedron};
   for (std::size_t i = 0; i < reached.size(); ++i) {
     const int e = reached[i];
     const double reach = (1 + kAsNear) * std::sqrt(nearest.place.squared) + kAsNear * mean_edge_;
@@ -228,7 +236,7 @@ TissueSurface::Nearest TissueSurface::nearest_initially(const Vec3& p, int hexah
       if (found.place.squared + same < nearest.place.squared) nearest = found;
     }
     for (const int other : across_[e])
-      if (other >= 0 && known.insert(other).second) reached.push_back(other);
+      if (other >= 0 && std::exchange(known[other], call) != call) reached.push_back(other);
   }
   return nearest;
 }

@@ -137,6 +137,8 @@ const std::set<std::string> kLate =
 /// What has no effect in these scenes.
 const std::set<std::string> kIdle =
     names({{"FixedProjectiveConstraint", "activate_projectVelocity"},
+           {"HexahedronElastoplasticFEMForceField", "fractureEnergy"},
+           {"MaterialRegion", "fractureEnergy"},
            {"PartialFixedProjectiveConstraint", "projectVelocity"},
            {"PartialLinearMovementProjectiveConstraint", "linearMovementBetweenNodesInIndices"}});
 /// What cannot have another value by itself: lists that are as long as others, or excluded by them.
