@@ -261,10 +261,10 @@ void warn_of_probes(const Simulation& simulation) {
   }
 }
 
+/// Of a run that has all steps of its scene.
 void warn_of_blades(Simulation& simulation) {
   const bool has_blades = !simulation.scene().root().all<scene::Blade>().empty();
-  const bool is_done = simulation.latest().step > 0 && requested_signal() == 0;
-  if (has_blades && is_done && simulation.bodies()->num_opened() == 0)
+  if (has_blades && simulation.latest().step > 0 && simulation.bodies()->num_opened() == 0)
     spdlog::warn("warning: nothing was cut: no blade passed between the centres of two hexahedra");
 }
 
@@ -310,7 +310,7 @@ void carry_out(Simulation& simulation, long num_steps, Files& files, const RunOp
   log_warnings(simulation.scene());
   warn_of_averaging(simulation);
   warn_of_probes(simulation);
-  warn_of_blades(simulation);
+  if (!options.steps && requested_signal() == 0) warn_of_blades(simulation);
   const std::vector<std::string> doubts = check_results(simulation);
   for (const std::string& doubt : doubts) spdlog::warn("warning: {}", doubt);
   if (options.strict && !doubts.empty() && requested_signal() == 0)
