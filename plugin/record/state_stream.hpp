@@ -89,8 +89,7 @@ struct StreamState {
 ///   the end         -1 int64, and JSON to the end of the stream: more attributes
 ///
 /// Nodes keep their numbers: new ones, of whichever body, come behind those before. Numbers are those of the machine. A
-/// hexahedron that is gone has NaN. A stream without its end is that of a run that
-/// failed. All throw OutputError.
+/// hexahedron that is gone has NaN. A stream without its end is that of a run that failed. All throw OutputError.
 class StateStream {
  public:
   /// descriptor: file or socket, which stays open. The bodies must outlive the stream.

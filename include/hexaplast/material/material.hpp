@@ -105,8 +105,7 @@ enum class AveragingMethod {
 /// What becomes of a hexahedron that breaks.
 enum class Fracture {
   kCell,  ///< it is removed, with its volume and surface
-  kFace   ///< it stays, and comes apart from others along its faces: FlowReport::torn                 theory.md section
-          ///< 10
+  kFace   ///< it stays, and comes apart from others along its faces: FlowReport::torn (theory.md section 10)
 };
 
 /// Numbers that the stiffness product, what follows from it, and what a plastic step adds are computed with. Positions,
