@@ -174,10 +174,10 @@ class DebianPackages : public OutsidePlugin {
 TEST_F(DebianPackages, HoldWhatTheirNamesSayAndWorkTogether) {
   const std::string library = files(kLibrary), components = files("hexaplast-components"),
                     headers = files("libhexaplast-dev"), tools = files("hexaplast-tools");
-  EXPECT_TRUE(has(library, "/libhexaplast.so." HEXAPLAST_VERSION "\n")) << library;
-  EXPECT_FALSE(has(library, "/libhexaplast.so\n") || has(library, ".hpp") || has(library, "/bin/")) << library;
+  EXPECT_TRUE(has(library, "/libhexaplast_core.so." HEXAPLAST_VERSION "\n")) << library;
+  EXPECT_FALSE(has(library, "/libhexaplast_core.so\n") || has(library, ".hpp") || has(library, "/bin/")) << library;
   EXPECT_TRUE(has(components, "/hexaplast/plugins/Hexaplast.so\n")) << components;
-  EXPECT_TRUE(has(headers, "/hexaplast/body.hpp\n") && has(headers, "/libhexaplast.so ->")) << headers;
+  EXPECT_TRUE(has(headers, "/hexaplast/body.hpp\n") && has(headers, "/libhexaplast_core.so ->")) << headers;
   EXPECT_TRUE(has(headers, "/HexaplastConfig.cmake\n") && has(headers, "/pkgconfig/hexaplast.pc\n")) << headers;
   EXPECT_TRUE(has(tools, "/bin/hexaplast\n") && has(tools, "/man1/hexaplast.1")) << tools;
   EXPECT_TRUE(has(tools, "/bash-completion/completions/hexaplast\n")) << tools;
@@ -197,7 +197,7 @@ TEST_F(DebianPackages, HoldWhatTheirNamesSayAndWorkTogether) {
   // once for all packages
   must("dpkg-deb -e packages/" + kLibrary + "_*.deb control");
   const std::string shlibs = read("control/shlibs");
-  for (const char* part : {"", "_formats", "_attributes", "_parts", "_scene", "_components", "_output"})
+  for (const char* part : {"_core", "_formats", "_attributes", "_parts", "_scene", "_components", "_output"})
     EXPECT_TRUE(
         has(shlibs, "libhexaplast"s + part + " " HEXAPLAST_SONAME " " + kLibrary + " (>= " HEXAPLAST_VERSION ")"))
         << shlibs;
@@ -210,7 +210,7 @@ TEST_F(DebianPackages, HoldWhatTheirNamesSayAndWorkTogether) {
   EXPECT_EQ(run.code, 0) << run.err;
   EXPECT_TRUE(has(run.out, "state hash"));
   // position-independent, with tables of addresses that are read-only from the start
-  for (const char* binary : {"root/usr/bin/hexaplast", "$(find root -name 'libhexaplast.so.*' -type f)"}) {
+  for (const char* binary : {"root/usr/bin/hexaplast", "$(find root -name 'libhexaplast_core.so.*' -type f)"}) {
     const std::string headers_of = shell(std::string("readelf -W -h -l -d ") + binary).out;
     EXPECT_TRUE(has(headers_of, "DYN (") && has(headers_of, "GNU_RELRO") && has(headers_of, "NOW")) << headers_of;
   }
@@ -218,7 +218,7 @@ TEST_F(DebianPackages, HoldWhatTheirNamesSayAndWorkTogether) {
   must(
       "export PKG_CONFIG_PATH=\"$(dirname \"$(find \"$PWD/root\" -name hexaplast.pc)\")\" && "
       "test -e \"$(pkg-config --variable=includedir hexaplast)/hexaplast/body.hpp\" && "
-      "test -e \"$(pkg-config --variable=libdir hexaplast)/libhexaplast.so\"");
+      "test -e \"$(pkg-config --variable=libdir hexaplast)/libhexaplast_core.so\"");
   // nothing of the build tree is left in what is delivered
   EXPECT_NE(shell("grep -rl '" HEXAPLAST_BUILD_DIR "' root").code, 0) << read("out");
 }
