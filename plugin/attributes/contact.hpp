@@ -69,16 +69,7 @@ inline constexpr Description kInstrumentContactForceField =
                 "friction, and never pulls. Needs an EulerImplicitSolver.",
                 kInstrumentContactAttributes);
 
-/// What it has in SOFA besides: a rigid frame of a scene in place of its path.
-inline constexpr std::array kInstrumentFrameAttributes = {
-    link("rigid",
-         "In place of a path: a MechanicalObject of rigid frames (template Rigid3d), or its node. One frame prescribes "
-         "the motion of the instrument, which the body does not push. Within a step the instrument moves on with the "
-         "velocity of the frame."),
-    integer("rigidIndex", {.initial = "0", .range = kIndex, .group = "Path"}, "Which of the frames."),
-};
-inline constexpr auto kInstrumentContactInSofaAttributes =
-    joined(kInstrumentContactAttributes, kInstrumentFrameAttributes);
+inline constexpr auto kInstrumentContactInSofaAttributes = joined(kInstrumentContactAttributes, kFrameAttributes);
 inline constexpr Description kInstrumentContactInSofa{.class_name = kInstrumentContactForceField.class_name,
                                                       .category = kInstrumentContactForceField.category,
                                                       .help = kInstrumentContactForceField.help,

@@ -87,6 +87,11 @@ inline constexpr Description kBladeController{
         "A blade that moves along a path and cuts a body: two hexahedra separate where its edge passes between "
         "their centres, at the end of the step. It presses on nothing.",
     .attributes = kBladeAttributes};
+inline constexpr auto kBladeInSofaAttributes = joined(kBladeAttributes, kFrameAttributes);
+inline constexpr Description kBladeInSofa{.class_name = kBladeController.class_name,
+                                          .category = kBladeController.category,
+                                          .help = kBladeController.help,
+                                          .attributes = kBladeInSofaAttributes};
 
 inline constexpr std::array kProbeAttributes = {
     reals("value", "A link to numbers or vectors: @forceps.force, @nodes.position, @material.plasticStrain."),

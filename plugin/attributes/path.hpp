@@ -15,4 +15,12 @@ inline constexpr Attribute kPathOrientations =
     reals("orientations", {.group = "Path"},
           "Orientation at each key time, a quaternion x y z w; it turns steadily in between. Default: not turned.");
 
+/// In SOFA besides: a rigid frame of a scene in place of the path.
+inline constexpr std::array kFrameAttributes = {
+    link("rigid",
+         "In place of a path: a MechanicalObject of rigid frames (template Rigid3d), or its node. One frame prescribes "
+         "the motion, on which the body has no effect. Within a step it goes on with the velocity of the frame."),
+    integer("rigidIndex", {.initial = "0", .range = kIndex, .group = "Path"}, "Which of the frames."),
+};
+
 }  // namespace hexaplast::attributes

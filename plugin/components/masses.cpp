@@ -7,6 +7,7 @@
 #include "hexaplast/body.hpp"
 #include "hexaplast/mesh/node_copies.hpp"
 #include "loaded_body.hpp"
+#include "parts/spread_nodes.hpp"
 
 namespace hexaplast::components {
 namespace {
@@ -33,10 +34,9 @@ class LumpedMass : public LumpedMasses<scene::Mass>, public scene::FollowsNodes 
   virtual Eigen::VectorXd nodal_masses(Eigen::Index num_nodes) = 0;  ///< [kg] of the initial nodes
 
   virtual Eigen::VectorXd masses_of_copies(const scene::MechanicalState& state) const {
-    const NodeCopies& copies = *state.copies();
-    Eigen::VectorXd all(copies.num_nodes());
-    for (int n = 0; n < copies.num_nodes(); ++n) all[n] = copies.share()[n] * initial_[copies.initial()[n]];
-    return all;
+    const std::vector<double> all =
+        parts::shared_out({initial_.data(), static_cast<std::size_t>(initial_.size())}, *state.copies());
+    return Eigen::Map<const Eigen::VectorXd>(all.data(), std::ssize(all));
   }
 
   /// Says which of several given attributes counts.

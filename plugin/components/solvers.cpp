@@ -107,7 +107,7 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
   // The forces of the latest step stay those of the copies that keep their numbers.
   void nodes_split(std::span<const int> split_from, int first, int end) override {
     if (support_forces_.rows() == 0) return;
-    insert_rows(support_forces_, split_from, first, end);
+    parts::insert_rows(support_forces_, split_from, first, end);
     support_forces_.middleRows(end, std::ssize(split_from)).setZero();
   }
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "components/mechanical_system.hpp"
-#include "components/node_rows.hpp"
 #include "hexaplast/base/error.hpp"
+#include "parts/node_rows.hpp"
 
 namespace hexaplast::components {
 
@@ -44,7 +44,7 @@ class SystemSolver : public scene::OdeSolver, public scene::Stateful, public sce
     system_.emplace(node());
     if (split_from.empty()) return memory().reset();  // what begins anew, or is read
     if (first < 0) return;
-    if (memory().start.rows() == num_before) insert_rows(memory().start, split_from, first, end);
+    if (memory().start.rows() == num_before) parts::insert_rows(memory().start, split_from, first, end);
     memory().radii.clear();  // those of another matrix, whatever it has in common with the next
     nodes_split(split_from, first, end);
   }

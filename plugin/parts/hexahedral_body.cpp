@@ -3,14 +3,29 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "base/memory.hpp"
+#include "body_state.hpp"
 #include "hexaplast/mesh/quality.hpp"
 #include "material/filling.hpp"
+#include "mesh/lumped_mass.hpp"
 #include "model_check.hpp"
+#include "plastic/fracture.hpp"
 
 namespace hexaplast::parts {
+namespace {
+
+bool are_same(const std::vector<Material>& some, const std::vector<Material>& others) {
+  const auto is_same = [](const Material& one, const Material& other) {
+    return std::ranges::all_of(material_rows(),
+                               [&](const Row<Material>& row) { return row.at.get(one) == row.at.get(other); });
+  };
+  return std::ranges::equal(some, others, is_same);
+}
+
+}  // namespace
 
 void set_values(const Row<Material>& row, std::span<const double> values, std::size_t num_hexahedra,
                 std::vector<Material>& materials) {
@@ -28,6 +43,14 @@ void fill_partly(std::span<const double> fill, std::vector<Material>& materials)
   if (fill.empty()) return;
   materials.resize(fill.size(), Material(materials.front()));
   for (std::size_t e = 0; e < fill.size(); ++e) materials[e] = filled(materials[e], fill[e]);
+}
+
+bool are_of_density(double density, ConstPoints rest, std::span<const Hexahedron> hexahedra,
+                    std::span<const double> masses) {
+  const Eigen::Map<const Eigen::VectorXd> given(masses.data(), std::ssize(masses));
+  const Eigen::VectorXd found =
+      density * nodal_masses(static_cast<int>(rest.rows()), hexahedra, element_volumes(rest, hexahedra));
+  return found.size() == given.size() && (found - given).cwiseAbs().maxCoeff() <= 1e-9 * given.maxCoeff();
 }
 
 HexahedralBody::HexahedralBody(ConstPoints rest, const std::vector<Hexahedron>& hexahedra,
@@ -66,7 +89,7 @@ void HexahedralBody::set_options(HexahedralBodyOptions options, double dt) {
       errors.add({row.name, "cannot change during a run, only members of the material can"});
   errors.throw_all();
   check(options, dt);
-  body_.set_materials(std::move(options.materials));
+  if (!are_same(options.materials, body_.materials())) body_.set_materials(std::move(options.materials));
 }
 
 std::vector<Remark> HexahedralBody::take_warnings() { return std::exchange(warnings_, {}); }
@@ -83,6 +106,19 @@ void HexahedralBody::reset() {
   num_announced_ = 0;
 }
 
+void HexahedralBody::reset_but_cuts() {
+  const std::vector<int> opened(body_.opened().begin(), body_.opened().end());
+  const std::vector<double> crossings(body_.crossings().begin(), body_.crossings().end());
+  const std::vector<int> ends = body_.state().history.end_of_opening;
+  reset();
+  std::size_t begin = 0;
+  for (const int end : ends) {  // numbers of nodes depend on the calls
+    const std::size_t count = static_cast<std::size_t>(end) - begin;
+    body_.open(std::span(opened).subspan(begin, count), std::span(crossings).subspan(begin, count));
+    begin += count;
+  }
+}
+
 void HexahedralBody::serialize(Archive& archive) {
   body_.serialize(archive);
   archive(report_.yielded, report_.inverted, report_.skipped, report_.repaired, report_.rolled_back, report_.removed,
@@ -91,6 +127,8 @@ void HexahedralBody::serialize(Archive& archive) {
   if (archive.reads()) report_.torn.clear();  // which have opened
   num_announced_ = body_.removed().size();
 }
+
+bool HexahedralBody::may_open() const { return may_tear(body_.materials(), body_.settings()); }
 
 std::span<const int> HexahedralBody::take_removed() {
   const std::span<const int> gone = body_.removed().subspan(num_announced_);

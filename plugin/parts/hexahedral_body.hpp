@@ -53,6 +53,11 @@ HexahedralBodyOptions body_options(const Given& given, std::size_t num_hexahedra
   return options;
 }
 
+/// Whether nodal masses are, to rounding, those of a density [kg/m^3] in hexahedra: each has its mass then, and keeps
+/// it where nodes split.
+bool are_of_density(double density, ConstPoints rest, std::span<const Hexahedron> hexahedra,
+                    std::span<const double> masses);
+
 /// A body and what hosts need around it: checks before it is made, warnings, what its latest step did, which hexahedra
 /// have gone.
 class HexahedralBody {
@@ -75,6 +80,7 @@ class HexahedralBody {
     return body_.open(joints, crossings);
   }
   void reset();
+  void reset_but_cuts();  ///< its joints stay open: for hosts whose nodes do not join again
   void serialize(Archive& archive);
 
   /// Hexahedra that have gone since the last call of this; valid until the next step.
@@ -82,6 +88,7 @@ class HexahedralBody {
 
   Body& body() { return body_; }
   const Body& body() const { return body_; }
+  bool may_open() const;                                ///< joints, where tissue tears along faces
   const FlowReport& report() const { return report_; }  ///< of the latest step
 
  private:

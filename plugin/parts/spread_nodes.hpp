@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "hexaplast/mesh/node_copies.hpp"
@@ -25,6 +26,29 @@ inline SpreadNodes spread(std::span<const int> initial, const NodeCopies* copies
       all.shares.push_back(copies ? copies->share()[node] : 1);
     }
   return all;
+}
+
+/// What initial nodes have, masses for example, divided among their copies by share, and summed again.
+inline std::vector<double> shared_out(std::span<const double> of_initial, const NodeCopies& copies) {
+  std::vector<double> all(static_cast<std::size_t>(copies.num_nodes()));
+  for (std::size_t n = 0; n < all.size(); ++n) all[n] = copies.share()[n] * of_initial[copies.initial()[n]];
+  return all;
+}
+inline std::vector<double> summed(std::span<const double> of_copies, const NodeCopies& copies) {
+  std::vector<double> all(static_cast<std::size_t>(copies.num_initial()));
+  for (std::size_t n = 0; n < of_copies.size(); ++n) all[copies.initial()[n]] += of_copies[n];
+  return all;
+}
+
+/// The copies that a list of present nodes lacks of these nodes.
+inline std::vector<int> missing_copies(std::span<const int> nodes, const NodeCopies& copies) {
+  std::vector<unsigned char> is_there(static_cast<std::size_t>(copies.num_nodes()));
+  for (const int node : nodes) is_there[static_cast<std::size_t>(node)] = 1;
+  std::vector<int> missing;
+  for (const int node : nodes)
+    for (const int copy : copies.of(copies.initial()[node]))
+      if (!std::exchange(is_there[static_cast<std::size_t>(copy)], 1)) missing.push_back(copy);
+  return missing;
 }
 
 }  // namespace hexaplast::parts

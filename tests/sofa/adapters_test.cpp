@@ -48,6 +48,7 @@ const std::vector<const attributes::Description*> kTables{&attributes::kHexahedr
                                                           &attributes::kSheetGridTopology,
                                                           &attributes::kSpherePatchGridTopology,
                                                           &attributes::kMultigridCGLinearSolver,
+                                                          &attributes::kBladeInSofa,
                                                           &attributes::kProbe,
                                                           &attributes::kRunSettings,
                                                           &attributes::kAttributeChange};

@@ -359,6 +359,7 @@ class BaseLink {
  public:
   enum Flags { FLAG_NONE = 0, FLAG_STOREPATH = 1, FLAG_STRONGLINK = 2 };
   struct Init {};
+  const BaseComponent* getLinkedBase() const { sofa_standin::absent(); }
 };
 
 template <class Owner, class Target, unsigned flags>
@@ -392,6 +393,7 @@ class BaseContext {
   void setAnimate(bool) { sofa_standin::absent(); }
   BaseContext* getRootContext() const { sofa_standin::absent(); }
   topology::BaseMeshTopology* getMeshTopologyLink() const { sofa_standin::absent(); }
+  behavior::BaseMechanicalState* getMechanicalState() const { sofa_standin::absent(); }
   template <class T>
   T* get(SearchDirection = SearchUp) const {
     sofa_standin::absent();
@@ -463,8 +465,8 @@ class BaseComponent {
   Data<bool> f_listening;
   Data<type::BoundingBox> f_bbox;
 
- protected:
   BaseLink::Init initLink(const char*, const char*) { return {}; }
+  const BaseLink* findLink(const std::string&) const { sofa_standin::absent(); }
 
  private:
   std::map<std::string, BaseData*> data_;
@@ -617,8 +619,8 @@ class HexahedraRemoved : public TopologyChange {
 
 class Topology : public objectmodel::BaseComponent {
  public:
-  using Hexa = type::Vec<8, Index>;
-  using SeqHexahedra = type::vector<Hexa>;
+  using Hexahedron = type::Vec<8, Index>;
+  using SeqHexahedra = type::vector<Hexahedron>;
   using Triangle = type::Vec<3, Index>;
   using SeqTriangles = type::vector<Triangle>;
 };
@@ -657,7 +659,14 @@ namespace dynamic {
 class HexahedronSetTopologyModifier : public core::objectmodel::BaseComponent {
  public:
   core::objectmodel::Data<bool> removeIsolated;
+  using Ancestors = type::vector<type::vector<Index>>;
+  using Coefficients = type::vector<type::vector<SReal>>;
+  void addPoints(Size, const Ancestors&, const Coefficients&, bool) { sofa_standin::absent(); }
+  void addHexahedra(const core::topology::Topology::SeqHexahedra&, const Ancestors&, const Coefficients&) {
+    sofa_standin::absent();
+  }
   void removeHexahedra(const type::vector<Index>&) { sofa_standin::absent(); }
+  void notifyEndingEvent() { sofa_standin::absent(); }
 };
 
 }  // namespace dynamic
@@ -735,7 +744,15 @@ class BaseMapping : public objectmodel::BaseComponent {
  public:
   bool isMechanical() const { sofa_standin::absent(); }
   type::vector<behavior::BaseMechanicalState*> getMechTo() { sofa_standin::absent(); }
+  type::vector<const objectmodel::BaseComponent*> getFrom() { sofa_standin::absent(); }
 };
+class CollisionModel : public objectmodel::BaseComponent {};
+namespace topology {
+class TopologicalMapping : public objectmodel::BaseComponent {
+ public:
+  Topology* getFrom() { sofa_standin::absent(); }
+};
+}  // namespace topology
 
 namespace behavior {
 
@@ -761,6 +778,8 @@ class MechanicalState : public BaseMechanicalState {
   helper::ReadAccessor<VecCoord> readPositions() const { return {}; }
   helper::ReadAccessor<VecCoord> readRestPositions() const { return {}; }
   helper::ReadAccessor<VecDeriv> readVelocities() const { return {}; }
+  helper::WriteAccessor<VecCoord> writePositions() { return {}; }
+  helper::WriteAccessor<VecDeriv> writeVelocities() { return {}; }
   const objectmodel::Data<VecDeriv>* read(VecDerivId) { sofa_standin::absent(); }
   objectmodel::Data<VecDeriv>* write(VecDerivId) { sofa_standin::absent(); }
 };
@@ -779,7 +798,12 @@ class StiffnessMatrix {
 };
 class DampingMatrix final : public StiffnessMatrix {};
 
-class BaseForceField : public objectmodel::BaseComponent {
+class StateAccessor : public objectmodel::BaseComponent {
+ public:
+  const type::vector<BaseMechanicalState*>& getMechanicalStates() const { sofa_standin::absent(); }
+};
+
+class BaseForceField : public StateAccessor {
  public:
   virtual void buildStiffnessMatrix(StiffnessMatrix*) = 0;
   virtual void buildDampingMatrix(DampingMatrix*) = 0;
@@ -873,6 +897,44 @@ class EulerImplicitSolver : public core::behavior::OdeSolver {
 };
 
 }  // namespace component::odesolver::backward
+
+namespace component::mapping::linear {
+
+template <class From, class To>
+class BarycentricMapping : public core::BaseMapping {};
+
+}  // namespace component::mapping::linear
+
+namespace component::mass {
+
+template <class DataTypes>
+class DiagonalMass : public core::behavior::StateAccessor {
+ public:
+  core::objectmodel::Data<type::vector<SReal>> d_vertexMass;
+  SReal getMassDensity() const { sofa_standin::absent(); }
+};
+
+}  // namespace component::mass
+
+namespace component::constraint::projective {
+
+template <class DataTypes>
+class FixedProjectiveConstraint : public core::behavior::StateAccessor {
+ public:
+  core::objectmodel::Data<type::vector<Index>> d_indices;
+  void addConstraint(Index) { sofa_standin::absent(); }
+};
+template <class DataTypes>
+class LinearMovementProjectiveConstraint : public core::behavior::StateAccessor {
+ public:
+  core::objectmodel::Data<type::vector<Index>> d_indices;
+  typename DataTypes::VecCoord x0;
+  void addIndex(Index) { sofa_standin::absent(); }
+};
+template <class DataTypes>
+class PartialLinearMovementProjectiveConstraint : public LinearMovementProjectiveConstraint<DataTypes> {};
+
+}  // namespace component::constraint::projective
 
 namespace component::constraint::lagrangian {
 namespace correction {

@@ -49,6 +49,7 @@ void bring_back(SofaScene& scene, const Kept& all)
     }
     scene.move_to(all.x);
     auto v = scene.state().writeVelocities();
+    v.wref().resize(static_cast<std::size_t>(all.v.rows()));
     view(v.wref()) = all.v;
     for_each_state(scene,
                    [&](const std::string& name, Data<std::string>& state) { state.setValue(all.states.at(name)); });
@@ -175,6 +176,32 @@ TEST(SavedStateInSofa, HoldsWhatIsRemoved)
     scene.set("body", "state", whole);
     scene.field().reinit();
     EXPECT_EQ(scene.body().removed().size(), 4u) << "the topology stays torn";
+}
+
+// Nodes that are given back come when the body takes its state.
+TEST(SavedStateInSofa, BringsACutBackToTheLastBit)
+{
+    const std::string file = std::string(HEXAPLAST_SCENES) + "/sheet_cut.scn";
+    SofaScene scene = SofaScene::from_file(file);
+    const Kept whole = kept(scene);
+    walk(scene, 80);
+    const Kept middle = kept(scene);
+    ASSERT_GT(middle.x.rows(), whole.x.rows());
+    walk(scene, 30);
+    const PointArray end = scene.positions();
+    ASSERT_GT(end.rows(), middle.x.rows());
+
+    SofaScene another = SofaScene::from_file(file);
+    bring_back(another, middle);
+    walk(another, 30);
+    EXPECT_EQ(another.positions(), end);
+    EXPECT_EQ(kept(another).states, kept(scene).states);
+
+    Messages messages;
+    scene.set("material", "state", whole.states.at("material"));
+    scene.field().reinit();
+    EXPECT_GT(messages.count("nodes do not join again"), 0) << messages.text();
+    EXPECT_EQ(scene.body().mesh().num_nodes(), end.rows()) << "nothing has changed";
 }
 
 }  // namespace

@@ -49,6 +49,7 @@ public:
     void move_to(const PointArray& x)
     {
         auto nodes = state().writePositions();
+        nodes.wref().resize(static_cast<std::size_t>(x.rows()));
         view(nodes.wref()) = x;
     }
     PointArray positions() { return view(state().readPositions().ref()); }

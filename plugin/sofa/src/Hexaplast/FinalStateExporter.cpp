@@ -3,7 +3,7 @@
 #include <Hexaplast/errors.h>
 #include <Hexaplast/registration.h>
 #include <sofa/core/objectmodel/DataFileName.h>
-#include <sofa/simulation/AnimateEndEvent.h>
+#include <sofa/simulation/UpdateMappingEndEvent.h>
 
 #include <cmath>
 #include <filesystem>
@@ -101,7 +101,7 @@ public:
 
     void handleEvent(sofa::core::objectmodel::Event* event) override
     {
-        if (!sofa::simulation::AnimateEndEvent::checkEventType(event) || !mayStep(*this)) return;
+        if (!sofa::simulation::UpdateMappingEndEvent::checkEventType(event) || !mayStep(*this)) return;
         if (++m_numSteps != d_step.getValue()) return;
         HexahedronElastoplasticFEMForceField<Vec3Types>* field = nullptr;
         getContext()->get(field, sofa::core::objectmodel::BaseContext::SearchUp);

@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <Hexaplast/FollowsNodes.h>
 #include <Hexaplast/ForceBetweenStates.h>
 #include <Hexaplast/ForceOnState.h>
 
 #include <functional>
 #include <optional>
+#include <span>
+#include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
+
+#include "hexaplast/body.hpp"
 
 namespace hexaplast::sofa_plugin
 {
@@ -15,7 +21,7 @@ namespace hexaplast::sofa_plugin
 /// A part that is a force (parts/force.hpp) as a force field of SOFA. Its Data are the options and outputs of the part,
 /// with names, defaults and help of the attribute table.
 template <class Part>
-class ForceOf : public std::conditional_t<Part::kNumStates == 1, ForceOnState, ForceBetweenStates>
+class ForceOf : public std::conditional_t<Part::kNumStates == 1, ForceOnState, ForceBetweenStates>, public FollowsNodes
 {
 public:
     using Inherit = std::conditional_t<Part::kNumStates == 1, ForceOnState, ForceBetweenStates>;
@@ -25,6 +31,14 @@ public:
 
     bool hasPart() const override { return m_part.has_value(); }
 
+    void nodesChanged(const MechanicalState& state, const Body& body, std::span<const int> splitFrom) override
+    {
+        const std::array states = this->states();
+        for (int k = 0; hasPart() && k < Part::kNumStates; ++k)
+            if (states[k] == &state) m_part->nodes_changed(k, body.copies(), splitFrom);
+    }
+    std::string cannotFollow() const override { return hasPart() ? m_part->cannot_follow() : std::string(); }
+
 protected:
     explicit ForceOf(const Description& description = Part::description()) : Inherit(description)
     {
@@ -33,13 +47,34 @@ protected:
 
     parts::Force& force() override { return *m_part; }
 
-    virtual typename Part::Options options() const { return this->template readOptions<typename Part::Options>(); }
+    // Lists of SOFA's regions have the copies of nodes beside them, where these have split.
+    virtual typename Part::Options options() const
+    {
+        auto options = this->template readOptions<typename Part::Options>();
+        const Body* body = splitBodyOf(*this->states()[0]);
+        const auto isCopy = [&](int node) { return node >= body->copies().num_initial(); };
+        if constexpr (requires { options.indices.value(); })
+        {
+            if (body && options.indices) std::erase_if(*options.indices, isCopy);
+        }
+        else if constexpr (requires { options.indices; })
+        {
+            if (body) std::erase_if(options.indices, isCopy);
+        }
+        return options;
+    }
 
     /// Throws InputError where it is not there.
     virtual parts::Surroundings surroundings()
     {
-        const std::array states = this->states();
-        return {.num_nodes = {static_cast<int>(states[0]->getSize()), static_cast<int>(states[1]->getSize())}};
+        parts::Surroundings around;
+        for (std::size_t k = 0; k < 2; ++k)
+        {
+            const MechanicalState& state = *this->states()[k];
+            const Body* body = splitBodyOf(state);
+            around.num_nodes[k] = body ? body->copies().num_initial() : static_cast<int>(state.getSize());
+        }
+        return around;
     }
 
     void makePart() override
@@ -49,6 +84,8 @@ protected:
         const typename Part::Options given = options();
         m_part.reset();
         m_part.emplace(given, around);
+        for (const MechanicalState* state : this->states())
+            if (const Body* body = splitBodyOf(*state)) nodesChanged(*state, *body, {});
         sayWarnings();
     }
     void updatePart() override

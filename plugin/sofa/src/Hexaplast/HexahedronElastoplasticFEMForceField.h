@@ -3,9 +3,11 @@
 
 #include <Hexaplast/Outputs.h>
 #include <Hexaplast/PartForceField.h>
+#include <sofa/component/topology/container/dynamic/HexahedronSetTopologyModifier.h>
 #include <sofa/core/objectmodel/Link.h>
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "parts/hexahedral_body.hpp"
@@ -80,6 +82,7 @@ public:
 
     void bwdInit() override;
     void draw(const sofa::core::visual::VisualParams* vparams) override;
+    void handleEvent(sofa::core::objectmodel::Event* event) override;
     void handleTopologyChange(sofa::core::topology::Topology* changed) override;
 
     bool hasPart() const override { return m_body != nullptr; }
@@ -93,6 +96,10 @@ public:
     const Body* body() const { return m_body ? &m_body->body() : nullptr; }
     /// Whoever refers to the body keeps it by this, and looks whether it is that one still.
     std::shared_ptr<const parts::HexahedralBody> part() const { return m_body; }
+
+    /// By which nodes and hexahedra of its topology come and go; null: it has none.
+    using TopologyModifier = sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier;
+    TopologyModifier* modifier() const;
 
 protected:
     HexahedronElastoplasticFEMForceField();
@@ -127,6 +134,16 @@ private:
     /// Hexahedra that went in the latest step leave the topology, where that can be.
     void tearTopology();
 
+    /// Opens what blades and tears have opened in the step (Body::open): nodes split in the state and in the topology,
+    /// and what acts on them follows. Throws InputError where something cannot; nothing has changed then.
+    void openJoints();
+
+    /// The topology has the nodes and corners of the body from now on. before: corners of its hexahedra until now.
+    void splitTopology(const std::vector<Hexahedron>& before, std::span<const int> splitFrom);
+
+    /// The nodes that a loaded body has beyond those of its state. Throws InputError where it is not split further.
+    std::vector<int> splitSince(const NodeCopies& before) const;
+
     void show(const std::vector<double>& values, Data<VecReal>& output);
     void computeOutputs();
     void computeReleasedShape();
@@ -135,8 +152,13 @@ private:
     std::shared_ptr<parts::HexahedralBody> m_body;
     std::vector<double> m_fill;              ///< fraction of each hexahedron of a sparse grid that is full
     std::vector<int> m_original;             ///< number that each hexahedron of the topology has in the body
+    std::vector<int> m_coming;               ///< of hexahedra that come again with other nodes
     std::vector<MaterialRegion*> m_regions;  ///< seen last, to be compared alone
     bool m_topologyIsLost = false;
+    bool m_topologyHasChanged = false;
+    bool m_isSplitting = false;      ///< the topology changes by the body
+    bool m_hasFlowed = false;        ///< in the present step
+    bool m_hasAsked = false;         ///< what acts beside it, whether it can follow
     bool m_regionsAreReady = false;  ///< they may stand behind the body, and what they follow too
 
     Outputs m_outputs{{&d_plasticStrain, &d_presentYieldStress, &d_stressNorm, &d_volumeRatio, &d_volume, &d_removed},

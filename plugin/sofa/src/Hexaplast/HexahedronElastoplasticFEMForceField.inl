@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <Hexaplast/BladeController.h>
+#include <Hexaplast/Followers.h>
 #include <Hexaplast/HexahedronElastoplasticFEMForceField.h>
 #include <Hexaplast/MaterialRegion.h>
-#include <sofa/component/topology/container/dynamic/HexahedronSetTopologyModifier.h>
 #include <sofa/component/topology/container/grid/SparseGridTopology.h>
 #include <sofa/core/behavior/OdeSolver.h>
 #include <sofa/core/topology/TopologyChange.h>
 #include <sofa/core/visual/VisualParams.h>
 #include <sofa/helper/ColorMap.h>
+#include <sofa/simulation/UpdateMappingEndEvent.h>
 
 #include <Hexaplast/PartForceField.inl>
 #include <algorithm>
@@ -53,6 +55,8 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::bwdInit()
     Inherit::bwdInit();
     m_regionsAreReady = true;
     if (this->works() && othersHaveChanged()) this->reinit();
+    // by the state that a scene gives, when others were not there yet
+    if (this->works() && body()->copies().is_split()) attempt(*this, [&] { Followers(*this).follow({}); });
 }
 
 template <class TDataTypes>
@@ -82,13 +86,8 @@ template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::makePart()
 {
     m_body.reset();
-    m_topologyIsLost = false;
-    std::vector<Hexahedron> hexahedra;
-    for (const auto& hexahedron : l_topology->getHexahedra())
-    {
-        Hexahedron& corners = hexahedra.emplace_back();
-        for (std::size_t a = 0; a < corners.size(); ++a) corners[a] = static_cast<int>(hexahedron[a]);
-    }
+    m_topologyIsLost = m_topologyHasChanged = m_hasAsked = false;
+    const std::vector<Hexahedron> hexahedra = hexahedraOf(*l_topology);
     if (hexahedra.empty()) throw InputError("its topology '" + l_topology->getName() + "' has no hexahedra");
     m_fill.clear();
     if (auto* grid = dynamic_cast<sofa::component::topology::container::grid::SparseGridTopology*>(l_topology.get()))
@@ -116,7 +115,7 @@ parts::HexahedralBodyOptions HexahedronElastoplasticFEMForceField<TDataTypes>::o
     std::vector<parts::MaterialRegion> ofRegions;
     for (MaterialRegion* region : regions())
     {
-        std::optional<parts::MaterialRegion> values = region->values(hexahedra);
+        std::optional<parts::MaterialRegion> values = region->values(hexahedra, m_topologyHasChanged);
         if (!values)
             throw InputError("its MaterialRegion '" + region->getName() + "' is invalid (see its error above)");
         ofRegions.push_back(std::move(*values));
@@ -134,17 +133,15 @@ parts::HexahedralBodyOptions HexahedronElastoplasticFEMForceField<TDataTypes>::o
         if (const auto* number = dynamic_cast<const Data<SReal>*>(data)) return {{number->getValue()}};
         return reals(dynamic_cast<const Data<VecReal>&>(*data).getValue());
     };
-    parts::HexahedralBodyOptions found = parts::body_options(given, hexahedra.size(), m_fill, ofRegions);
-    if (found.settings.fracture == Fracture::kFace)
-        throw parts::OptionError("fracture", "face is not in SOFA yet, where nodes do not split: must be cell");
-    return found;
+    return parts::body_options(given, hexahedra.size(), m_fill, ofRegions);
 }
 
 template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::resetPart()
 {
     requireTopology();
-    m_body->reset();
+    m_hasAsked = false;
+    m_body->reset_but_cuts();
     followTopology();
     setOutputsDirty();
 }
@@ -155,11 +152,27 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::loadPart(std::istream& in
     requireTopology();
     std::stringstream before;
     m_body->body().save(before);
+    const std::vector<Hexahedron> corners = body()->mesh().hexahedra();
+    const NodeCopies copies = body()->copies();
     m_body->body().load(in);
-    if (m_body->body().copies().is_split())
+    try
+    {
+        if (const std::vector<int> splitFrom = splitSince(copies); !splitFrom.empty())
+        {
+            Followers followers(*this);
+            // given back for the nodes that come here
+            const typename Inherit::VecCoord x = this->mstate->readPositions().ref();
+            const typename Inherit::VecDeriv v = this->mstate->readVelocities().ref();
+            splitTopology(corners, splitFrom);
+            if (x.size() == this->mstate->getSize()) this->mstate->writePositions().wref() = x;
+            if (v.size() == this->mstate->getSize()) this->mstate->writeVelocities().wref() = v;
+            followers.follow({});
+        }
+    }
+    catch (const InputError&)
     {
         m_body->body().load(before);
-        throw InputError("joints of the body are open: its nodes in SOFA do not split");
+        throw;
     }
     followTopology();
     setOutputsDirty();
@@ -190,6 +203,7 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::beginStep(SReal, SReal dt
     // a grid is made anew without a word
     if (l_topology->getNbHexahedra() != m_original.size()) m_topologyIsLost = true;
     requireTopology();
+    if (!std::exchange(m_hasAsked, true) && m_body->may_open()) Followers(*this);
     m_body->body().set_time_step(isStatic ? std::numeric_limits<SReal>::infinity() : dt);
 }
 
@@ -197,6 +211,7 @@ template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::endStep(SReal dt)
 {
     m_body->end_step(view(this->mstate->readPositions().ref()), dt);
+    m_hasFlowed = true;
     setOutputsDirty();
     if (m_body->report().removed > 0) tearTopology();
 }
@@ -269,8 +284,7 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::tearTopology()
     for (std::size_t i = 0; i < m_original.size(); ++i)
         if (!alive[static_cast<std::size_t>(m_original[i])]) gone.push_back(static_cast<sofa::Index>(i));
     if (gone.empty()) return;
-    sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier* modifier = nullptr;
-    l_topology->getContext()->get(modifier, sofa::core::objectmodel::BaseContext::Local);
+    TopologyModifier* modifier = this->modifier();
     if (!modifier) return;  // the body is torn, and what is drawn from the topology is not
     if (modifier->removeIsolated.getValue())
     {
@@ -280,6 +294,95 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::tearTopology()
         return;
     }
     modifier->removeHexahedra(gone);
+    modifier->notifyEndingEvent();  // mappings look again, when the numbers of hexahedra are those that stay
+}
+
+template <class TDataTypes>
+auto HexahedronElastoplasticFEMForceField<TDataTypes>::modifier() const -> TopologyModifier*
+{
+    TopologyModifier* found = nullptr;
+    l_topology->getContext()->get(found, sofa::core::objectmodel::BaseContext::Local);
+    return found;
+}
+
+// Joints open when all components have ended the step, wherever they stand.
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::handleEvent(sofa::core::objectmodel::Event* event)
+{
+    Inherit::handleEvent(event);
+    if (sofa::simulation::UpdateMappingEndEvent::checkEventType(event) && std::exchange(m_hasFlowed, false) &&
+        this->works())
+        attempt(*this, [&] { openJoints(); });
+}
+
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::openJoints()
+{
+    std::vector<int> joints;
+    std::vector<double> crossings;
+    std::vector<BladeController*> blades;
+    this->getContext()->getRootContext()->template get<BladeController>(
+        &blades, sofa::core::objectmodel::BaseContext::SearchDown);
+    for (BladeController* blade : blades)
+        if (blade->body() == this) blade->addOpened(joints, crossings);
+    const std::vector<int>& torn = m_body->report().torn;
+    joints.insert(joints.end(), torn.begin(), torn.end());
+    crossings.resize(joints.size(), 0.5);  // tears pass half-way between hexahedra
+    if (joints.empty()) return;
+
+    requireTopology();
+    Followers followers(*this);
+    const std::vector<Hexahedron> before = body()->mesh().hexahedra();
+    const std::vector<int> splitFrom = m_body->open(joints, crossings);
+    setOutputsDirty();
+    if (splitFrom.empty()) return;
+    splitTopology(before, splitFrom);
+    followers.follow(splitFrom);
+}
+
+// Hexahedra come with their new corners and then leave with the old ones, so that what SOFA keeps of them is handed on.
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::splitTopology(const std::vector<Hexahedron>& before,
+                                                                     std::span<const int> splitFrom)
+{
+    using sofa::type::vector;
+    const auto only = [](int index) { return vector<sofa::Index>(1, static_cast<sofa::Index>(index)); };
+    vector<vector<sofa::Index>> ofPoints, ofHexahedra;
+    for (const int node : splitFrom) ofPoints.push_back(only(node));
+
+    const std::vector<Hexahedron>& present = body()->mesh().hexahedra();
+    vector<MeshTopology::Hexahedron> come;
+    vector<sofa::Index> leave;
+    m_coming.clear();
+    for (std::size_t i = 0; i < m_original.size(); ++i)
+    {
+        const Hexahedron& corners = present[static_cast<std::size_t>(m_original[i])];
+        if (corners == before[static_cast<std::size_t>(m_original[i])]) continue;
+        MeshTopology::Hexahedron& coming = come.emplace_back();
+        for (std::size_t a = 0; a < corners.size(); ++a) coming[a] = static_cast<sofa::Index>(corners[a]);
+        m_coming.push_back(m_original[i]);
+        leave.push_back(static_cast<sofa::Index>(i));
+        ofHexahedra.push_back(only(static_cast<int>(i)));
+    }
+    const auto whole = [](const auto& ancestors)
+    { return vector<vector<SReal>>(ancestors.size(), vector<SReal>(1, 1)); };
+    m_topologyHasChanged = m_isSplitting = true;
+    TopologyModifier& topology = *modifier();
+    topology.addPoints(static_cast<sofa::Size>(splitFrom.size()), ofPoints, whole(ofPoints), true);
+    topology.addHexahedra(come, ofHexahedra, whole(ofHexahedra));
+    topology.removeHexahedra(leave);
+    topology.notifyEndingEvent();
+    m_isSplitting = false;
+    m_coming.clear();
+}
+
+template <class TDataTypes>
+std::vector<int> HexahedronElastoplasticFEMForceField<TDataTypes>::splitSince(const NodeCopies& before) const
+{
+    const std::vector<int>&was = before.initial(), &is = body()->copies().initial();
+    if (is.size() < was.size() || !std::equal(was.begin(), was.end(), is.begin()))
+        throw InputError("other joints of it are open than in its state, whose nodes do not join again");
+    return {is.begin() + static_cast<std::ptrdiff_t>(was.size()), is.end()};
 }
 
 template <class TDataTypes>
@@ -308,14 +411,19 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::handleTopologyChange(sofa
                             for (const sofa::Index i :
                                  static_cast<const sofa::core::topology::HexahedraRemoved*>(*change)->getArray())
                             {
-                                gone.push_back(m_original[i]);
+                                if (!m_isSplitting) gone.push_back(m_original[i]);
                                 m_original[i] = m_original.back();
                                 m_original.pop_back();
                             }
                             break;
                         case sofa::core::topology::HEXAHEDRAADDED:
-                        case sofa::core::topology::POINTSREMOVED:
+                            m_original.insert(m_original.end(), m_coming.begin(), m_coming.end());
+                            m_topologyIsLost = m_topologyIsLost || !m_isSplitting;
+                            break;
                         case sofa::core::topology::POINTSADDED:
+                            m_topologyIsLost = m_topologyIsLost || !m_isSplitting;
+                            break;
+                        case sofa::core::topology::POINTSREMOVED:
                         case sofa::core::topology::POINTSRENUMBERING:
                             m_topologyIsLost = true;
                             break;
@@ -324,7 +432,8 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::handleTopologyChange(sofa
                     }
                 }
                 requireTopology();
-                m_body->remove(gone);
+                m_topologyHasChanged = true;
+                if (!gone.empty()) m_body->remove(gone);
                 setOutputsDirty();
             });
 }

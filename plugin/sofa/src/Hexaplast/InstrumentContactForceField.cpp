@@ -9,35 +9,11 @@
 namespace hexaplast::sofa_plugin
 {
 
-void InstrumentContactForceField::checkRigid() const
-{
-    checkLink(l_rigid, "rigid");
-    if (!l_rigid) return;
-    if (l_rigid->getCoordDimension() != 7 || l_rigid->getDerivDimension() != 6)
-        throw parts::OptionError("rigid", "leads to '" + l_rigid->getName() +
-                                              "', must lead to a MechanicalObject of rigid frames (template Rigid3d)");
-    const int index = d_rigidIndex.getValue(), count = static_cast<int>(l_rigid->getSize());
-    if (index < 0 || index >= count)
-        throw parts::OptionError("rigid_index",
-                                 std::to_string(index) + " must lie in [0, " + std::to_string(count) + ")");
-}
-
-Pose InstrumentContactForceField::poseAfter(SReal duration) const
-{
-    const std::size_t index = static_cast<std::size_t>(d_rigidIndex.getValue()), count = l_rigid->getSize();
-    std::vector<SReal> x(7 * count), v(6 * count);
-    l_rigid->copyToBuffer(x.data(), sofa::core::vec_id::read_access::position, static_cast<unsigned int>(x.size()));
-    l_rigid->copyToBuffer(v.data(), sofa::core::vec_id::read_access::velocity, static_cast<unsigned int>(v.size()));
-    const SReal *at = &x[7 * index], *speed = &v[6 * index];
-    const Pose now{Vec3(at[0], at[1], at[2]), Eigen::Quaterniond(at[6], at[3], at[4], at[5]).normalized()};
-    return parts::moved(now, Vec3(speed[0], speed[1], speed[2]), Vec3(speed[3], speed[4], speed[5]), duration);
-}
-
 parts::InstrumentOptions InstrumentContactForceField::options() const
 {
-    checkRigid();
+    m_frame.check();
     parts::InstrumentOptions options = Inherit::options();
-    options.is_prescribed = l_rigid.get() != nullptr;
+    options.is_prescribed = m_frame.isGiven();
     return options;
 }
 
@@ -50,13 +26,13 @@ void InstrumentContactForceField::makePart()
 
 void InstrumentContactForceField::prescribe(SReal dt)
 {
-    checkRigid();
-    if (l_rigid) m_part->prescribe(poseAfter(0), poseAfter(dt));
+    m_frame.check();
+    if (m_frame.isGiven()) m_part->prescribe(m_frame.after(0), m_frame.after(dt));
 }
 
 Pose InstrumentContactForceField::pose() const
 {
-    return l_rigid ? poseAfter(0) : m_part->pose_at(getContext()->getTime());
+    return m_frame.isGiven() ? m_frame.after(0) : m_part->pose_at(getContext()->getTime());
 }
 
 void InstrumentContactForceField::draw(const sofa::core::visual::VisualParams* vparams)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Hexaplast/ContactOf.h>
+#include <Hexaplast/RigidFrame.h>
 
 #include "attributes/contact.hpp"
 #include "parts/instrument.hpp"
@@ -17,11 +18,6 @@ public:
     using Inherit = ContactOf<parts::Instrument>;
     SOFA_CLASS(InstrumentContactForceField, Inherit);
 
-    sofa::core::objectmodel::SingleLink<InstrumentContactForceField, sofa::core::behavior::BaseMechanicalState,
-                                        sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
-                                            sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
-        l_rigid{
-            initLink("rigid", helpOf("rigid"))};  ///< frames, one of which prescribes its motion in place of the path
     Data<int> d_rigidIndex{fromTable(d_rigidIndex, "rigidIndex")};
     Data<bool> d_drawInstrument{initData(&d_drawInstrument, true, "drawInstrument",
                                          "Draws its shape, where visual models or force fields are shown.")};
@@ -37,9 +33,9 @@ protected:
     void prescribe(SReal dt) override;
 
 private:
-    void checkRigid() const;
-    Pose poseAfter(SReal duration) const;  ///< of the frame, if it keeps its velocity so long
-    Pose pose() const;                     ///< of the present time
+    Pose pose() const;  ///< of the present time
+
+    RigidFrame<InstrumentContactForceField> m_frame{*this, helpOf("rigid"), d_rigidIndex};
 };
 
 }  // namespace hexaplast::sofa_plugin

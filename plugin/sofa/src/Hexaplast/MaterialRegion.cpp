@@ -40,7 +40,22 @@ std::optional<std::vector<double>> MaterialRegion::given(const Row<Material>& ro
     return reals(dynamic_cast<const Data<VecReal>&>(*data).getValue());
 }
 
-std::optional<parts::MaterialRegion> MaterialRegion::values(const std::vector<Hexahedron>& ofBody)
+std::vector<int> MaterialRegion::hexahedraIn(const std::vector<Hexahedron>& body) const
+{
+    d_hexahedra.updateIfDirty();
+    d_indices.updateIfDirty();
+    std::optional<std::vector<int>> nodes, numbers;
+    if (d_hexahedra.isSet())
+    {
+        nodes.emplace();
+        for (const auto& hexahedron : d_hexahedra.getValue())
+            nodes->insert(nodes->end(), hexahedron.begin(), hexahedron.end());
+    }
+    if (d_indices.isSet()) numbers = wholeNumbers(d_indices.getValue());
+    return parts::region_hexahedra(nodes, numbers, body);
+}
+
+std::optional<parts::MaterialRegion> MaterialRegion::values(const std::vector<Hexahedron>& ofBody, bool goesOn)
 {
     std::optional<parts::MaterialRegion> found;
     const bool isAccepted =
@@ -50,19 +65,9 @@ std::optional<parts::MaterialRegion> MaterialRegion::values(const std::vector<He
                     checkLink(l_body, "body");
                     for (const Row<Material>& row : material_rows())
                         if (this->findData(std::string(row.name))) checkWord(row.name);
-                    d_hexahedra.updateIfDirty();
-                    d_indices.updateIfDirty();
-                    std::optional<std::vector<int>> nodes, numbers;
-                    if (d_hexahedra.isSet())
-                    {
-                        nodes.emplace();
-                        for (const auto& hexahedron : d_hexahedra.getValue())
-                            nodes->insert(nodes->end(), hexahedron.begin(), hexahedron.end());
-                    }
-                    if (d_indices.isSet()) numbers = wholeNumbers(d_indices.getValue());
+                    if (!goesOn || !m_hexahedra) m_hexahedra = hexahedraIn(ofBody);
                     found = parts::material_region([this](const Row<Material>& row) { return given(row); },
-                                                   parts::region_hexahedra(nodes, numbers, ofBody),
-                                                   this->getContext()->getDt());
+                                                   *m_hexahedra, this->getContext()->getDt());
                 });
     if (isAccepted) this->d_componentState.setValue(ComponentState::Valid);
     return found;

@@ -46,7 +46,8 @@ public:
 
     /// What it gives to a body with these hexahedra. Where its Data cannot be, it says so, becomes invalid, and gives
     /// nothing.
-    std::optional<parts::MaterialRegion> values(const std::vector<Hexahedron>& ofBody);
+    /// goesOn: hexahedra have gone or their nodes have split since it gave them first: they are the same ones.
+    std::optional<parts::MaterialRegion> values(const std::vector<Hexahedron>& ofBody, bool goesOn);
 
     /// From now on a change of its Data is one of these.
     void tell(Inputs& ofBody) { ofBody.addInput(&m_inputs); }
@@ -56,7 +57,9 @@ protected:
 
 private:
     std::optional<std::vector<double>> given(const Row<Material>& row) const;
+    std::vector<int> hexahedraIn(const std::vector<Hexahedron>& body) const;
 
+    std::optional<std::vector<int>> m_hexahedra;  ///< given last, by their numbers in the body
     Inputs m_inputs{*this, attributes::kMaterialRegion};
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <Hexaplast/ConstraintRows.h>
+#include <Hexaplast/FollowsNodes.h>
 #include <Hexaplast/Inputs.h>
 #include <Hexaplast/SavedState.h>
 #include <Hexaplast/SofaSystem.h>
@@ -20,6 +21,7 @@
 #include "hexaplast/solve/compliance.hpp"
 #include "hexaplast/solve/implicit_euler.hpp"
 #include "parts/multigrid_cg.hpp"
+#include "parts/node_rows.hpp"
 
 namespace hexaplast::sofa_plugin
 {
@@ -34,7 +36,8 @@ constexpr double kOfMultipliers = 1e-3;  // tolerance of motions that belong to 
 /// ask it for J A^-1 J^T, and for the motion that belongs to multipliers.
 class MultigridCGLinearSolver final
     : public TableComponent<
-          sofa::component::linearsolver::MatrixLinearSolver<GraphScatteredMatrix, GraphScatteredVector>>
+          sofa::component::linearsolver::MatrixLinearSolver<GraphScatteredMatrix, GraphScatteredVector>>,
+      public FollowsNodes
 {
 public:
     using Inherit = sofa::component::linearsolver::MatrixLinearSolver<GraphScatteredMatrix, GraphScatteredVector>;
@@ -83,13 +86,23 @@ public:
         if (!sofa::simulation::AnimateBeginEvent::checkEventType(event)) return;
         if (m_inputs && m_inputs->haveChanged() && make())
             d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
-        if (m_solver && m_state.isGiven())
-        {
-            const auto load = [this](std::istream& in) { this->load(in); };
-            if (attempt(*this, [&] { m_state.take(load); }))
-                d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
-        }
+        if (m_solver && m_state.isGiven() && isInvalid(*this)) takeGivenState();
         mayStep(*this);
+    }
+
+    void nodesChanged(const MechanicalState& state, const Body&, std::span<const int> splitFrom) override
+    {
+        m_knowsCompliance = false;
+        m_compliance.reset();
+        if (splitFrom.empty() || isInvalid(*this)) return m_memory.reset();
+        const States states(*getContext());
+        const States::Entry* entry = states.find(&state);
+        if (!entry) return;
+        const int numNew = static_cast<int>(splitFrom.size()), end = entry->firstNode + entry->numNodes - numNew;
+        if (m_memory.start.rows() == states.numNodes() - numNew)
+            parts::insert_rows(m_memory.start, splitFrom, entry->firstNode, end);
+        m_memory.radii.clear();  // those of another matrix
+        m_state.hasChanged();
     }
 
     /// SOFA has set up another matrix.
@@ -99,6 +112,7 @@ public:
     {
         typename Inherit::TempVectorContainer vectors(this, sofa::core::execparams::defaultInstance(), A, x, b);
         x.clear();  // no motion, where there is no answer
+        if (m_solver && m_state.isGiven()) takeGivenState();
         if (isInvalid(*this) || !m_solver) return;
         const std::unique_ptr<GraphScatteredVector> in(vectors.createTempVector()), out(vectors.createTempVector());
         attempt(*this,
@@ -209,6 +223,13 @@ private:
         m_compliance.reset();
         m_memory.reset();
         m_knowsCompliance = false;
+    }
+
+    /// In the step, when bodies have taken theirs: their nodes may have split there.
+    void takeGivenState()
+    {
+        if (attempt(*this, [&] { m_state.take([this](std::istream& in) { load(in); }); }))
+            d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
     }
 
     void takeFirstState()

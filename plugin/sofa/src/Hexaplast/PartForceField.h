@@ -87,6 +87,7 @@ private:
     /// said.
     bool findStiffness();
     bool findDamping();
+    void clear(BlockMatrix& blocks) const;
 
     BlockMatrix m_stiffness, m_damping;
 };

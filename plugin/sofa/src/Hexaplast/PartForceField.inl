@@ -25,7 +25,6 @@ void PartForceField<TDataTypes>::initPart()
         return;
     }
     Component::initPart();
-    m_stiffness = m_damping = BlockMatrix(numNodes());
 }
 
 template <class TDataTypes>
@@ -57,17 +56,27 @@ void PartForceField<TDataTypes>::addDForce(const MechanicalParams* mparams, Data
             });
 }
 
+// Nodes may have come since.
+template <class TDataTypes>
+void PartForceField<TDataTypes>::clear(BlockMatrix& blocks) const
+{
+    if (blocks.num_nodes() == numNodes())
+        blocks.clear();
+    else
+        blocks = BlockMatrix(numNodes());
+}
+
 template <class TDataTypes>
 bool PartForceField<TDataTypes>::findStiffness()
 {
-    m_stiffness.clear();
+    clear(m_stiffness);
     return attempt(*this, [&] { addStiffnessBlocks(this->matrixScale(), m_stiffness); });
 }
 
 template <class TDataTypes>
 bool PartForceField<TDataTypes>::findDamping()
 {
-    m_damping.clear();
+    clear(m_damping);
     return attempt(*this, [&] { addDampingBlocks(1, m_damping); });
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "parts/probe.hpp"
 
+#include <Hexaplast/FollowsNodes.h>
 #include <Hexaplast/errors.h>
 #include <Hexaplast/registration.h>
 #include <Hexaplast/table.h>
@@ -13,13 +14,14 @@
 #include <optional>
 
 #include "attributes/parts.hpp"
+#include "hexaplast/body.hpp"
 #include "hexaplast/geometry/embed.hpp"
 
 namespace hexaplast::sofa_plugin
 {
 
 /// Makes one number of a Data after every step, when all components have ended it, wherever they stand.
-class Probe final : public TableComponent<SofaComponent>
+class Probe final : public TableComponent<SofaComponent>, public FollowsNodes
 {
 public:
     SOFA_CLASS(Probe, SOFA_TEMPLATE(TableComponent, SofaComponent));
@@ -58,6 +60,15 @@ public:
                     m_file << getContext()->getTime() << "," << d_reading.getValue() << std::endl;
                     if (!m_file) throw parts::OptionError("filename", "cannot be written any more");
                 });
+    }
+
+    void nodesChanged(const MechanicalState& state, const Body& body, std::span<const int>) override
+    {
+        if (!m_probe || isInvalid(*this)) return;
+        if (m_points && m_state == &state)
+            attempt(*this, [&] { m_points->follow(body.mesh().hexahedra(), body.mesh().num_nodes()); });
+        else if (!m_points && source().getOwner() == &state && source().getValueTypeInfo()->size() == 3)
+            m_probe->follow(body.copies());
     }
 
 protected:
@@ -100,20 +111,16 @@ private:
     {
         if (d_indices.isSet())
             throw parts::OptionError("points", "are given besides indices: entries are the ones or the others");
-        const auto* state = getContext()->get<MechanicalState>();
+        m_state = getContext()->get<MechanicalState>();
         auto* topology = getContext()->getMeshTopologyLink();
-        if (width != 3 || !state || !topology || topology->getHexahedra().empty())
+        if (width != 3 || !m_state || !topology || topology->getHexahedra().empty())
             throw parts::OptionError(
                 "points",
                 "need one vector per node for a value, as @nodes.position is, and a MechanicalObject "
                 "and a topology with hexahedra in the node of the probe or above");
-        std::vector<Hexahedron> hexahedra;
-        for (const auto& hexahedron : topology->getHexahedra())
-        {
-            Hexahedron& corners = hexahedra.emplace_back();
-            for (std::size_t a = 0; a < corners.size(); ++a) corners[a] = static_cast<int>(hexahedron[a]);
-        }
-        m_points.emplace(view(state->readRestPositions().ref()), hexahedra, view(d_points.getValue()));
+        const Body* split = splitBodyOf(*m_state);  // in the order of its hexahedra, by which the points go on
+        m_points.emplace(view(m_state->readRestPositions().ref()),
+                         split ? split->mesh().hexahedra() : hexahedraOf(*topology), view(d_points.getValue()));
     }
 
     void read()
@@ -139,6 +146,7 @@ private:
 
     std::optional<parts::Probe> m_probe;
     std::optional<Embedding> m_points;
+    const MechanicalState* m_state = nullptr;  ///< whose nodes move the points
     std::vector<double> m_values;
     std::ofstream m_file;
 };

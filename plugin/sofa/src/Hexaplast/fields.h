@@ -38,6 +38,16 @@ inline std::vector<Triangle> triangles(const MeshTopology::SeqTriangles& from)
         to.push_back({static_cast<int>(triangle[0]), static_cast<int>(triangle[1]), static_cast<int>(triangle[2])});
     return to;
 }
+inline std::vector<Hexahedron> hexahedraOf(MeshTopology& topology)
+{
+    std::vector<Hexahedron> to;
+    for (const auto& hexahedron : topology.getHexahedra())
+    {
+        Hexahedron& corners = to.emplace_back();
+        for (std::size_t a = 0; a < corners.size(); ++a) corners[a] = static_cast<int>(hexahedron[a]);
+    }
+    return to;
+}
 inline std::vector<double> reals(const sofa::type::vector<SReal>& from) { return {from.begin(), from.end()}; }
 
 }  // namespace hexaplast::sofa_plugin

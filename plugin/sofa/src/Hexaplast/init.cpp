@@ -47,6 +47,7 @@ extern "C"
         registerShapeTopologies(factory);
         registerMultigridCGLinearSolver(factory);
         registerFinalStateExporter(factory);
+        registerBladeController(factory);
         registerProbe(factory);
         registerRunSettings(factory);
         registerAttributeChange(factory);

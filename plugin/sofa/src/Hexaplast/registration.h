@@ -33,6 +33,7 @@ void registerForces(sofa::core::ObjectFactory* factory);
 void registerShapeTopologies(sofa::core::ObjectFactory* factory);
 void registerMultigridCGLinearSolver(sofa::core::ObjectFactory* factory);
 void registerFinalStateExporter(sofa::core::ObjectFactory* factory);
+void registerBladeController(sofa::core::ObjectFactory* factory);
 void registerProbe(sofa::core::ObjectFactory* factory);
 void registerRunSettings(sofa::core::ObjectFactory* factory);
 void registerAttributeChange(sofa::core::ObjectFactory* factory);

@@ -5,7 +5,7 @@
 
 #include "hexaplast/base/types.hpp"
 
-namespace hexaplast::components {
+namespace hexaplast::parts {
 
 /// Gives new nodes of a state the rows of those that they were split from, behind its present ones, which lie at
 /// [first, end).
@@ -19,4 +19,4 @@ inline void insert_rows(PointArray& field, std::span<const int> split_from, Eige
   field.bottomRows(behind) = before.bottomRows(behind);
 }
 
-}  // namespace hexaplast::components
+}  // namespace hexaplast::parts

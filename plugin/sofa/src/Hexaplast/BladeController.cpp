@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <Hexaplast/BladeController.h>
+#include <Hexaplast/Followers.h>
+#include <Hexaplast/errors.h>
+#include <Hexaplast/registration.h>
+#include <sofa/core/visual/VisualParams.h>
+#include <sofa/simulation/AnimateBeginEvent.h>
+
+#include <utility>
+
+namespace hexaplast::sofa_plugin
+{
+
+BladeController::BladeController() : TableComponent(attributes::kBladeInSofa) { f_listening.setValue(true); }
+
+// Bodies may be declared later.
+void BladeController::bwdInit()
+{
+    m_dataAreAccepted = acceptDataOf(
+        *this, [&] { m_frame.check(); }, [&] { make(); });
+}
+
+parts::BladeOptions BladeController::options() const
+{
+    auto options = readOptions<parts::BladeOptions>();
+    options.is_prescribed = m_frame.isGiven();
+    return options;
+}
+
+void BladeController::make()
+{
+    m_part.reset();
+    m_inputs.haveChanged();
+    checkLink(l_body, "body");
+    m_field = l_body ? l_body.get() : getContext()->get<Field>();
+    if (!m_field)
+        throw InputError("needs a HexahedronElastoplasticFEMForceField in its node or above, or a link to one");
+    if (!m_field->works()) throw InputError("its body '" + m_field->getName() + "' is invalid (see its error above)");
+    m_body = m_field->part();
+    m_part.emplace(options(), m_body->body());
+}
+
+void BladeController::reset()
+{
+    m_hasAsked = false;
+    if (m_dataAreAccepted) d_componentState.setValue(sofa::core::objectmodel::ComponentState::Valid);
+}
+
+void BladeController::handleEvent(sofa::core::objectmodel::Event* event)
+{
+    if (!sofa::simulation::AnimateBeginEvent::checkEventType(event)) return;
+    const bool isOther = m_field && (m_field->part() != m_body || !m_field->works());
+    if (m_inputs.haveChanged() || isOther || (!m_part && !isInvalid(*this))) bwdInit();
+    if (!mayStep(*this)) return;
+    const SReal dt = static_cast<sofa::simulation::AnimateBeginEvent*>(event)->getDt();
+    attempt(*this, [&] { beginStep(dt); });
+}
+
+void BladeController::beginStep(SReal dt)
+{
+    if (!std::exchange(m_hasAsked, true)) Followers{*m_field};
+    m_frame.check();
+    if (m_frame.isGiven()) m_part->prescribe(m_frame.after(0), m_frame.after(dt));
+    m_part->begin_step({.time = getContext()->getTime(), .dt = dt, .rayleigh_stiffness = 0},
+                       view(m_field->getMState()->readPositions().ref()));
+}
+
+void BladeController::addOpened(std::vector<int>& joints, std::vector<double>& crossings)
+{
+    if (!m_part || isInvalid(*this)) return;
+    attempt(*this,
+            [&]
+            {
+                const auto& opened = m_part->end_step(view(m_field->getMState()->readPositions().ref()));
+                joints.insert(joints.end(), opened.begin(), opened.end());
+                crossings.insert(crossings.end(), m_part->crossings().begin(), m_part->crossings().end());
+            });
+}
+
+void BladeController::draw(const sofa::core::visual::VisualParams* vparams)
+{
+    const auto& flags = vparams->displayFlags();
+    if (!m_part || isInvalid(*this) || !d_active.getValue()) return;
+    if (!flags.getShowForceFields() && !flags.getShowVisualModels()) return;
+    const parts::InstrumentShape edge = parts::edge_of(m_part->options());
+    const PointArray points = edge.at(m_frame.isGiven() ? m_frame.after(0) : m_part->pose_at(getContext()->getTime()));
+    std::vector<sofa::type::Vec3> corners;
+    for (const Triangle& triangle : edge.triangles)
+        for (const int corner : triangle) corners.push_back(vec3(Vec3(points.row(corner))));
+    auto* tool = vparams->drawTool();
+    const auto lifeCycle = tool->makeStateLifeCycle();
+    tool->enableLighting();
+    tool->drawTriangles(corners, sofa::type::RGBAColor(0.75F, 0.78F, 0.82F, 1.F));
+}
+
+void registerBladeController(sofa::core::ObjectFactory* factory)
+{
+    registerComponent<BladeController>(factory, attributes::kBladeInSofa);
+}
+
+}  // namespace hexaplast::sofa_plugin
