@@ -58,6 +58,7 @@ class VtuFile {
     child(grid, "Piece");  // one at least
     if (const XmlElement* data = grid.child("FieldData"))
       for (const XmlElement& array : data->children) state_.field_names.emplace_back(array.attribute("Name"));
+    if (reads_data_) add_data(grid, "FieldData", std::nullopt, state_.field_data);
     state_.mesh.is_of_patient = std::ranges::find(state_.field_names, kOfPatient) != state_.field_names.end();
     for (const XmlElement& piece : grid.children)
       if (piece.name == "Piece") add_piece(piece);
@@ -106,11 +107,14 @@ class VtuFile {
     add_data(piece, "CellData", num_cells, state_.cell_data);
   }
 
-  void add_data(const XmlElement& piece, const char* group, std::size_t count, std::vector<ImportedArray>& arrays) {
-    const XmlElement* data = piece.child(group);
+  /// count: of points or cells; none: each array has its own.
+  void add_data(const XmlElement& parent, const char* group, std::optional<std::size_t> count,
+                std::vector<ImportedArray>& arrays) {
+    const XmlElement* data = parent.child(group);
     if (!data) return;
     for (const XmlElement& at : data->children) {
       if (at.name != "DataArray" || at.attribute("type") == "String") continue;
+      if (!count && at.attribute("NumberOfTuples").empty()) continue;
       ImportedArray array{std::string(at.attribute("Name")), 1, {}};
       const std::string_view components = at.attribute("NumberOfComponents");
       if (std::int64_t number = 1; !components.empty()) {
@@ -118,7 +122,8 @@ class VtuFile {
           refuse(at, fmt::format("NumberOfComponents '{}', must lie in [1, {}]", components, kMaxComponents));
         array.num_components = static_cast<int>(number);
       }
-      const std::size_t size = count * static_cast<std::size_t>(array.num_components);
+      const std::size_t size =
+          (count ? *count : counted(at, "NumberOfTuples")) * static_cast<std::size_t>(array.num_components);
       if (array_type(at).is_real) {
         array.values = numbers<double>(at, size);
       } else {

@@ -18,16 +18,22 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the files say LittleEndian and hold memory as it is");
 
-/// Points, topology, data of points and of cells.
-using Groups = std::array<std::vector<VtuArray>, 4>;
+/// Data of the whole, points, topology, data of points and of cells.
+using Groups = std::array<std::vector<VtuArray>, 5>;
 
 Groups groups_of(const VtuGrid& grid) {
-  return {{{reals("Points", 3, grid.points)},
+  return {{grid.field_arrays,
+           {reals("Points", 3, grid.points)},
            {{"Int32", "connectivity", 1, grid.connectivity},
             scalars("Int64", "offsets", grid.ends),
             scalars("UInt8", "types", grid.types)},
            grid.point_data,
            grid.cell_data}};
+}
+
+std::size_t num_tuples(const VtuArray& array) {
+  const std::size_t size = array.type.ends_with("64") ? 8 : array.type.ends_with("32") ? 4 : 1;  // of a number
+  return array.bytes.size() / (size * static_cast<std::size_t>(array.components));
 }
 
 /// The elements of a file up to the end of its grid. describe(array) is the element of an array.
@@ -37,8 +43,10 @@ std::string xml_of(const VtuGrid& grid, const Groups& groups, const Describe& de
     std::string text;
     for (const VtuArray& array : arrays) {
       const std::string shape = array.components > 1 ? fmt::format(" NumberOfComponents=\"{}\"", array.components) : "";
-      text += fmt::format("        <DataArray type=\"{}\" Name=\"{}\"{} {}\n", array.type, escaped(array.name), shape,
-                          describe(array));
+      const std::string count =
+          &arrays == groups.data() ? fmt::format(" NumberOfTuples=\"{}\"", num_tuples(array)) : "";
+      text += fmt::format("        <DataArray type=\"{}\" Name=\"{}\"{}{} {}\n", array.type, escaped(array.name), shape,
+                          count, describe(array));
     }
     return text;
   };
@@ -46,22 +54,22 @@ std::string xml_of(const VtuGrid& grid, const Groups& groups, const Describe& de
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
       "  <UnstructuredGrid>\n";
-  if (!grid.field_data.empty()) {
+  if (!grid.field_data.empty() || !grid.field_arrays.empty()) {
     xml += "    <FieldData>\n";
     for (const VtuNumber& number : grid.field_data)
       xml += fmt::format(
           "      <DataArray type=\"Int32\" Name=\"{}\" NumberOfTuples=\"1\" format=\"ascii\">{}</DataArray>\n",
           escaped(number.name), number.value);
-    xml += "    </FieldData>\n";
+    xml += all(groups[0]) + "    </FieldData>\n";
   }
   xml +=
       fmt::format("    <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", grid.points.size() / 3, grid.ends.size());
-  xml += "      <Points>\n" + all(groups[0]) + "      </Points>\n";
-  xml += "      <Cells>\n" + all(groups[1]) + "      </Cells>\n";
-  xml += "      <PointData>\n" + all(groups[2]) + "      </PointData>\n";
+  xml += "      <Points>\n" + all(groups[1]) + "      </Points>\n";
+  xml += "      <Cells>\n" + all(groups[2]) + "      </Cells>\n";
+  xml += "      <PointData>\n" + all(groups[3]) + "      </PointData>\n";
   xml += grid.shown_first.empty() ? "      <CellData>\n"
                                   : fmt::format("      <CellData Scalars=\"{}\">\n", escaped(grid.shown_first));
-  xml += all(groups[3]) + "      </CellData>\n";
+  xml += all(groups[4]) + "      </CellData>\n";
   return xml + "    </Piece>\n  </UnstructuredGrid>\n";
 }
 
@@ -134,7 +142,7 @@ std::string VtuGrid::text() const {
   std::vector<std::int32_t> short_ends;  // all that SOFA's MeshVTKLoader reads
   if (ends.empty() || ends.back() <= std::numeric_limits<std::int32_t>::max()) {
     short_ends.assign(ends.begin(), ends.end());
-    groups[1][1] = scalars("Int32", "offsets", short_ends);
+    groups[2][1] = scalars("Int32", "offsets", short_ends);
   }
   // no blanks before the end of an array: see above
   return xml_of(

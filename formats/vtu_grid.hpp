@@ -48,7 +48,8 @@ struct VtuGrid {
   std::vector<std::uint8_t> types = {};          ///< of each cell
   std::vector<VtuArray> point_data = {}, cell_data = {};
   std::vector<VtuNumber> field_data = {};
-  std::string_view shown_first = {};  ///< cell data that programs show at once; empty: none
+  std::vector<VtuArray> field_arrays = {};  ///< beside these numbers
+  std::string_view shown_first = {};        ///< cell data that programs show at once; empty: none
 
   void add_cells(std::size_t count, std::uint8_t type, int corners);  ///< cells of one type
 

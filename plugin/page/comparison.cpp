@@ -141,16 +141,16 @@ std::pair<RecordedRun::Entry, RecordedRun::Entry> last_common(const RecordedRun&
 }
 
 ComparisonTable table_of_states(const fs::path& directory_a, const fs::path& directory_b) {
-  const RecordedRun a(directory_a), b(directory_b);
+  RecordedRun a(directory_a), b(directory_b);
+  const auto [entry_a, entry_b] = last_common(a, b);
+  const RecordedRun::State state_a = a.state(entry_a, Quantity::kPlasticStrain),
+                           state_b = b.state(entry_b, Quantity::kPlasticStrain);
   if (a.mesh().hexahedra() != b.mesh().hexahedra())
     throw InputError(
         fmt::format("{} has {} nodes and {} hexahedra, {} has {} nodes and {}: runs of the same hexahedra "
                     "can be compared",
                     directory_a.string(), a.mesh().num_nodes(), a.mesh().num_elements(), directory_b.string(),
                     b.mesh().num_nodes(), b.mesh().num_elements()));
-  const auto [entry_a, entry_b] = last_common(a, b);
-  const RecordedRun::State state_a = a.state(entry_a, Quantity::kPlasticStrain),
-                           state_b = b.state(entry_b, Quantity::kPlasticStrain);
 
   ComparisonTable table{fmt::format("Largest differences of the states at {} s", number(entry_a.time)),
                         {"", "difference", "where", "A", "B"},

@@ -4,9 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "formats/readable_file.hpp"
@@ -90,7 +93,7 @@ std::vector<int> ids_of(const fs::path& file, const ImportedState& state) {
 
 /// Of each node, the one of the initial mesh that it is a copy of.
 std::vector<int> initial_nodes_in(const fs::path& file, const ImportedState& state) {
-  if (has_point_data(state, "initial_node")) return point_numbers(file, state, "initial_node");
+  if (has_point_data(state, kInitialNode)) return point_numbers(file, state, kInitialNode);
   std::vector<int> own(static_cast<std::size_t>(state.mesh.positions.rows()));
   std::iota(own.begin(), own.end(), 0);
   return own;
@@ -133,42 +136,13 @@ RecordedRun::RecordedRun(const fs::path& place) {
       regions_.of_hexahedra.push_back(static_cast<int>(number));
     }
   }
-  std::vector<Hexahedron> hexahedra = std::move(state.mesh.hexahedra);
   initial_node_ = initial_nodes_in(first, state);
-  // states that cannot be read are refused when they are asked for
-  ImportedState end;
-  const auto can_read = [&](std::size_t k) {
-    try {
-      end = read(entries_[k].file);
-      return true;
-    } catch (const InputError&) {
-      return false;
-    }
-  };
-  std::size_t last_entry = entries_.size() - 1;
-  while (last_entry > 0 && !can_read(last_entry)) --last_entry;
-  const fs::path& last = entries_[last_entry].file;
-  has_split_ = end.mesh.positions.rows() > state.mesh.positions.rows();
-  if (has_split_) {
-    initial_node_ = initial_nodes_in(last, end);
-    std::vector<unsigned char> is_known(hexahedra.size(), 0);  // by the last state that has it
-    const auto take = [&](const fs::path& file, const ImportedState& from) {
-      const std::vector<int> ids = ids_of(file, from);
-      for (std::size_t cell = 0; cell < ids.size(); ++cell)
-        if (const std::size_t e = index_of(file, ids[cell]); !std::exchange(is_known[e], 1))
-          hexahedra[e] = from.mesh.hexahedra[cell];
-    };
-    take(last, end);
-    state = std::move(end);
-    for (std::size_t k = last_entry; k-- > 1 && std::ranges::find(is_known, 0) != is_known.end();)
-      if (can_read(k)) take(entries_[k].file, end);
-  }
-  const fs::path& of_nodes = has_split_ ? last : first;
   try {
-    mesh_.emplace(state.mesh.positions - point_vectors(of_nodes, state, "displacement"), std::move(hexahedra));
+    first_.emplace(state.mesh.positions - point_vectors(first, state, "displacement"), std::move(state.mesh.hexahedra));
   } catch (const InputError& reason) {
-    throw InputError(fmt::format("{}: {}", of_nodes.string(), reason.what()));
+    throw InputError(fmt::format("{}: {}", first.string(), reason.what()));
   }
+  mesh_ = first_;
 }
 
 std::size_t RecordedRun::index_of(const fs::path& file, int id) const {
@@ -182,44 +156,66 @@ void RecordedRun::refuse_hexahedron(const fs::path& file, int id) const {
       fmt::format("{}: hexahedron {} is not that of {}", file.string(), id, entries_.front().file.string()));
 }
 
-std::vector<int> RecordedRun::rows_of_nodes(const fs::path& file, const ImportedState& state,
-                                            const std::vector<int>& ids) const {
-  const std::vector<int> initial = initial_nodes_in(file, state);
-  std::vector<int> rows(initial_node_.size(), -1);
-  for (std::size_t cell = 0; cell < ids.size(); ++cell)
-    for (int a = 0; a < kCorners; ++a) {
-      const auto node = static_cast<std::size_t>(mesh_->hexahedra()[index_of(file, ids[cell])][a]);
-      const int here = state.mesh.hexahedra[cell][a];
-      if (initial[static_cast<std::size_t>(here)] != initial_node_[node] || (rows[node] >= 0 && rows[node] != here))
-        refuse_hexahedron(file, ids[cell]);
-      rows[node] = here;
-    }
-  for (std::size_t n = 0; n < rows.size(); ++n) {  // without hexahedron
-    if (rows[n] >= 0) continue;
-    const auto found = std::ranges::find(initial, initial_node_[n]);
-    if (found == initial.end())
-      throw InputError(fmt::format("{}: has no node {} of the initial mesh", file.string(), initial_node_[n]));
-    rows[n] = static_cast<int>(found - initial.begin());
-  }
-  return rows;
-}
+/// What a state says of the hexahedra that the run began with.
+struct RecordedRun::Present {
+  std::vector<Hexahedron> corners;
+  std::vector<std::array<double, 6>> crossing;  // of their faces; -1: closed
+  std::vector<unsigned char> alive;
+};
 
-std::shared_ptr<const OpenFaces> RecordedRun::open_in(const fs::path& file, const ImportedState& state,
-                                                      const std::vector<int>& ids, const std::vector<int>& rows) const {
-  if (!has_cell_data(state, kCrossing)) return nullptr;
-  const std::vector<double> crossing = cell_numbers(file, state, kCrossing, 6);
-  if (!std::ranges::all_of(crossing, [](double place) { return (place >= 0 && place <= 1) || place == -1; }))
-    throw InputError(fmt::format("{}: array '{}' must hold numbers in [0, 1], or -1", file.string(), kCrossing));
-  const auto open = std::make_shared<OpenFaces>();
-  open->initial_node = initial_node_;
-  open->copy = rows;
+RecordedRun::Present RecordedRun::present_in(const fs::path& file, const ImportedState& state,
+                                             const std::vector<int>& ids, const std::vector<int>& initial) const {
   std::array<double, 6> closed;
   closed.fill(-1);
-  open->crossing.assign(static_cast<std::size_t>(mesh_->num_elements()), closed);
-  for (std::size_t cell = 0; cell < ids.size(); ++cell)
-    std::copy_n(crossing.begin() + static_cast<std::ptrdiff_t>(6 * cell), 6,
-                open->crossing[index_of(file, ids[cell])].begin());
-  return open;
+  const auto num_elements = static_cast<std::size_t>(first_->num_elements());
+  Present present{first_->hexahedra(), std::vector(num_elements, closed), std::vector<unsigned char>(num_elements, 0)};
+  const auto place = [&](std::size_t e, const Hexahedron& corners, std::span<const double> crossing) {
+    for (int a = 0; a < kCorners; ++a)
+      if (initial[static_cast<std::size_t>(corners[a])] !=
+          initial_node_[static_cast<std::size_t>(first_->hexahedra()[e][a])])
+        refuse_hexahedron(file, id_of_hexahedron_[e]);
+    present.corners[e] = corners;
+    if (!std::ranges::all_of(crossing, [](double at) { return (at >= 0 && at <= 1) || at == -1; }))
+      throw InputError(fmt::format("{}: array '{}' must hold numbers in [0, 1], or -1", file.string(), kCrossing));
+    std::ranges::copy(crossing, present.crossing[e].begin());
+  };
+  const bool has_crossings = has_cell_data(state, kCrossing);
+  const std::vector<double> crossing = has_crossings ? cell_numbers(file, state, kCrossing, 6) : std::vector<double>();
+  for (std::size_t cell = 0; cell < ids.size(); ++cell) {
+    const std::size_t e = index_of(file, ids[cell]);
+    present.alive[e] = 1;
+    place(e, state.mesh.hexahedra[cell],
+          has_crossings ? std::span(crossing).subspan(6 * cell, 6) : std::span<const double>());
+  }
+  const std::vector<double> removed = field_numbers(file, state, kRemoved, kNumbersOfRemoved);
+  for (std::size_t at = 0; at < removed.size(); at += kNumbersOfRemoved) {
+    const std::span<const double> row = std::span(removed).subspan(at, kNumbersOfRemoved);
+    const auto found = std::ranges::find(id_of_hexahedron_, row[0]);
+    if (found == id_of_hexahedron_.end()) continue;  // it had gone before the first state
+    Hexahedron corners;
+    for (int a = 0; a < kCorners; ++a) {
+      if (!(row[1 + a] >= 0 && row[1 + a] < static_cast<double>(initial.size())))
+        throw InputError(fmt::format("{}: array '{}' names point {}, must lie in [0, {})", file.string(), kRemoved,
+                                     row[1 + a], initial.size()));
+      corners[a] = static_cast<int>(row[1 + a]);
+    }
+    place(static_cast<std::size_t>(found - id_of_hexahedron_.begin()), corners, row.subspan(1 + kCorners));
+  }
+  return present;
+}
+
+/// For each node of a state, the one of the first state that it is a copy of.
+std::vector<int> RecordedRun::first_nodes(const fs::path& file, const std::vector<int>& initial) const {
+  std::map<int, int> row_of;
+  for (std::size_t n = 0; n < initial_node_.size(); ++n) row_of.try_emplace(initial_node_[n], static_cast<int>(n));
+  std::vector<int> rows;
+  for (const int node : initial) {
+    const auto found = row_of.find(node);
+    if (found == row_of.end())
+      throw InputError(fmt::format("{}: node {} is not in {}", file.string(), node, entries_.front().file.string()));
+    rows.push_back(found->second);
+  }
+  return rows;
 }
 
 std::vector<EmbeddedSurface> RecordedRun::embedded_surfaces() const {
@@ -229,49 +225,45 @@ std::vector<EmbeddedSurface> RecordedRun::embedded_surfaces() const {
   return read_embedded_surfaces(entries_of(surfaces).front().file);
 }
 
-RecordedRun::State RecordedRun::state(const Entry& entry, Quantity quantity) const {
-  const ImportedState read_state = read(entry.file);
+RecordedRun::State RecordedRun::state(const Entry& entry, Quantity quantity) {
+  const fs::path& file = entry.file;
+  const ImportedState read_state = read(file);
   const auto num_nodes = static_cast<int>(read_state.mesh.positions.rows());
-  if (num_nodes > mesh_->num_nodes() || (num_nodes < mesh_->num_nodes() && !has_split_))
-    throw InputError(fmt::format("{}: has {} points, must have {} as {} has", entry.file.string(), num_nodes,
-                                 mesh_->num_nodes(), entries_.front().file.string()));
-  const std::vector<int> ids = ids_of(entry.file, read_state);
-  const std::vector<int> rows = rows_of_nodes(entry.file, read_state, ids);
+  const bool is_split = has_point_data(read_state, kInitialNode);
+  if (is_split ? num_nodes < first_->num_nodes() : num_nodes != first_->num_nodes())
+    throw InputError(fmt::format("{}: has {} points, must have {} as {} has", file.string(), num_nodes,
+                                 first_->num_nodes(), entries_.front().file.string()));
+  const std::vector<int> ids = ids_of(file, read_state), initial = initial_nodes_in(file, read_state);
+  Present present = present_in(file, read_state, ids, initial);
 
   State state;
-  state.positions = read_state.mesh.positions(rows, Eigen::all);
-  state.plastic_rest = point_vectors(entry.file, read_state, "plastic_rest_position")(rows, Eigen::all);
+  state.positions = read_state.mesh.positions;
+  state.plastic_rest = point_vectors(file, read_state, "plastic_rest_position");
 
   const QuantityEntry& wanted = entry_of(quantity);
   if (wanted.of_nodes) {
-    state.values = speeds(point_vectors(entry.file, read_state, wanted.array)(rows, Eigen::all));
+    state.values = speeds(point_vectors(file, read_state, wanted.array));
   } else {
-    state.values.assign(mesh_->num_elements(), 0);
+    state.values.assign(present.alive.size(), 0);
+    const std::vector<double> of_cells = cell_scalars(file, read_state, wanted.array);
+    for (std::size_t cell = 0; cell < ids.size(); ++cell) state.values[index_of(file, ids[cell])] = of_cells[cell];
   }
-  const std::vector<double> of_cells =
-      wanted.of_nodes ? std::vector<double>() : cell_scalars(entry.file, read_state, wanted.array);
-
-  state.alive.assign(mesh_->num_elements(), 0);
-  for (std::size_t cell = 0; cell < ids.size(); ++cell) {
-    const std::size_t e = index_of(entry.file, ids[cell]);
-    state.alive[e] = 1;
-    if (!wanted.of_nodes) state.values[e] = of_cells[cell];
+  state.alive = std::move(present.alive);
+  if (has_cell_data(read_state, kCrossing)) {
+    std::vector<int> own(initial.size());
+    std::iota(own.begin(), own.end(), 0);
+    state.open = std::make_shared<OpenFaces>(OpenFaces{initial, std::move(own), std::move(present.crossing)});
   }
-  state.open = open_in(entry.file, read_state, ids, rows);
-  state.conditions = conditions_in(entry.file, read_state);
-  BoundaryConditions& conditions = state.conditions;
-  if (const std::vector<unsigned char> fixed = std::exchange(conditions.fixed, {}); !fixed.empty())
-    for (const int row : rows) conditions.fixed.push_back(fixed[static_cast<std::size_t>(row)]);
-  if (conditions.loads.rows() > 0) conditions.loads = PointArray(conditions.loads(rows, Eigen::all));
+  state.conditions = conditions_in(file, read_state);
   if (const auto tied = std::ranges::find(springs_, entry.time, &Entry::time); tied != springs_.end())
     state.conditions.springs = read_springs(tied->file);
   const auto held = std::ranges::find(instruments_, entry.time, &Entry::time);
-  if (held == instruments_.end()) return state;
-  state.conditions.instruments = read_instruments(held->file);
+  if (held != instruments_.end()) state.conditions.instruments = read_instruments(held->file);
   for (const Instrument& instrument : state.conditions.instruments)
     for (const int node : instrument.nodes)
       if (node >= num_nodes)
         throw InputError(fmt::format("{}: node {}, must lie in [0, {})", held->file.string(), node, num_nodes));
+  if (present.corners != mesh_->hexahedra()) *mesh_ = {*first_, first_nodes(file, initial), std::move(present.corners)};
   return state;
 }
 

@@ -44,8 +44,7 @@ class RecordedRun {
   const std::string& name() const { return name_; }                      ///< of the directory
   const std::vector<Entry>& entries() const { return entries_; }         ///< in the order of the file, at least one
 
-  /// The hexahedra of the first state in their initial shape, with the nodes of the last one: states before their nodes
-  /// were split have these at the places of those that they were split from.
+  /// The hexahedra of the first state in their initial shape, with the nodes of the state that was read last.
   const HexMesh& mesh() const { return *mesh_; }
 
   const Regions& regions() const { return regions_; }
@@ -56,28 +55,25 @@ class RecordedRun {
 
   /// Reads a state, with the instruments and springs where instruments.pvd and springs.pvd name a file of the same
   /// time. Throws InputError for a file that is missing or damaged, lacks an array that is needed, or belongs to
-  /// another mesh.
-  State state(const Entry& entry, Quantity quantity) const;
+  /// another mesh: then `mesh` stays as it was.
+  State state(const Entry& entry, Quantity quantity);
 
  private:
   std::size_t index_of(const std::filesystem::path& file, int id) const;  // of a hexahedron, in mesh_
   [[noreturn]] void refuse_hexahedron(const std::filesystem::path& file, int id) const;
 
-  std::shared_ptr<const OpenFaces> open_in(const std::filesystem::path& file, const ImportedState& state,
-                                           const std::vector<int>& ids, const std::vector<int>& rows) const;
-
-  /// For each node of mesh_, the one of a state that it was then.
-  std::vector<int> rows_of_nodes(const std::filesystem::path& file, const ImportedState& state,
-                                 const std::vector<int>& ids) const;
+  struct Present;
+  Present present_in(const std::filesystem::path& file, const ImportedState& state, const std::vector<int>& ids,
+                     const std::vector<int>& initial) const;
+  std::vector<int> first_nodes(const std::filesystem::path& file, const std::vector<int>& initial) const;
 
   std::filesystem::path directory_;
   std::string name_;
   std::vector<Entry> entries_;
   std::vector<Entry> instruments_, springs_;  // of the same times; empty: there are none
-  std::optional<HexMesh> mesh_;
-  bool has_split_ = false;
+  std::optional<HexMesh> first_, mesh_;       // of the first state, and of the one that was read last
   Regions regions_;
-  std::vector<int> initial_node_;      // per node of mesh_
+  std::vector<int> initial_node_;      // per node of first_
   std::vector<int> id_of_hexahedron_;  // in the mesh that the run began with, ascending
 };
 

@@ -59,6 +59,15 @@ std::vector<double> cell_numbers(const fs::path& file, const ImportedState& stat
   return {values.data(), values.data() + values.size()};
 }
 
+std::vector<double> field_numbers(const fs::path& file, const ImportedState& state, std::string_view name,
+                                  int num_components) {
+  const auto found = std::ranges::find(state.field_data, name, &ImportedArray::name);
+  if (found == state.field_data.end()) return {};
+  const auto values = rows_of(file, "the whole", state.field_data, name, num_components,
+                              std::ssize(found->values) / found->num_components);
+  return {values.data(), values.data() + values.size()};
+}
+
 bool has_cell_data(const ImportedState& state, std::string_view name) {
   return std::ranges::find(state.cell_data, name, &ImportedArray::name) != state.cell_data.end();
 }

@@ -19,6 +19,10 @@ std::vector<double> cell_scalars(const std::filesystem::path& file, const Import
 std::vector<double> cell_numbers(const std::filesystem::path& file, const ImportedState& state, std::string_view name,
                                  int num_components);
 
+/// Per row, as many numbers as an array of the grid as a whole has components; empty where there is none.
+std::vector<double> field_numbers(const std::filesystem::path& file, const ImportedState& state, std::string_view name,
+                                  int num_components);
+
 bool has_cell_data(const ImportedState& state, std::string_view name);
 bool has_point_data(const ImportedState& state, std::string_view name);
 

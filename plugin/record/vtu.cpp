@@ -50,7 +50,7 @@ void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoi
       for (const int node : entry.body->copies().initial()) initial_nodes.push_back(first + node);
       first += entry.body->copies().num_initial();
     }
-    grid.point_data.push_back(scalars("Int32", "initial_node", initial_nodes));
+    grid.point_data.push_back(scalars("Int32", kInitialNode, initial_nodes));
   }
   if (!conditions.fixed.empty()) grid.point_data.push_back(scalars("UInt8", "fixed", conditions.fixed));
   if (conditions.loads.rows() > 0) grid.point_data.push_back(vectors("load", conditions.loads));
@@ -61,11 +61,18 @@ void write_vtu(const std::filesystem::path& file, const Bodies& bodies, ConstPoi
                     scalars("Float64", "yield_stress", fields.yield_stress),
                     scalars("Float64", "volume_ratio", fields.volume_ratio),
                     scalars("Float64", "strain", fields.strain)};
-  std::vector<double> crossing;
+  std::vector<double> crossing, removed;
   if (const std::shared_ptr<const OpenFaces> open = bodies.open_faces()) {
-    for (std::size_t e = 0; e < open->crossing.size(); ++e)
-      if (alive[e]) crossing.insert(crossing.end(), open->crossing[e].begin(), open->crossing[e].end());
+    for (std::size_t e = 0; e < open->crossing.size(); ++e) {
+      std::vector<double>& values = alive[e] ? crossing : removed;
+      if (!alive[e]) {
+        values.push_back(static_cast<double>(e));
+        values.insert(values.end(), mesh.hexahedra()[e].begin(), mesh.hexahedra()[e].end());
+      }
+      values.insert(values.end(), open->crossing[e].begin(), open->crossing[e].end());
+    }
     grid.cell_data.push_back(reals(kCrossing, 6, crossing));
+    if (!removed.empty()) grid.field_arrays = {reals(kRemoved, kNumbersOfRemoved, removed)};
   }
   std::vector<std::int32_t> body_of;
   if (!bodies.is_one()) {

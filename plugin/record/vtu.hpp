@@ -11,7 +11,8 @@ namespace hexaplast::output {
 
 inline constexpr std::string_view kRegionPrefix = "region ";  ///< of the field data that name regions
 
-inline constexpr std::string_view kCrossing = "crossing";
+inline constexpr std::string_view kInitialNode = "initial_node", kCrossing = "crossing", kRemoved = "removed";
+inline constexpr int kNumbersOfRemoved = 1 + kCorners + 6;
 
 /// Writes one state of bodies as a VTK unstructured grid of hexahedra (formats/vtu_grid.hpp). The points are the
 /// current positions [m].
@@ -23,7 +24,8 @@ inline constexpr std::string_view kCrossing = "crossing";
 ///               volume_ratio [-], strain [-] (ElementFields), and region where regions are given: the number of the
 ///               hexahedron's region
 ///               and where nodes are split, crossing [-]: one per side of the hexahedron (OpenFaces, kFaces)
-///   field data: `region NAME` for each region: its number
+///   field data: `region NAME` for each region: its number; and where nodes are split, removed: per removed hexahedron
+///               its id, points and crossings
 ///
 /// Cells are the hexahedra that are left; points are all nodes, also those that have lost their last hexahedron. `id`
 /// is a cell's number in the mesh that the run began with: it stays the same, whatever has gone. `part` numbers the

@@ -239,8 +239,8 @@ void add(const RecordedRun::Entry& entry, const RecordedRun::State& state, const
               options.ghost == "rest" ? &state.plastic_rest : nullptr, state.open);
 }
 
-void render_film(const Subject& subject, const RenderOptions& options, output::Renderer& renderer) {
-  const RecordedRun& run = subject.run;
+void render_film(Subject& subject, const RenderOptions& options, output::Renderer& renderer) {
+  RecordedRun& run = subject.run;
   const std::vector<RecordedRun::Entry>& entries = run.entries();
   const double seconds = entries.back().time - entries.front().time;
   if (!(seconds > 0)) throw UsageError("--video: this run holds one state only, or its times do not ascend");
@@ -279,14 +279,14 @@ output::Drawing sections_of(const Subject& subject, const RecordedRun::Entry& en
                       options.ghost == "rest" ? state.plastic_rest : mesh.positions());
 }
 
-output::Drawing picture_of(const Subject& subject, const RenderOptions& options) {
-  const RecordedRun& run = subject.run;
+output::Drawing picture_of(Subject& subject, const RenderOptions& options) {
+  RecordedRun& run = subject.run;
   const output::Staging staging = staging_of(subject, options);
   const RecordedRun::Entry& entry = chosen(run, options);
+  output::Gallery gallery(run.mesh(), subject.title(), subject.time_decimals(), staging);
   const RecordedRun::State state = run.state(entry, staging.quantity);
   if (!options.sections.empty()) return sections_of(subject, entry, state, staging, options);
   if (staging.cut) require_met(*staging.cut, run, state, options);
-  output::Gallery gallery(run.mesh(), subject.title(), subject.time_decimals(), staging);
   add(entry, state, options, gallery);
   output::Drawing picture;
   gallery.for_each_drawing([&](int, const output::Drawing& drawing) { picture = drawing; });
@@ -305,7 +305,7 @@ void render(const RenderOptions& given) {
   output::add_files_of_run(directory, inputs);
   std::filesystem::path& place = options.video ? *options.video : options.out;
   place = output_place(place, inputs, {directory});
-  const Subject subject(options.run);
+  Subject subject(options.run);
   const std::unique_ptr<output::Renderer> renderer = output::load_renderer();
   if (options.video) return render_film(subject, options, *renderer);
   output::write_png(options.out, renderer->render(picture_of(subject, options)));

@@ -36,6 +36,32 @@ const std::string kScene =
     "<Node name='skin'><OglModel position='0.04 0.13 0.1  0.2 0.05 0.1  0.07 0.2 0.7  0.21 0.1 0.65  0.1 0.12 0.8' "
     "quads='0 1 3 2' triangles='2 3 4'/><BarycentricMapping/></Node></Node>";
 
+/// A block with a skin, which a blade cuts from the side while hexahedra beside the cut break, and behind it a bar in
+/// the hand of an instrument, which breaks while the cut goes on.
+const std::string kCutScene =
+    "<Node gravity='0 0 0' dt='0.01'>\n<DefaultAnimationLoop/><RunSettings steps='12' outputEvery='4'/>"
+    "<VisualStyle displayFlags='showVisualModels showBehaviorModels'/>"
+    "<InteractiveCamera position='-1.4 0.9 0.2' lookAt='0.2 0.2 0.2' fieldOfView='34'/>"
+    "<EulerImplicitSolver rayleighMass='1'/><SparseLDLSolver/>\n<Node name='block'>"
+    "<RegularGridTopology n='5 5 5' max='.4 .4 .4'/><MechanicalObject/><DiagonalMass massDensity='1000'/>"
+    "<HexahedronElastoplasticFEMForceField youngModulus='2000' yieldStress='1e9' plasticFlowRate='40' "
+    "fractureStretch='9'/><MaterialRegion indices='37 38' yieldStress='10' fractureStretch='1.01'/>"
+    "<FixedProjectiveConstraint indices='0-24'/><ConstantForceField indices='100-124' totalForce='0 0 60'/>"
+    "<BladeController points='0 -1 0  0 1 0' keyTimes='0 0.12' positions='-.1 0 .21  .32 0 .21'/>"
+    "<Node name='skin'><OglModel position='.03 .03 .03  .37 .03 .03  .03 .37 .03  .37 .37 .03  .03 .03 .37  "
+    ".37 .03 .37  .03 .37 .37  .37 .37 .37' quads='0 1 5 4  2 6 7 3  0 2 3 1  4 5 7 6  0 4 6 2  1 3 7 5'/>"
+    "<BarycentricMapping/></Node></Node>\n<Node name='bar'>"
+    "<RegularGridTopology n='2 2 4' min='.6 0 0' max='.7 .1 .3'/><MechanicalObject/><DiagonalMass massDensity='1000'/>"
+    "<HexahedronElastoplasticFEMForceField youngModulus='5000' yieldStress='1e9' plasticFlowRate='40' "
+    "fractureStretch='9'/><MaterialRegion indices='1' yieldStress='10' fractureStretch='1.01'/>"
+    "<FixedProjectiveConstraint indices='0-3'/><GraspForceField radius='0.2' keyTimes='0 0.12' "
+    "positions='.65 .05 .3  .65 .05 .4' stiffness='900'/></Node></Node>";
+
+int num_frames(const std::string& film) {
+  const std::size_t at = film.find("acTL");
+  return at == film.npos ? 0 : static_cast<unsigned char>(film[at + 7]);
+}
+
 class Render : public Command {
  protected:
   void SetUp() override {
@@ -88,6 +114,28 @@ TEST_F(Render, MakesThePictureThatTheRunMadeOfAWholeScene) {
   fs::remove(directory_ / "whole/surface.pvd");
   differs("no surface", "");
   expect_refusal("whole --show surfaces", 2, "--show surfaces: this run holds no surface.pvd");
+}
+
+// The film has the states 0, 4, 8, 12: before and amid the cut.
+TEST_F(Render, MakesThePicturesOfACutWhileHexahedraGo) {
+  write("cut.scn", kCutScene);
+  succeeds("run cut.scn --out cut --frames 0 --video run.png --quiet");
+  const std::vector<double> removed = history("cut").numbers("removed"), opened = history("cut").numbers("opened");
+  ASSERT_EQ(removed.back(), 3);
+  const auto gone = std::ranges::find(removed, 3.0) - removed.begin();
+  EXPECT_GT(opened[static_cast<std::size_t>(gone)], 0) << "amid the cut";
+  EXPECT_LT(opened[static_cast<std::size_t>(gone)], opened.back());
+  succeeds("render cut --video film.png");
+  EXPECT_EQ(num_frames(read("film.png")), 4);
+  EXPECT_EQ(read("film.png"), read("run.png"));
+  EXPECT_FALSE(has(read("cut/mesh_000000.vtu"), "Name=\"crossing\""));
+  EXPECT_TRUE(has(read("cut/mesh_000012.vtu"), "Name=\"crossing\" NumberOfComponents=\"6\""));
+  EXPECT_TRUE(has(read("cut/mesh_000012.vtu"), "Name=\"removed\" NumberOfComponents=\"15\" NumberOfTuples=\"3\""));
+  EXPECT_FALSE(has(read("cut/surface_000000.vtu"), "Name=\"wall\""));
+  EXPECT_TRUE(has(read("cut/surface_000012.vtu"), "Name=\"wall\""));
+  replace("cut/mesh_000012.vtu", "Name=\"removed\" NumberOfComponents=\"15\"",
+          "Name=\"removed\" NumberOfComponents=\"14\"");
+  expect_refusal("cut", 3, "mesh_000012.vtu:");
 }
 
 TEST_F(Render, ShowsNoArrowsWhereTheSceneHidesForceFields) {
@@ -180,11 +228,6 @@ TEST_F(Render, KeepsAnOlderPictureWhereItFails) {
   EXPECT_EQ(hexaplast("render bar -o picture.png --slice x:9").code, 2);
   EXPECT_EQ(read("picture.png"), plain);
   EXPECT_EQ(hexaplast("render bar -o bar").code, 5) << "a directory";
-}
-
-int num_frames(const std::string& film) {
-  const std::size_t at = film.find("acTL");
-  return at == film.npos ? 0 : static_cast<unsigned char>(film[at + 7]);
 }
 
 TEST_F(Render, MakesFilms) {

@@ -28,7 +28,7 @@ struct ImportedMesh {
   int num_degenerate = 0;      ///< triangles of .stl files that are left out, as two of their corners are in one place
 };
 
-/// Numbers that a file holds per point or per cell.
+/// Numbers that a file holds per point or per cell, or of the whole.
 struct ImportedArray {
   std::string name;
   int num_components = 1;
@@ -41,7 +41,8 @@ struct ImportedState {
   std::vector<ImportedArray> point_data, cell_data;
   std::vector<int> hexahedron_cells =
       {};  ///< which cell of the file each hexahedron of the mesh is; of copies the first
-  std::vector<std::string> field_names = {};  ///< of the arrays of the grid as a whole
+  std::vector<std::string> field_names = {};   ///< of the arrays of the grid as a whole
+  std::vector<ImportedArray> field_data = {};  ///< of these, those that say how many numbers they hold
 };
 
 /// What of the file is not in the mesh and why, a sentence each: skipped cells, copies, triangles left out.
