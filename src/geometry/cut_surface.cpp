@@ -55,7 +55,6 @@ CutWalls::CutWalls(const HexMesh& mesh, const OpenFaces& open, std::span<const u
   require_count("CutWalls", "crossing", std::ssize(open.crossing), mesh.num_elements());
   if (!alive.empty()) require_count("CutWalls", "alive", std::ssize(alive), mesh.num_elements());
   const std::vector<Face> faces = find_faces();
-  if (!alive.empty()) std::erase_if(walls_, [&](const Wall& wall) { return alive[wall.hexahedron] == 0; });
   for (const Face& face : faces) mean_link_ += face.link.norm() / static_cast<double>(faces.size());
   find_nodes(faces, alive);
 }
@@ -142,9 +141,11 @@ void CutWalls::find_nodes(std::span<const Face> faces, std::span<const unsigned 
     if (!own.contains(initial)) continue;
     Node& node = nodes_[initial];
     at[initial] = mesh_.positions().row(n).transpose();
-    for (const HexMesh::Incidence& incidence : mesh_.incident(n)) {
-      if (!alive.empty() && alive[incidence.element] == 0) continue;
-      node.incident.push_back(incidence);
+    const std::span<const HexMesh::Incidence> all = mesh_.incident(n);
+    const auto is_left = [&](const HexMesh::Incidence& corner) { return alive.empty() || alive[corner.element] != 0; };
+    const bool is_any_left = std::ranges::any_of(all, is_left);
+    for (const HexMesh::Incidence& corner : all) {
+      if (is_left(corner) || !is_any_left) node.incident.push_back(corner);
       node.copies.push_back(open_.copy[n]);
     }
   }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <random>
+#include <utility>
 
 #include "hexaplast/mesh/blade.hpp"
 
@@ -128,10 +129,10 @@ CarriedSurface ball(const Vec3& centre, double radius, int parts) {
   return ball;
 }
 
-CarriedSurface skin_of(const Cutting& cutting, const CarriedSurface& whole) {
+CarriedSurface skin_of(const Cutting& cutting, const CarriedSurface& whole, std::span<const unsigned char> alive = {}) {
   const HexMesh mesh = cutting.mesh();
   const OpenFaces open = cutting.faces();
-  const CutWalls walls(mesh, open);
+  const CutWalls walls(mesh, open, alive);
   const Embedding embedding(mesh.positions(), mesh.hexahedra(), whole.points);
   return cut_skin(walls, whole.points, whole.faces, embedding, 0, mesh.num_elements());
 }
@@ -223,6 +224,31 @@ TEST(CutSkin, RandomCutsLeaveAClosedSurfaceOfTheSameVolume) {
       SCOPED_TRACE(fmt::format("trial {}, {} open, {} faces", trial, cage.opened.size(), skin.faces.size()));
       expect_whole(skin, whole);
     }
+  }
+}
+
+// Within the body, up to its skin, and all of a lip.
+TEST(CutSkin, RemovedHexahedraBesideTheCutLeaveItClosed) {
+  const Vec3 centre(8.1, 7.9, 8.05);
+  const CarriedSurface whole = ball(centre, 6.3, 16);
+  Cutting cage(cubes({16, 16, 16}, [&](const Vec3& middle) { return (middle - centre).norm() < 7.25; }));
+  cage.pass(line({{-1, -1, 6.2}, {17, -1, 10.1}}), Vec3(0, 18, 1));
+  const HexMesh mesh = cage.mesh();
+  const OpenFaces open = cage.faces();
+  const CutWalls walls(mesh, open);
+  std::size_t num_before = 0;
+  for (const double reach : {2.0, 3.5, 6.5, 9.0}) {
+    std::vector<unsigned char> alive(static_cast<std::size_t>(mesh.num_elements()), 1);
+    for (const CutWalls::Wall& wall : walls.walls()) {
+      const Vec3 middle = gather(mesh.positions(), mesh.hexahedra()[wall.hexahedron]).colwise().mean();
+      // those above it
+      if ((middle - centre).norm() < reach && middle.z() > 6.2 + 3.9 / 18 * (middle.x() + 1) + (middle.y() + 1) / 18)
+        alive[wall.hexahedron] = 0;
+    }
+    const auto num_removed = static_cast<std::size_t>(std::ranges::count(alive, 0));
+    SCOPED_TRACE(fmt::format("{} removed", num_removed));
+    EXPECT_GT(num_removed, std::exchange(num_before, num_removed));
+    expect_whole(skin_of(cage, whole, alive), whole);
   }
 }
 

@@ -40,7 +40,7 @@ class CutWalls {
     Vec3 middle;                               ///< [m] of the crossings around it
     Vec3 normal = Vec3::Zero();                ///< of the cut there, unit, towards the second copy; 0: the cut has none
     std::vector<int> copies;                   ///< ascending
-    std::vector<HexMesh::Incidence> incident;  ///< what is left of its hexahedra
+    std::vector<HexMesh::Incidence> incident;  ///< of a copy that has none left, all that are removed
 
     bool is_split() const { return copies.size() > 1; }
   };
@@ -51,7 +51,7 @@ class CutWalls {
 
   const HexMesh& mesh() const { return mesh_; }
   bool empty() const { return walls_.empty(); }
-  const std::vector<Wall>& walls() const { return walls_; }  ///< of hexahedra that are left
+  const std::vector<Wall>& walls() const { return walls_; }  ///< also of removed hexahedra
   bool is_wall(Wall face) const { return is_wall_[face.hexahedron][face.side] != 0; }
   bool is_wall(int hexahedron, const Quad& nodes) const;  ///< of the mesh
   double mean_link() const { return mean_link_; }         ///< [m] between the centres of hexahedra across open faces
