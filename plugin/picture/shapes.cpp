@@ -39,6 +39,14 @@ PointArray applied(const Embedding& embedding, ConstPoints nodes) {
 /// Weights of a quad's corners at a place in it.
 std::array<float, 4> weights_at(float s, float t) { return {(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t}; }
 
+/// None where no open face parts nodes.
+std::optional<CutWalls> walls_of(const HexMesh& mesh, const OpenFaces* open, std::span<const unsigned char> alive) {
+  std::optional<CutWalls> walls;
+  if (open) walls.emplace(mesh, *open, alive);
+  if (walls && walls->empty()) walls.reset();
+  return walls;
+}
+
 void add_lines(const std::vector<Edge>& edges, const Moment::Places& points, Geometry::Places& lines) {
   for (const auto& [a, b] : edges) lines.insert(lines.end(), {points[a], points[b]});
 }
@@ -169,9 +177,7 @@ void Shapes::follow(std::span<const unsigned char> alive, const std::shared_ptr<
     }
     current_alive_.clear();
   } else if (has_split || has_opened || !std::ranges::equal(alive, current_alive_)) {
-    std::optional<CutWalls> walls;
-    if (open) walls.emplace(mesh_, *open, alive);
-    if (walls && walls->empty()) walls.reset();
+    const std::optional<CutWalls> walls = walls_of(mesh_, open.get(), alive);
     current_ = std::make_shared<Boundary>(mesh_, alive, walls ? &*walls : nullptr);
     carry(alive, walls ? &*walls : nullptr);
     current_alive_.assign(alive.begin(), alive.end());
@@ -204,8 +210,11 @@ void Shapes::divide(std::span<const unsigned char> alive) {
   if (parts_of_ == current_ && std::ranges::equal(numbers, parts_, {}, {}, &Part::number)) return;
   parts_of_ = current_;
   parts_.clear();
+  if (numbers.empty()) return;
+  const std::optional<CutWalls> walls = walls_of(mesh_, current_open_.get(), alive);
   for (const int number : numbers) {
-    Part& part = parts_.emplace_back(Part{number, {mesh_, staging.regions.alive_in(number, alive)}, {}});
+    Part& part = parts_.emplace_back(
+        Part{number, {mesh_, staging.regions.alive_in(number, alive), walls ? &*walls : nullptr}, {}});
     if (!staging.shown_regions.empty()) continue;
     for (std::size_t s = 0; s < embedded_surfaces_.size(); ++s) {
       const auto& [original, embedding, whole, current] = embedded_surfaces_[s];

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "picture/axis.hpp"
+#include "picture/bodies.hpp"
 #include "picture/gallery.hpp"
 #include "picture/ink.hpp"
 #include "picture/png_file.hpp"
@@ -203,6 +204,38 @@ std::set<std::string> words_of(const Drawing& drawing) {
   std::set<std::string> words;
   for (const Drawing::Text& text : drawing.texts) words.insert(text.words);
   return words;
+}
+
+// A piece of a block that is cut askew lies where the whole block does.
+TEST(Regions, HaveTheWallsOfTheirBody) {
+  Body body(support::block({3, 3, 3}, 0.1), {Material{}});
+  const PointArray& X = body.initial_mesh().positions();
+  std::vector<int> joints;
+  std::vector<double> crossings;
+  for (int joint = 0; joint < body.joints().num_faces(); ++joint) {
+    const std::span<const int> at = body.joints().nodes(joint);
+    const PointArray nodes = X(std::vector<int>(at.begin(), at.end()), Eigen::all);
+    if ((nodes.col(2).array() - 0.2).abs().maxCoeff() > 1e-9) continue;
+    joints.push_back(joint);
+    crossings.push_back(0.1 + 2 * nodes.col(0).mean());
+  }
+  body.open(joints, crossings);
+  output::Staging staging;
+  for (const Hexahedron& corners : body.mesh().hexahedra())
+    staging.regions.of_hexahedra.push_back(gather(body.mesh().positions(), corners).col(2).mean() > 0.2 ? 1 : 2);
+  staging.regions.names = {"upper", "lower"};
+  staging.shown_regions = {1, 2};
+  output::Shapes shapes(body.mesh(), staging);
+  const std::vector<double> values(static_cast<std::size_t>(body.mesh().num_nodes()), 0.0);
+  const output::Moment moment =
+      shapes.at(body.mesh().positions(), values, {}, {}, nullptr, output::Bodies(body).open_faces());
+  std::size_t num_walls = 0;
+  for (const output::Moment::Shown& part : moment.parts) {
+    for (std::size_t f = 0; f < part.surface->faces().size(); ++f) num_walls += part.surface->is_wall(f) ? 1 : 0;
+    for (const Eigen::Vector3f& point : part.points)
+      EXPECT_TRUE(std::ranges::find(moment.body.points, point) != moment.body.points.end()) << point.transpose();
+  }
+  EXPECT_EQ(num_walls, 18u);
 }
 
 // Each hexahedron is in one region: no value lies between two numbers, on the surface and where it is cut.
