@@ -22,6 +22,11 @@ int number_in(const Hexahedron& corners, int node) {
   return static_cast<int>(std::ranges::find(corners, node) - corners.begin());
 }
 
+/// Present node of a hexahedron at an initial one.
+int corner_of(const Model& model, int e, int initial_node) {
+  return model.mesh.hexahedra()[e][number_in(model.initial_mesh().hexahedra()[e], initial_node)];
+}
+
 int side_of(const Joints& joints, int joint, int e) {
   return static_cast<int>(std::ranges::find(joints.across(e), joint) - joints.across(e).begin());
 }
@@ -73,12 +78,11 @@ std::vector<int> Tear::faces(const Model& model, const History& history, ConstPo
 bool Tear::holds(const Model& model, int joint) const {
   if (joint < 0) return false;
   if (joints_[joint] != kOpen) return true;
-  const int one = model.joints().hexahedra(joint).front(), other = model.joints().hexahedra(joint).back();
-  const auto corner_of = [&](int e, int node) {
-    return model.mesh.hexahedra()[e][number_in(model.initial_mesh().hexahedra()[e], node)];
-  };
-  return std::ranges::all_of(model.joints().nodes(joint),
-                             [&](int node) { return corner_of(one, node) == corner_of(other, node); });
+  const std::span<const int> held = model.joints().hexahedra(joint);
+  return std::ranges::all_of(model.joints().nodes(joint), [&](int node) {
+    return std::ranges::all_of(
+        held, [&](int e) { return corner_of(model, e, node) == corner_of(model, held.front(), node); });
+  });
 }
 
 void Tear::list(const History& history, int element) {
@@ -201,8 +205,8 @@ bool Tear::advances(const Model& model, ConstPoints x, const CornerForces& force
           return std::ranges::any_of(model.mesh.incident(node), has_split, &HexMesh::Incidence::element);
         });
       });
-  const double needed =  // [J/m^2]
-      0.5 * (model.material(held.front()).fracture_energy + model.material(held.back()).fracture_energy);
+  double needed = 0;  // [J/m^2]
+  for (const int e : held) needed += model.material(e).fracture_energy / static_cast<double>(held.size());
   if (!is_at_crack && needed == 0) return true;
   const Release free = release(model, x, forces, joint);
   if (is_at_crack && !free.splits) return false;
@@ -230,16 +234,16 @@ void Tear::group(const Model& model, int node) {
 }
 
 /// Virtual crack closure: half the force across the face at the nodes that would split, times how far the crack gapes
-/// just behind them. A node is shared by the faces that it lies ahead of.
+/// just behind them. A node is shared by the faces that it lies ahead of. Of three hexahedra or more the lowest parts
+/// from the others.
 Tear::Release Tear::release(const Model& model, ConstPoints x, const CornerForces& forces, int joint) {
   const Joints& joints = model.joints();
   const HexMesh& initial = model.initial_mesh();
-  const int upper = joints.hexahedra(joint).front(), lower = joints.hexahedra(joint).back();
+  const std::span<const int> held = joints.hexahedra(joint);
   Release found;
   for (const int node : joints.nodes(joint)) {
-    const int present = model.mesh.hexahedra()[upper][number_in(initial.hexahedra()[upper], node)];
-    group(model, present);
-    const int of_upper = around_.root(upper), of_lower = around_.root(lower);
+    group(model, corner_of(model, held.front(), node));
+    const bool splits = !around_.are_together(held);
     int num_ahead = 0;
     Vec3 forward = Vec3::Zero(), force = forward, opening = forward;
     for (const auto& [element, corner] : around_.all) {
@@ -248,16 +252,16 @@ Tear::Release Tear::release(const Model& model, ConstPoints x, const CornerForce
         if (ahead < 0 || joints_[ahead] != kOpening || joints.hexahedra(ahead).front() != element) continue;
         const Quad nodes = face_of(initial.hexahedra()[element], kFaces[side]);
         if (std::ranges::find(nodes, node) == nodes.end()) continue;
-        if (of_upper != of_lower && around_.root(element) == around_.root(joints.hexahedra(ahead).back())) continue;
+        if (splits && around_.are_together(joints.hexahedra(ahead))) continue;
         ++num_ahead;
         for (const int n : nodes) forward += place_of(initial.positions(), n) - place_of(initial.positions(), node);
       }
-      if (const int root = around_.root(element); of_upper != of_lower && (root == of_upper || root == of_lower))
-        force += (root == of_upper ? 0.5 : -0.5) * Vec3(forces(element).row(corner).transpose());
+      if (const int side = splits ? around_.side(held, element) : 0; side != 0)
+        force += 0.5 * side * Vec3(forces(element).row(corner).transpose());
     }
-    if (!find_opening(model, x, node, forward, upper, lower, opening)) continue;
+    if (!find_opening(model, x, node, forward, held, opening)) continue;
     found.is_at_front = true;
-    if (of_upper == of_lower) continue;
+    if (!splits) continue;
     found.splits = true;
     found.energy += 0.5 * force.dot(opening) / num_ahead;
   }
@@ -266,43 +270,37 @@ Tear::Release Tear::release(const Model& model, ConstPoints x, const CornerForce
 
 /// How far the two sides of a crack have parted one edge behind a node at its front, the upper one from the lower one.
 /// False where no crack ends at the node.
-bool Tear::find_opening(const Model& model, ConstPoints x, int initial_node, const Vec3& forward, int upper, int lower,
-                        Vec3& opening) {
+bool Tear::find_opening(const Model& model, ConstPoints x, int initial_node, const Vec3& forward,
+                        std::span<const int> held, Vec3& opening) {
   const Joints& joints = model.joints();
-  const std::vector<Hexahedron>&hexahedra = model.mesh.hexahedra(), &initial = model.initial_mesh().hexahedra();
+  const std::vector<Hexahedron>& initial = model.initial_mesh().hexahedra();
   const PointArray& X = model.initial_mesh().positions();
-  const int of_upper = around_.root(upper), of_lower = around_.root(lower);
+  const bool splits = !around_.are_together(held);
   double least = kBehind;
   int count = 0;
+  const auto see = [&](int element, int behind, int other) {
+    const int one = corner_of(model, element, behind), two = corner_of(model, other, behind);
+    const double cosine = forward.normalized().dot((place_of(X, behind) - place_of(X, initial_node)).normalized());
+    if (one == two || !(cosine < least + kEqual)) return;
+    const double sign = splits ? around_.side(held, element) : 1;
+    if (splits && (sign == 0 || around_.side(held, other) != -sign)) return;
+    if (cosine < least - kEqual) {
+      least = cosine;
+      count = 0;
+      opening.setZero();
+    }
+    opening += sign * (place_of(x, one) - place_of(x, two));
+    ++count;
+  };
   for (const auto& [element, corner] : around_.all)
     for (int side = 0; side < 6; ++side) {
       const Quad& face = kFaces[side];
       const int joint = joints.across(element)[side];
-      if (joint < 0 || joints_[joint] != kOpen || joints.hexahedra(joint).front() != element) continue;
       const auto at = std::ranges::find(face, corner) - face.begin();
-      const int other = joints.hexahedra(joint).back();
-      if (at == 4 || !around_.has(other)) continue;
-      for (const auto next : {(at + 1) % 4, (at + 3) % 4}) {
-        const int behind = initial[element][face[next]];
-        const int one = hexahedra[element][face[next]], two = hexahedra[other][number_in(initial[other], behind)];
-        if (one == two) continue;
-        const double cosine = forward.normalized().dot((place_of(X, behind) - place_of(X, initial_node)).normalized());
-        if (!(cosine < least + kEqual)) continue;
-        const int of_one = around_.root(element), of_two = around_.root(other);
-        double sign = 0;  // 0: not these two sides
-        if (of_upper == of_lower || (of_one == of_upper && of_two == of_lower))
-          sign = 1;
-        else if (of_one == of_lower && of_two == of_upper)
-          sign = -1;
-        if (sign == 0) continue;
-        if (cosine < least - kEqual) {
-          least = cosine;
-          count = 0;
-          opening.setZero();
-        }
-        opening += sign * (place_of(x, one) - place_of(x, two));
-        ++count;
-      }
+      if (joint < 0 || joints_[joint] != kOpen || at == 4) continue;
+      for (const int other : joints.hexahedra(joint))
+        if (other > element && around_.has(other))
+          for (const auto next : {(at + 1) % 4, (at + 3) % 4}) see(element, initial[element][face[next]], other);
     }
   if (count > 0) opening /= count;
   return count > 0;

@@ -47,6 +47,14 @@ class Tear {
     int root(int e) {
       return groups.root(static_cast<int>(std::ranges::find(all, e, &HexMesh::Incidence::element) - all.begin()));
     }
+    bool are_together(std::span<const int> hexahedra) {
+      return std::ranges::all_of(hexahedra, [&](int e) { return root(e) == root(hexahedra.front()); });
+    }
+    /// 1: e is together with the first of these hexahedra, -1: with another, 0: with none.
+    int side(std::span<const int> of, int e) {
+      const auto found = std::ranges::find(of, root(e), [&](int other) { return root(other); });
+      return found == of.end() ? 0 : found == of.begin() ? 1 : -1;
+    }
   };
 
   bool holds(const Model& model, int joint) const;
@@ -60,7 +68,7 @@ class Tear {
   bool advances(const Model& model, ConstPoints x, const CornerForces& forces, int joint);
   void group(const Model& model, int node);
   Release release(const Model& model, ConstPoints x, const CornerForces& forces, int joint);
-  bool find_opening(const Model& model, ConstPoints x, int initial_node, const Vec3& forward, int upper, int lower,
+  bool find_opening(const Model& model, ConstPoints x, int initial_node, const Vec3& forward, std::span<const int> held,
                     Vec3& opening);
 
   std::vector<unsigned char> joints_;       // per joint

@@ -165,15 +165,36 @@ TEST(FaceTearing, IsLeftToTheCaller) {
 /// a volume far ahead of the crack holds E e^2/2 and one far behind it nothing: a crack sets free G = E e^2 H/2,
 /// whatever its length (Rivlin and Thomas, 1953).
 struct Strip {
-  int half;    // hexahedra in half of its height
-  int layers;  // through its thickness
+  int half;                 // hexahedra in half of its height
+  int layers;               // through its thickness
+  bool is_twofold = false;  // two of its upper half are on the slit, and below it is one row of hexahedra
 
   static constexpr double kHeight = 0.1, kYoung = 20000;
   double edge() const { return kHeight / (2 * half); }
+  double slit_at() const { return is_twofold ? edge() : kHeight / 2; }
+  double top() const { return slit_at() + kHeight / 2; }
   static double energy_at(double strain) { return kYoung * strain * strain * kHeight / 2; }
 
   HexMesh mesh() const {
-    return regular_grid({8 * half, 2 * half, layers}, Vec3::Zero(), Vec3(4 * kHeight, kHeight, layers * edge()));
+    const int below = is_twofold ? 1 : half;
+    const HexMesh once =
+        regular_grid({8 * half, below + half, layers}, Vec3::Zero(), Vec3(4 * kHeight, top(), layers * edge()));
+    if (!is_twofold) return once;
+    std::vector<int> rows(static_cast<std::size_t>(once.num_nodes()));
+    std::iota(rows.begin(), rows.end(), 0);
+    std::vector<int> twin = rows;
+    for (int n = 0; n < once.num_nodes(); ++n) {
+      if (once.positions()(n, 1) < slit_at() + 1e-9) continue;
+      twin[static_cast<std::size_t>(n)] = static_cast<int>(rows.size());
+      rows.push_back(n);
+    }
+    std::vector<Hexahedron> hexahedra = once.hexahedra();
+    for (const Hexahedron& corners : once.hexahedra()) {
+      if (gather(once.positions(), corners).col(1).mean() < slit_at()) continue;
+      Hexahedron& other = hexahedra.emplace_back(corners);
+      for (int& node : other) node = twin[static_cast<std::size_t>(node)];
+    }
+    return {once.positions()(rows, Eigen::all), hexahedra};
   }
 
   /// With a flow of a millionth of what passes tau, which follows the stress at once: kappa nu dt = 1.
@@ -186,13 +207,13 @@ struct Strip {
                             .fracture_stress = strength,
                             .fracture_energy = energy};
     Body slit(mesh(), {material}, {.fracture = Fracture::kFace});
-    slit.open(joints_in_plane(slit, 1, kHeight / 2, 0, 0, 2 * kHeight));
+    slit.open(joints_in_plane(slit, 1, slit_at(), 0, 0, 2 * kHeight));
     return slit;
   }
 
   /// The faces ahead of the crack.
   std::vector<int> front(const Body& body) const {
-    return joints_in_plane(body, 1, kHeight / 2, 0, 2 * kHeight, 2 * kHeight + edge());
+    return joints_in_plane(body, 1, slit_at(), 0, 2 * kHeight, 2 * kHeight + edge());
   }
 
   /// Grips hold this strain; returns the energy [J] in equilibrium.
@@ -200,7 +221,7 @@ struct Strip {
     std::vector<int> held;
     const PointArray& X = body.mesh().positions();
     for (int n = 0; n < X.rows(); ++n) {
-      if (X(n, 1) > 1e-9 && X(n, 1) < kHeight - 1e-9) continue;
+      if (X(n, 1) > 1e-9 && X(n, 1) < top() - 1e-9) continue;
       held.push_back(n);
       x(n, 1) = X(n, 1) * (1 + strain);
     }
@@ -219,7 +240,7 @@ bool contains(const std::vector<int>& torn, const std::vector<int>& joints) {
 
 TEST(FractureEnergy, ThatAFaceIsJudgedByIsWhatItsOpeningSetsFree) {
   constexpr double kStrain = 0.01;
-  for (const Strip strip : {Strip{4, 1}, Strip{4, 2}, Strip{6, 3}}) {
+  for (const Strip strip : {Strip{4, 1}, Strip{4, 2}, Strip{6, 3}, Strip{4, 2, true}}) {
     Body body = strip.body(1.02 * Strip::kYoung * kStrain, 1);
     PointArray x = body.mesh().positions();
     x.col(1) *= 1 + kStrain;
@@ -236,7 +257,9 @@ TEST(FractureEnergy, ThatAFaceIsJudgedByIsWhatItsOpeningSetsFree) {
     append_rows(body.open(front), x);
     const double area = strip.layers * strip.edge() * strip.edge();
     const double free = (before - strip.pull(body, kStrain, x)) / area;
-    EXPECT_NEAR(free / Strip::energy_at(kStrain), 1, 0.01);
+    if (!strip.is_twofold) {
+      EXPECT_NEAR(free / Strip::energy_at(kStrain), 1, 0.01);
+    }
     EXPECT_NEAR(low / free, 1, 0.01) << strip.half << " " << strip.layers;
   }
 }
