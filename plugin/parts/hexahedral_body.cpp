@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <sstream>
 #include <utility>
 
 #include "base/memory.hpp"
 #include "body_state.hpp"
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/quality.hpp"
 #include "material/filling.hpp"
 #include "mesh/lumped_mass.hpp"
@@ -16,6 +18,33 @@
 
 namespace hexaplast::parts {
 namespace {
+
+/// The joints that have been opened, call by call: numbers of nodes depend on the calls.
+struct Openings {
+  explicit Openings(const Body& body)
+      : joints(body.opened().begin(), body.opened().end()),
+        crossings(body.crossings().begin(), body.crossings().end()),
+        ends(body.state().history.end_of_opening) {}
+
+  std::size_t begin_of(std::size_t call) const { return call == 0 ? 0 : static_cast<std::size_t>(ends[call - 1]); }
+
+  bool begins_as(const Openings& other, std::size_t num_calls) const {
+    return std::equal(ends.begin(), ends.begin() + static_cast<std::ptrdiff_t>(num_calls), other.ends.begin()) &&
+           std::equal(joints.begin(), joints.begin() + static_cast<std::ptrdiff_t>(begin_of(num_calls)),
+                      other.joints.begin());
+  }
+
+  void open_from(std::size_t first_call, Body& body) const {
+    for (std::size_t call = first_call; call < ends.size(); ++call) {
+      const std::size_t begin = begin_of(call), count = begin_of(call + 1) - begin;
+      body.open(std::span(joints).subspan(begin, count), std::span(crossings).subspan(begin, count));
+    }
+  }
+
+  std::vector<int> joints;
+  std::vector<double> crossings;
+  std::vector<int> ends;
+};
 
 bool are_same(const std::vector<Material>& some, const std::vector<Material>& others) {
   const auto is_same = [](const Material& one, const Material& other) {
@@ -107,16 +136,24 @@ void HexahedralBody::reset() {
 }
 
 void HexahedralBody::reset_but_cuts() {
-  const std::vector<int> opened(body_.opened().begin(), body_.opened().end());
-  const std::vector<double> crossings(body_.crossings().begin(), body_.crossings().end());
-  const std::vector<int> ends = body_.state().history.end_of_opening;
+  const Openings openings(body_);
   reset();
-  std::size_t begin = 0;
-  for (const int end : ends) {  // numbers of nodes depend on the calls
-    const std::size_t count = static_cast<std::size_t>(end) - begin;
-    body_.open(std::span(opened).subspan(begin, count), std::span(crossings).subspan(begin, count));
-    begin += count;
+  openings.open_from(0, body_);
+}
+
+bool HexahedralBody::load_but_cuts(std::istream& in) {
+  const Openings before(body_);
+  std::stringstream present;
+  body_.save(present);
+  body_.load(in);
+  const Openings loaded(body_);
+  const std::size_t num_common = std::min(before.ends.size(), loaded.ends.size());
+  if (!before.begins_as(loaded, num_common)) {
+    body_.load(present);
+    throw InputError("other joints of it are open than those that its nodes have split at, which do not join again");
   }
+  before.open_from(num_common, body_);
+  return before.ends.size() > num_common;
 }
 
 void HexahedralBody::serialize(Archive& archive) {

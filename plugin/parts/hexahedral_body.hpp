@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <iosfwd>
 #include <memory>
 #include <optional>
 #include <span>
@@ -80,7 +81,13 @@ class HexahedralBody {
     return body_.open(joints, crossings);
   }
   void reset();
-  void reset_but_cuts();  ///< its joints stay open: for hosts whose nodes do not join again
+
+  /// For hosts whose nodes do not join again: the same, but that joints which are open stay open. load_but_cuts takes
+  /// what Body::save wrote, and returns whether such joints were closed in it. Throws InputError where neither has all
+  /// that the other has opened, in the same calls; nothing has changed then.
+  void reset_but_cuts();
+  bool load_but_cuts(std::istream& in);
+
   void serialize(Archive& archive);
 
   /// Hexahedra that have gone since the last call of this; valid until the next step.

@@ -144,6 +144,39 @@ TEST(CuttingInSofa, TopologyHasTheHexahedraOfTheBody)
     EXPECT_GT(*std::min_element(masses.begin(), masses.end()), 0.01);
 }
 
+TEST(CuttingInSofa, BodyMadeAnewTakesItsLoadsAndBladesWithIt)
+{
+    SofaScene scene = SofaScene::from_text(
+        Block{.behind = "<GraspForceField name='grip' indices='@side.indices' radius='0.12' stiffness='50' "
+                        "keyTimes='0 0.3' positions='0 0.1 0.05  -0.05 0.1 0.05'/>"}
+            .text());
+    for (int step = 0; step < 8; ++step) scene.step();
+    const int numJoints = scene.body().joints().count();
+    const auto numOpened = static_cast<int>(scene.body().opened().size());
+    ASSERT_GT(numOpened, 0);
+    Messages messages;
+    scene.field().init();  // of the topology as it is now
+    for (int step = 0; step < 12; ++step) scene.step();
+    EXPECT_EQ(messages.errors(), "");
+    EXPECT_EQ(scene.body().joints().count(), numJoints - numOpened);
+    EXPECT_EQ(static_cast<int>(scene.body().opened().size()), 16 - numOpened) << "the rest of the cut";
+    EXPECT_TRUE(scene.positions().allFinite());
+}
+
+// What comes during the run and cannot follow leaves the body whole, and the blade without effect.
+TEST(CuttingInSofa, WhatComesLaterIsRefusedAndTheBodyGoesOn)
+{
+    SofaScene scene = SofaScene::from_text(
+        Block{.modifier = "<HexahedronSetTopologyModifier name='modifier' removeIsolated='false'/>"}.text());
+    scene.step();
+    scene.set("modifier", "removeIsolated", "true");
+    Messages messages;
+    for (int step = 0; step < 20; ++step) scene.step();
+    EXPECT_GT(messages.count("removeIsolated must be false"), 0) << messages.text();
+    EXPECT_FALSE(isInvalid(scene.field()));
+    EXPECT_EQ(scene.positions().rows(), 125);
+}
+
 // The topology in SOFA has no way back.
 TEST(CuttingInSofa, ResetKeepsTheCut)
 {
@@ -247,7 +280,9 @@ INSTANTIATE_TEST_SUITE_P(
                 {.behind = "<Node name='skin'><MechanicalObject name='points' template='Vec3d' position='0.1 0.1 0.1'/>"
                            "<BarycentricMapping name='mapping'/></Node>"},
                 "BarycentricMapping '/tissue/skin/mapping' does not know"},
-        Refused{"Modifier", {.modifier = ""}, "has no HexahedronSetTopologyModifier beside it"},
+        Refused{"Modifier",
+                {.modifier = ""},
+                "must be a HexahedronSetTopologyContainer with a HexahedronSetTopologyModifier in its node"},
         Refused{"Tears",
                 {.mass = "<UniformMass totalMass='1'/>",
                  .material = "yieldStress='50' plasticFlowRate='5' fracture='face' fractureStretch='1.2'",

@@ -129,7 +129,7 @@ INSTANTIATE_TEST_SUITE_P(
     Tissue, ShippedSceneInSofa,
     testing::Values(Case{"vessel_mobilise", 140, 1e-9, R"(rayleighMass="1")", R"(rayleighMass="1.0000000000000002")"},
                     Case{"fatty_tissue", 60, 1e-5}, Case{"liver_cage", 60, 1e-5}, Case{"sheet_cut", 160, 1e-9},
-                    Case{"peritoneum_tear", 260, 1e-9}, Case{"notch", 300, 1e-9}),
+                    Case{"peritoneum_tear", 150, 1e-9}, Case{"notch", 150, 1e-9}),
     [](const auto& info) { return info.param.scene; });
 
 }  // namespace

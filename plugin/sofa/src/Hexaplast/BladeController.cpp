@@ -6,8 +6,6 @@
 #include <sofa/core/visual/VisualParams.h>
 #include <sofa/simulation/AnimateBeginEvent.h>
 
-#include <utility>
-
 namespace hexaplast::sofa_plugin
 {
 
@@ -27,12 +25,15 @@ parts::BladeOptions BladeController::options() const
     return options;
 }
 
+BladeController::Field* BladeController::field() const { return l_body ? l_body.get() : getContext()->get<Field>(); }
+
 void BladeController::make()
 {
     m_part.reset();
+    m_hasAsked = false;
     m_inputs.haveChanged();
     checkLink(l_body, "body");
-    m_field = l_body ? l_body.get() : getContext()->get<Field>();
+    m_field = field();
     if (!m_field)
         throw InputError("needs a HexahedronElastoplasticFEMForceField in its node or above, or a link to one");
     if (!m_field->works()) throw InputError("its body '" + m_field->getName() + "' is invalid (see its error above)");
@@ -49,25 +50,31 @@ void BladeController::reset()
 void BladeController::handleEvent(sofa::core::objectmodel::Event* event)
 {
     if (!sofa::simulation::AnimateBeginEvent::checkEventType(event)) return;
-    const bool isOther = m_field && (m_field->part() != m_body || !m_field->works());
+    const bool isOther = field() != m_field.get() || (m_field && m_field->works() && m_field->part() != m_body);
     if (m_inputs.haveChanged() || isOther || (!m_part && !isInvalid(*this))) bwdInit();
-    if (!mayStep(*this)) return;
+    if (!mayStep(*this) || !m_field->works()) return;
     const SReal dt = static_cast<sofa::simulation::AnimateBeginEvent*>(event)->getDt();
     attempt(*this, [&] { beginStep(dt); });
 }
 
 void BladeController::beginStep(SReal dt)
 {
-    if (!std::exchange(m_hasAsked, true)) Followers{*m_field};
+    m_field->takeGivenState();  // with nodes that split there
+    if (!m_hasAsked)
+    {
+        Followers{*m_field};
+        m_hasAsked = true;
+    }
     m_frame.check();
     if (m_frame.isGiven()) m_part->prescribe(m_frame.after(0), m_frame.after(dt));
     m_part->begin_step({.time = getContext()->getTime(), .dt = dt, .rayleigh_stiffness = 0},
                        view(m_field->getMState()->readPositions().ref()));
+    m_field->expect(*this);
 }
 
 void BladeController::addOpened(std::vector<int>& joints, std::vector<double>& crossings)
 {
-    if (!m_part || isInvalid(*this)) return;
+    if (!m_part || isInvalid(*this) || m_field->part() != m_body) return;
     attempt(*this,
             [&]
             {

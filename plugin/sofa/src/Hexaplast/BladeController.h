@@ -41,15 +41,14 @@ public:
     void handleEvent(sofa::core::objectmodel::Event* event) override;
     void draw(const sofa::core::visual::VisualParams* vparams) override;
 
-    const Field* body() const { return m_field.get(); }
-
-    /// What it has opened in the step that ends, behind what others have.
+    /// What it has opened in the step that ends, behind what others have: for its body, which it has told of itself.
     void addOpened(std::vector<int>& joints, std::vector<double>& crossings);
 
 protected:
     BladeController();
 
 private:
+    Field* field() const;  ///< that it is to cut now
     parts::BladeOptions options() const;
     void make();
     void beginStep(SReal dt);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <Hexaplast/Followers.h>
 #include <Hexaplast/FollowsNodes.h>
+#include <Hexaplast/errors.h>
 #include <Hexaplast/mappings.h>
 #include <sofa/component/constraint/projective/FixedProjectiveConstraint.h>
 #include <sofa/component/constraint/projective/LinearMovementProjectiveConstraint.h>
 #include <sofa/component/constraint/projective/PartialLinearMovementProjectiveConstraint.h>
 #include <sofa/component/mapping/linear/BarycentricMapping.h>
+#include <sofa/component/topology/container/dynamic/HexahedronSetTopologyContainer.h>
 #include <sofa/core/CollisionModel.h>
 #include <sofa/core/behavior/StateAccessor.h>
 #include <sofa/core/topology/TopologicalMapping.h>
@@ -27,6 +29,7 @@ using MovementConstraint = sofa::component::constraint::projective::LinearMoveme
 using PartialMovementConstraint =
     sofa::component::constraint::projective::PartialLinearMovementProjectiveConstraint<Vec3Types>;
 using BarycentricMapping = sofa::component::mapping::linear::BarycentricMapping<Vec3Types, Vec3Types>;
+using sofa::component::topology::container::dynamic::HexahedronSetTopologyContainer;
 using BodyField = HexahedronElastoplasticFEMForceField<Vec3Types>;
 
 template <class T>
@@ -56,8 +59,8 @@ bool actsOn(SofaComponent& component, const BaseMechanicalState& state, const Me
            component.getContext()->getMechanicalState() == &state;
 }
 
-/// Of SOFA: that goes on where nodes split, with what Followers::follow does. A mapping for the eye finds its points anew
-/// (TopologyBarycentricMapper::processTopologicalChanges); what it moves is not cut.
+/// Of SOFA: that goes on where nodes split, with what Followers::follow does. A mapping for the eye finds its points
+/// anew (TopologyBarycentricMapper::processTopologicalChanges); what it moves is not cut.
 bool isKnown(SofaComponent& component)
 {
     if (auto* mapping = dynamic_cast<BarycentricMapping*>(&component)) return !mapping->isMechanical();
@@ -89,13 +92,30 @@ std::vector<double> massesOf(const sofa::component::mass::DiagonalMass<Vec3Types
     return reals(mass.d_vertexMass.getValue());
 }
 
-}  // namespace
-
-const Body* splitBodyOf(const BaseMechanicalState& state)
+BodyField* fieldOn(const BaseMechanicalState& state)
 {
     for (BodyField* field : all<BodyField>(*state.getContext()))
-        if (field->getMState() == &state && field->body() && field->body()->copies().is_split()) return field->body();
+        if (field->getMState() == &state && field->body()) return field;
     return nullptr;
+}
+
+}  // namespace
+
+SharedBody bodyOn(const BaseMechanicalState& state)
+{
+    const BodyField* field = fieldOn(state);
+    return field ? field->part() : nullptr;
+}
+
+SharedBody splitBodyOn(const BaseMechanicalState& state)
+{
+    const SharedBody body = bodyOn(state);
+    return body && body->body().copies().is_split() ? body : nullptr;
+}
+
+void takeGivenStateOfBodyOn(const BaseMechanicalState& state)
+{
+    if (BodyField* field = fieldOn(state)) field->takeGivenState();
 }
 
 Followers::Followers(Field& field) : m_field(field)
@@ -107,25 +127,27 @@ Followers::Followers(Field& field) : m_field(field)
     };
     auto& state = *field.getMState();
     auto& topology = *field.l_topology;
-    const auto* follows = state.findLink("topology");  // of a MechanicalObject
-    if (!field.modifier())
-        refuse(topology, "has no HexahedronSetTopologyModifier beside it, which SOFA needs to add nodes");
-    if (!follows || follows->getLinkedBase() != &topology)
-        refuse(state, "has its nodes from another topology, and does not see nodes that come");
+    const auto isOfTopology = [&](const auto& component)
+    {
+        const auto* link = component.findLink("topology");
+        return link && link->getLinkedBase() == &topology;
+    };
+    const auto* modifier = field.modifier();
+    if (!dynamic_cast<HexahedronSetTopologyContainer*>(&topology) || !modifier || isInvalid(*modifier))
+        refuse(topology, "must be a HexahedronSetTopologyContainer with a HexahedronSetTopologyModifier in its node");
+    if (modifier->removeIsolated.getValue()) refuse(*modifier, "would take nodes away: removeIsolated must be false");
+    if (!isOfTopology(state)) refuse(state, "has its nodes from another topology, and does not see nodes that come");
     if (followsAnother(state)) refuse(state, "follows another state");
     for (SofaComponent* component : all<SofaComponent>(*field.getContext()))
     {
         if (component == &field || component == &state || !actsOn(*component, state, topology)) continue;
         m_acting.push_back(component);
         if (dynamic_cast<BodyField*>(component)) refuse(*component, "is a second body on the same nodes");
-        if (const auto* follower = dynamic_cast<FollowsNodes*>(component))
-        {
-            if (const std::string why = follower->cannotFollow(); !why.empty()) refuse(*component, "cannot: " + why);
-            continue;
-        }
+        if (dynamic_cast<FollowsNodes*>(component)) continue;
         if (!isKnown(*component)) refuse(*component, "does not know of nodes that split");
         auto* mass = dynamic_cast<DiagonalMass*>(component);
         if (!mass) continue;
+        if (!isOfTopology(*mass)) refuse(*mass, "has its hexahedra from another topology");
         const std::vector<double> masses = massesOf(*mass);
         if (!parts::are_of_density(mass->getMassDensity(), view(state.readRestPositions().ref()), hexahedraOf(topology),
                                    masses))
@@ -138,7 +160,7 @@ void Followers::follow(std::span<const int> splitFrom)
     const Body& body = *m_field.body();
     for (SofaComponent* component : all<SofaComponent>(*m_field.getContext()))
         if (auto* follower = dynamic_cast<FollowsNodes*>(component))
-            follower->nodesChanged(*m_field.getMState(), body, splitFrom);
+            attempt(*component, [&] { follower->nodesChanged(*m_field.getMState(), m_field.part(), splitFrom); });
     for (SofaComponent* component : m_acting)
     {
         if (auto* fixed = dynamic_cast<FixedConstraint*>(component))

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "hexaplast/body.hpp"
+#include "parts/hexahedral_body.hpp"
 
 namespace hexaplast::sofa_plugin
 {
@@ -31,13 +31,16 @@ public:
 
     bool hasPart() const override { return m_part.has_value(); }
 
-    void nodesChanged(const MechanicalState& state, const Body& body, std::span<const int> splitFrom) override
+    void nodesChanged(const MechanicalState& state, const SharedBody& body, std::span<const int> splitFrom) override
     {
         const std::array states = this->states();
-        for (int k = 0; hasPart() && k < Part::kNumStates; ++k)
-            if (states[k] == &state) m_part->nodes_changed(k, body.copies(), splitFrom);
+        for (std::size_t k = 0; hasPart() && k < Part::kNumStates; ++k)
+        {
+            if (states[k] != &state) continue;
+            m_followed[k] = body;
+            m_part->nodes_changed(static_cast<int>(k), body->body().copies(), splitFrom);
+        }
     }
-    std::string cannotFollow() const override { return hasPart() ? m_part->cannot_follow() : std::string(); }
 
 protected:
     explicit ForceOf(const Description& description = Part::description()) : Inherit(description)
@@ -51,8 +54,8 @@ protected:
     virtual typename Part::Options options() const
     {
         auto options = this->template readOptions<typename Part::Options>();
-        const Body* body = splitBodyOf(*this->states()[0]);
-        const auto isCopy = [&](int node) { return node >= body->copies().num_initial(); };
+        const SharedBody body = splitBodyOn(*this->states()[0]);
+        const auto isCopy = [&](int node) { return node >= body->body().copies().num_initial(); };
         if constexpr (requires { options.indices.value(); })
         {
             if (body && options.indices) std::erase_if(*options.indices, isCopy);
@@ -71,8 +74,8 @@ protected:
         for (std::size_t k = 0; k < 2; ++k)
         {
             const MechanicalState& state = *this->states()[k];
-            const Body* body = splitBodyOf(state);
-            around.num_nodes[k] = body ? body->copies().num_initial() : static_cast<int>(state.getSize());
+            const SharedBody body = splitBodyOn(state);
+            around.num_nodes[k] = body ? body->body().copies().num_initial() : static_cast<int>(state.getSize());
         }
         return around;
     }
@@ -84,12 +87,22 @@ protected:
         const typename Part::Options given = options();
         m_part.reset();
         m_part.emplace(given, around);
+        m_followed = {};
         for (const MechanicalState* state : this->states())
-            if (const Body* body = splitBodyOf(*state)) nodesChanged(*state, *body, {});
+            if (const SharedBody body = splitBodyOn(*state)) nodesChanged(*state, body, {});
         sayWarnings();
+    }
+    /// Whether a body that its nodes have split with has been made anew or is gone.
+    bool othersHaveChanged() override
+    {
+        const std::array states = this->states();
+        for (std::size_t k = 0; k < Part::kNumStates; ++k)
+            if (m_followed[k] && bodyOn(*states[k]) != m_followed[k]) return true;
+        return false;
     }
     void updatePart() override
     {
+        if (ForceOf::othersHaveChanged()) return makePart();
         m_part->set_options(options());
         sayWarnings();
     }
@@ -112,6 +125,7 @@ protected:
     }
     void loadPart(std::istream& in) override
     {
+        for (const MechanicalState* state : this->states()) takeGivenStateOfBodyOn(*state);
         SavedState::read(in, this->getClassName(), [this](Archive& archive) { m_part->serialize(archive); });
         showOutputs();
     }
@@ -141,7 +155,8 @@ protected:
     }
     void sayWarnings() { passOn(*this, m_part->take_warnings()); }
 
-    mutable std::optional<Part> m_part;  ///< which an archive may write to
+    mutable std::optional<Part> m_part;    ///< which an archive may write to
+    std::array<SharedBody, 2> m_followed;  ///< of each state, whose copies the part refers to; null: none has split
 };
 
 }  // namespace hexaplast::sofa_plugin

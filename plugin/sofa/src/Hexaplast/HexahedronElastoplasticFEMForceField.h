@@ -15,6 +15,7 @@
 namespace hexaplast::sofa_plugin
 {
 
+class BladeController;
 class MaterialRegion;
 
 /// Hexahedral corotational finite elements that stretch, yield and stay stretched. Plastic flow happens once per time
@@ -101,6 +102,9 @@ public:
     using TopologyModifier = sofa::component::topology::container::dynamic::HexahedronSetTopologyModifier;
     TopologyModifier* modifier() const;
 
+    /// That a blade is to be asked at the end of the present step.
+    void expect(BladeController& blade);
+
 protected:
     HexahedronElastoplasticFEMForceField();
 
@@ -135,14 +139,11 @@ private:
     void tearTopology();
 
     /// Opens what blades and tears have opened in the step (Body::open): nodes split in the state and in the topology,
-    /// and what acts on them follows. Throws InputError where something cannot; nothing has changed then.
+    /// and what acts on them follows. Where something cannot, the body stays as it was, and says so.
     void openJoints();
 
     /// The topology has the nodes and corners of the body from now on. before: corners of its hexahedra until now.
     void splitTopology(const std::vector<Hexahedron>& before, std::span<const int> splitFrom);
-
-    /// The nodes that a loaded body has beyond those of its state. Throws InputError where it is not split further.
-    std::vector<int> splitSince(const NodeCopies& before) const;
 
     void show(const std::vector<double>& values, Data<VecReal>& output);
     void computeOutputs();
@@ -150,10 +151,11 @@ private:
     void setOutputsDirty();
 
     std::shared_ptr<parts::HexahedralBody> m_body;
-    std::vector<double> m_fill;              ///< fraction of each hexahedron of a sparse grid that is full
-    std::vector<int> m_original;             ///< number that each hexahedron of the topology has in the body
-    std::vector<int> m_coming;               ///< of hexahedra that come again with other nodes
-    std::vector<MaterialRegion*> m_regions;  ///< seen last, to be compared alone
+    std::vector<double> m_fill;   ///< fraction of each hexahedron of a sparse grid that is full
+    std::vector<int> m_original;  ///< number that each hexahedron of the topology has in the body
+    std::vector<int> m_coming;    ///< of hexahedra that come again with other nodes
+    std::vector<sofa::core::sptr<BladeController>> m_blades;  ///< that move in the present step
+    std::vector<MaterialRegion*> m_regions;                   ///< seen last, to be compared alone
     bool m_topologyIsLost = false;
     bool m_topologyHasChanged = false;
     bool m_isSplitting = false;      ///< the topology changes by the body

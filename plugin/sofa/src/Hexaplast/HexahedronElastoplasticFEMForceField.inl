@@ -16,7 +16,9 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <sstream>
+#include <utility>
 
 #include "attributes/hexaplast.hpp"
 #include "hexaplast/body.hpp"
@@ -55,8 +57,6 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::bwdInit()
     Inherit::bwdInit();
     m_regionsAreReady = true;
     if (this->works() && othersHaveChanged()) this->reinit();
-    // by the state that a scene gives, when others were not there yet
-    if (this->works() && body()->copies().is_split()) attempt(*this, [&] { Followers(*this).follow({}); });
 }
 
 template <class TDataTypes>
@@ -86,7 +86,7 @@ template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::makePart()
 {
     m_body.reset();
-    m_topologyIsLost = m_topologyHasChanged = m_hasAsked = false;
+    m_topologyIsLost = m_topologyHasChanged = m_hasAsked = m_hasFlowed = false;
     const std::vector<Hexahedron> hexahedra = hexahedraOf(*l_topology);
     if (hexahedra.empty()) throw InputError("its topology '" + l_topology->getName() + "' has no hexahedra");
     m_fill.clear();
@@ -115,7 +115,8 @@ parts::HexahedralBodyOptions HexahedronElastoplasticFEMForceField<TDataTypes>::o
     std::vector<parts::MaterialRegion> ofRegions;
     for (MaterialRegion* region : regions())
     {
-        std::optional<parts::MaterialRegion> values = region->values(hexahedra, m_topologyHasChanged);
+        std::optional<parts::MaterialRegion> values =
+            region->values(hexahedra, m_topologyHasChanged ? &m_original : nullptr);
         if (!values)
             throw InputError("its MaterialRegion '" + region->getName() + "' is invalid (see its error above)");
         ofRegions.push_back(std::move(*values));
@@ -140,7 +141,7 @@ template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::resetPart()
 {
     requireTopology();
-    m_hasAsked = false;
+    m_hasAsked = m_hasFlowed = false;
     m_body->reset_but_cuts();
     followTopology();
     setOutputsDirty();
@@ -153,27 +154,36 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::loadPart(std::istream& in
     std::stringstream before;
     m_body->body().save(before);
     const std::vector<Hexahedron> corners = body()->mesh().hexahedra();
-    const NodeCopies copies = body()->copies();
-    m_body->body().load(in);
+    const auto numBefore = static_cast<std::ptrdiff_t>(body()->copies().num_nodes());
+    const bool stayOpen = m_body->load_but_cuts(in);
+    m_hasFlowed = false;
+    const std::vector<int>& initial = body()->copies().initial();
+    const std::vector<int> splitFrom(initial.begin() + numBefore, initial.end());
+    std::optional<Followers> followers;
     try
     {
-        if (const std::vector<int> splitFrom = splitSince(copies); !splitFrom.empty())
-        {
-            Followers followers(*this);
-            // given back for the nodes that come here
-            const typename Inherit::VecCoord x = this->mstate->readPositions().ref();
-            const typename Inherit::VecDeriv v = this->mstate->readVelocities().ref();
-            splitTopology(corners, splitFrom);
-            if (x.size() == this->mstate->getSize()) this->mstate->writePositions().wref() = x;
-            if (v.size() == this->mstate->getSize()) this->mstate->writeVelocities().wref() = v;
-            followers.follow({});
-        }
+        if (!splitFrom.empty() && !m_regionsAreReady)
+            throw InputError("joints of it are open: nodes can split when the scene has had its init");
+        if (!splitFrom.empty()) followers.emplace(*this);
     }
     catch (const InputError&)
     {
         m_body->body().load(before);
         throw;
     }
+    // given back for the nodes that come here, or without those that stay
+    const auto numInitial = static_cast<std::size_t>(body()->copies().num_initial());
+    auto x = this->mstate->readPositions().ref();
+    auto v = this->mstate->readVelocities().ref();
+    if (followers) splitTopology(corners, splitFrom);
+    for (auto* given : {&x, &v})
+        for (std::size_t n = given->size(); n >= numInitial && n < initial.size(); ++n)
+            given->push_back((*given)[static_cast<std::size_t>(initial[n])]);
+    this->mstate->writePositions().wref() = x;
+    this->mstate->writeVelocities().wref() = v;
+    if (followers) followers->follow({});
+    if (stayOpen)
+        msg_warning(this) << "joints that are closed in the given state stay open, as nodes in SOFA do not join again";
     followTopology();
     setOutputsDirty();
     tearTopology();
@@ -203,7 +213,11 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::beginStep(SReal, SReal dt
     // a grid is made anew without a word
     if (l_topology->getNbHexahedra() != m_original.size()) m_topologyIsLost = true;
     requireTopology();
-    if (!std::exchange(m_hasAsked, true) && m_body->may_open()) Followers(*this);
+    if (!m_hasAsked && m_body->may_open())
+    {
+        Followers(*this);
+        m_hasAsked = true;
+    }
     m_body->body().set_time_step(isStatic ? std::numeric_limits<SReal>::infinity() : dt);
 }
 
@@ -305,39 +319,51 @@ auto HexahedronElastoplasticFEMForceField<TDataTypes>::modifier() const -> Topol
     return found;
 }
 
+template <class TDataTypes>
+void HexahedronElastoplasticFEMForceField<TDataTypes>::expect(BladeController& blade)
+{
+    m_blades.emplace_back(&blade);
+}
+
 // Joints open when all components have ended the step, wherever they stand.
 template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::handleEvent(sofa::core::objectmodel::Event* event)
 {
     Inherit::handleEvent(event);
-    if (sofa::simulation::UpdateMappingEndEvent::checkEventType(event) && std::exchange(m_hasFlowed, false) &&
-        this->works())
-        attempt(*this, [&] { openJoints(); });
+    if (!sofa::simulation::UpdateMappingEndEvent::checkEventType(event)) return;
+    if (std::exchange(m_hasFlowed, false) && this->works()) attempt(*this, [&] { openJoints(); });
+    m_blades.clear();
 }
 
 template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::openJoints()
 {
+    const std::vector<int>& torn = m_body->report().torn;
+    if (m_blades.empty() && torn.empty()) return;
     std::vector<int> joints;
     std::vector<double> crossings;
-    std::vector<BladeController*> blades;
-    this->getContext()->getRootContext()->template get<BladeController>(
-        &blades, sofa::core::objectmodel::BaseContext::SearchDown);
-    for (BladeController* blade : blades)
-        if (blade->body() == this) blade->addOpened(joints, crossings);
-    const std::vector<int>& torn = m_body->report().torn;
+    for (const auto& blade : m_blades) blade->addOpened(joints, crossings);
     joints.insert(joints.end(), torn.begin(), torn.end());
     crossings.resize(joints.size(), 0.5);  // tears pass half-way between hexahedra
     if (joints.empty()) return;
 
     requireTopology();
-    Followers followers(*this);
+    std::optional<Followers> followers;
+    try
+    {
+        followers.emplace(*this);
+    }
+    catch (const InputError& error)
+    {
+        msg_error(this) << errorAt(*this, "", error.what());
+        return;  // what has come during the run cannot follow: the body stays whole
+    }
     const std::vector<Hexahedron> before = body()->mesh().hexahedra();
     const std::vector<int> splitFrom = m_body->open(joints, crossings);
     setOutputsDirty();
     if (splitFrom.empty()) return;
     splitTopology(before, splitFrom);
-    followers.follow(splitFrom);
+    followers->follow(splitFrom);
 }
 
 // Hexahedra come with their new corners and then leave with the old ones, so that what SOFA keeps of them is handed on.
@@ -366,23 +392,19 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::splitTopology(const std::
     }
     const auto whole = [](const auto& ancestors)
     { return vector<vector<SReal>>(ancestors.size(), vector<SReal>(1, 1)); };
-    m_topologyHasChanged = m_isSplitting = true;
+    m_topologyHasChanged = true;
+    struct Splitting
+    {
+        explicit Splitting(bool& is) : m_is(is) { m_is = true; }
+        ~Splitting() { m_is = false; }
+        bool& m_is;
+    } const splitting(m_isSplitting);
     TopologyModifier& topology = *modifier();
     topology.addPoints(static_cast<sofa::Size>(splitFrom.size()), ofPoints, whole(ofPoints), true);
     topology.addHexahedra(come, ofHexahedra, whole(ofHexahedra));
     topology.removeHexahedra(leave);
     topology.notifyEndingEvent();
-    m_isSplitting = false;
     m_coming.clear();
-}
-
-template <class TDataTypes>
-std::vector<int> HexahedronElastoplasticFEMForceField<TDataTypes>::splitSince(const NodeCopies& before) const
-{
-    const std::vector<int>&was = before.initial(), &is = body()->copies().initial();
-    if (is.size() < was.size() || !std::equal(was.begin(), was.end(), is.begin()))
-        throw InputError("other joints of it are open than in its state, whose nodes do not join again");
-    return {is.begin() + static_cast<std::ptrdiff_t>(was.size()), is.end()};
 }
 
 template <class TDataTypes>

@@ -40,10 +40,9 @@ std::optional<std::vector<double>> MaterialRegion::given(const Row<Material>& ro
     return reals(dynamic_cast<const Data<VecReal>&>(*data).getValue());
 }
 
-std::vector<int> MaterialRegion::hexahedraIn(const std::vector<Hexahedron>& body) const
+std::vector<int> MaterialRegion::hexahedraIn(const std::vector<Hexahedron>& body,
+                                             const std::vector<int>* ofTopology) const
 {
-    d_hexahedra.updateIfDirty();
-    d_indices.updateIfDirty();
     std::optional<std::vector<int>> nodes, numbers;
     if (d_hexahedra.isSet())
     {
@@ -52,10 +51,14 @@ std::vector<int> MaterialRegion::hexahedraIn(const std::vector<Hexahedron>& body
             nodes->insert(nodes->end(), hexahedron.begin(), hexahedron.end());
     }
     if (d_indices.isSet()) numbers = wholeNumbers(d_indices.getValue());
+    if (numbers && ofTopology && d_indices.getParent())
+        for (int& number : *numbers)
+            if (number < static_cast<int>(ofTopology->size())) number = (*ofTopology)[static_cast<std::size_t>(number)];
     return parts::region_hexahedra(nodes, numbers, body);
 }
 
-std::optional<parts::MaterialRegion> MaterialRegion::values(const std::vector<Hexahedron>& ofBody, bool goesOn)
+std::optional<parts::MaterialRegion> MaterialRegion::values(const std::vector<Hexahedron>& ofBody,
+                                                            const std::vector<int>* ofTopology)
 {
     std::optional<parts::MaterialRegion> found;
     const bool isAccepted =
@@ -65,7 +68,13 @@ std::optional<parts::MaterialRegion> MaterialRegion::values(const std::vector<He
                     checkLink(l_body, "body");
                     for (const Row<Material>& row : material_rows())
                         if (this->findData(std::string(row.name))) checkWord(row.name);
-                    if (!goesOn || !m_hexahedra) m_hexahedra = hexahedraIn(ofBody);
+                    d_hexahedra.updateIfDirty();
+                    d_indices.updateIfDirty();
+                    const bool follows = d_hexahedra.getParent() || d_indices.getParent();
+                    const int counter = d_hexahedra.getCounter() + d_indices.getCounter();
+                    const bool isKnown = m_hexahedra && ofTopology && (follows || counter == m_counter);
+                    if (!isKnown) m_hexahedra = hexahedraIn(ofBody, ofTopology);
+                    m_counter = counter;
                     found = parts::material_region([this](const Row<Material>& row) { return given(row); },
                                                    *m_hexahedra, this->getContext()->getDt());
                 });

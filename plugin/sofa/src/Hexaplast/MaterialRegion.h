@@ -46,8 +46,11 @@ public:
 
     /// What it gives to a body with these hexahedra. Where its Data cannot be, it says so, becomes invalid, and gives
     /// nothing.
-    /// goesOn: hexahedra have gone or their nodes have split since it gave them first: they are the same ones.
-    std::optional<parts::MaterialRegion> values(const std::vector<Hexahedron>& ofBody, bool goesOn);
+    /// ofTopology: numbers in the body of the hexahedra of its topology, where some have gone or their nodes have
+    /// split; null: they are the same. Then a region that follows other Data, as lists of SOFA's regions, keeps its
+    /// hexahedra.
+    std::optional<parts::MaterialRegion> values(const std::vector<Hexahedron>& ofBody,
+                                                const std::vector<int>* ofTopology);
 
     /// From now on a change of its Data is one of these.
     void tell(Inputs& ofBody) { ofBody.addInput(&m_inputs); }
@@ -57,9 +60,10 @@ protected:
 
 private:
     std::optional<std::vector<double>> given(const Row<Material>& row) const;
-    std::vector<int> hexahedraIn(const std::vector<Hexahedron>& body) const;
+    std::vector<int> hexahedraIn(const std::vector<Hexahedron>& body, const std::vector<int>* ofTopology) const;
 
     std::optional<std::vector<int>> m_hexahedra;  ///< given last, by their numbers in the body
+    int m_counter = 0;                            ///< of changes of the lists until then
     Inputs m_inputs{*this, attributes::kMaterialRegion};
 };
 

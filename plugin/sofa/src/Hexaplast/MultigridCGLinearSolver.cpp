@@ -90,19 +90,20 @@ public:
         mayStep(*this);
     }
 
-    void nodesChanged(const MechanicalState& state, const Body&, std::span<const int> splitFrom) override
+    void nodesChanged(const MechanicalState& state, const SharedBody&, std::span<const int> splitFrom) override
     {
-        m_knowsCompliance = false;
-        m_compliance.reset();
-        if (splitFrom.empty() || isInvalid(*this)) return m_memory.reset();
+        if (isInvalid(*this)) return;
         const States states(*getContext());
         const States::Entry* entry = states.find(&state);
         if (!entry) return;
+        m_knowsCompliance = false;
+        m_compliance.reset();
+        m_state.hasChanged();
+        if (splitFrom.empty()) return m_memory.reset();
         const int numNew = static_cast<int>(splitFrom.size()), end = entry->firstNode + entry->numNodes - numNew;
         if (m_memory.start.rows() == states.numNodes() - numNew)
             parts::insert_rows(m_memory.start, splitFrom, entry->firstNode, end);
         m_memory.radii.clear();  // those of another matrix
-        m_state.hasChanged();
     }
 
     /// SOFA has set up another matrix.

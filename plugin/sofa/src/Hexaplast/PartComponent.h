@@ -72,6 +72,12 @@ public:
         }
     }
 
+    /// One that has been given to it in place of what it keeps, before the next step would.
+    void takeGivenState()
+    {
+        if (hasPart() && m_state.isGiven()) takeData();
+    }
+
     virtual bool hasPart() const = 0;
 
     /// Whether it has a part, and no error.

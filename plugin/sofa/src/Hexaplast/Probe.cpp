@@ -2,6 +2,7 @@
 #include "parts/probe.hpp"
 
 #include <Hexaplast/FollowsNodes.h>
+#include <Hexaplast/HexahedronElastoplasticFEMForceField.h>
 #include <Hexaplast/errors.h>
 #include <Hexaplast/registration.h>
 #include <Hexaplast/table.h>
@@ -62,13 +63,16 @@ public:
                 });
     }
 
-    void nodesChanged(const MechanicalState& state, const Body& body, std::span<const int>) override
+    void nodesChanged(const MechanicalState& state, const SharedBody& body, std::span<const int>) override
     {
         if (!m_probe || isInvalid(*this)) return;
+        const auto* owner = source().getOwner();
+        const auto* field = dynamic_cast<const HexahedronElastoplasticFEMForceField<Vec3Types>*>(owner);
         if (m_points && m_state == &state)
-            attempt(*this, [&] { m_points->follow(body.mesh().hexahedra(), body.mesh().num_nodes()); });
-        else if (!m_points && source().getOwner() == &state && source().getValueTypeInfo()->size() == 3)
-            m_probe->follow(body.copies());
+            m_points->follow(body->body().mesh().hexahedra(), body->body().mesh().num_nodes());
+        else if (!m_points && (owner == &state || (field && field->part() == body)) &&
+                 source().getValueTypeInfo()->size() == 3)
+            m_probe->follow(body->body().copies());
     }
 
 protected:
@@ -118,9 +122,9 @@ private:
                 "points",
                 "need one vector per node for a value, as @nodes.position is, and a MechanicalObject "
                 "and a topology with hexahedra in the node of the probe or above");
-        const Body* split = splitBodyOf(*m_state);  // in the order of its hexahedra, by which the points go on
+        const SharedBody body = bodyOn(*m_state);  // in the order of its hexahedra, by which the points go on
         m_points.emplace(view(m_state->readRestPositions().ref()),
-                         split ? split->mesh().hexahedra() : hexahedraOf(*topology), view(d_points.getValue()));
+                         body ? body->body().mesh().hexahedra() : hexahedraOf(*topology), view(d_points.getValue()));
     }
 
     void read()

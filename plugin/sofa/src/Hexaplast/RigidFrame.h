@@ -45,6 +45,7 @@ public:
     Pose after(SReal duration) const
     {
         const std::size_t index = static_cast<std::size_t>(d_index.getValue()), count = l_rigid->getSize();
+        if (index >= count) return {};  // it is said when the next step begins
         std::vector<SReal> x(7 * count), v(6 * count);
         l_rigid->copyToBuffer(x.data(), sofa::core::vec_id::read_access::position, static_cast<unsigned int>(x.size()));
         l_rigid->copyToBuffer(v.data(), sofa::core::vec_id::read_access::velocity, static_cast<unsigned int>(v.size()));
