@@ -205,6 +205,8 @@ struct sptr {
   sptr(T* target = nullptr) : target_(target) {}
   T* get() const { return target_; }
   T* operator->() const { return target_; }
+  T& operator*() const { return *target_; }
+  explicit operator bool() const { return target_ != nullptr; }
 
  private:
   T* target_;
@@ -214,6 +216,10 @@ class ExecParams {};
 namespace execparams {
 inline const ExecParams* defaultInstance() { sofa_standin::absent(); }
 }  // namespace execparams
+
+namespace behavior {
+class BaseMechanicalState;
+}
 
 namespace topology {
 class Topology;
@@ -261,7 +267,10 @@ struct AbstractTypeInfo {
   SReal getScalarValue(const void*, Size) const { sofa_standin::absent(); }
 };
 
-struct Base {};
+class Base {
+ public:
+  virtual ~Base() = default;
+};
 
 class BaseData : public DDGNode {
  public:
@@ -355,6 +364,8 @@ class DataFileName : public Data<std::string> {
   const std::string& getFullPath() const { return getValue(); }
 };
 
+class BaseComponent;
+
 class BaseLink {
  public:
   enum Flags { FLAG_NONE = 0, FLAG_STOREPATH = 1, FLAG_STRONGLINK = 2 };
@@ -415,11 +426,10 @@ struct New {
 };
 
 /// In no node.
-class BaseComponent {
+class BaseComponent : public Base {
  public:
   BaseComponent() = default;
   BaseComponent(const BaseComponent&) = delete;
-  virtual ~BaseComponent() = default;
 
   virtual std::string getClassName() const = 0;
   std::string getName() const { return getClassName(); }
@@ -620,6 +630,7 @@ class HexahedraRemoved : public TopologyChange {
 class Topology : public objectmodel::BaseComponent {
  public:
   using Hexahedron = type::Vec<8, Index>;
+  using Hexa = Hexahedron;
   using SeqHexahedra = type::vector<Hexahedron>;
   using Triangle = type::Vec<3, Index>;
   using SeqTriangles = type::vector<Triangle>;
@@ -656,6 +667,7 @@ class SparseGridTopology : public constant::MeshTopology {
 }  // namespace grid
 namespace dynamic {
 
+class HexahedronSetTopologyContainer : public core::topology::BaseMeshTopology {};
 class HexahedronSetTopologyModifier : public core::objectmodel::BaseComponent {
  public:
   core::objectmodel::Data<bool> removeIsolated;
@@ -702,10 +714,6 @@ class SparseMatrix final : public BaseMatrix {
 }  // namespace linearalgebra
 
 namespace core {
-
-namespace behavior {
-class BaseMechanicalState;
-}
 
 enum class VecDerivId { kOne };
 enum class ConstVecId { kPosition, kVelocity };
