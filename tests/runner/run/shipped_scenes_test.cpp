@@ -265,7 +265,7 @@ TEST_F(Shipped, ExamplesOfTheComponentsAreReadAndStepWithoutWarning) {
     EXPECT_EQ(succeeds("run " + scene + " --steps 5 --strict").err, "");
     ++num_examples;
   }
-  EXPECT_EQ(num_examples, 13);
+  EXPECT_EQ(num_examples, 14);
 }
 
 }  // namespace
