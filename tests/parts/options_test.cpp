@@ -15,6 +15,7 @@
 #include "attributes/shapes.hpp"
 #include "attributes/words.hpp"
 #include "hexaplast/geometry/grid.hpp"
+#include "parts/attribute_change.hpp"
 #include "parts/blade.hpp"
 #include "parts/grasp.hpp"
 #include "parts/grids.hpp"
@@ -223,6 +224,13 @@ TEST(Instrument, HasSamplesFromWhenItFirstComesNear) {
     EXPECT_EQ(num_samples() > 0, is_active);
     EXPECT_EQ(tool.contact().num_touching() > 0, is_active);
   }
+}
+
+// SOFA reads " false" as no value of a bool.
+TEST(AttributeChange, HasValuesWithoutBlanksAroundThem) {
+  using Values = std::vector<std::optional<std::string_view>>;
+  EXPECT_EQ(values_of_changes(" true; false ;; 1 2\n"), (Values{"true", "false", std::nullopt, "1 2"}));
+  EXPECT_EQ(values_of_changes(""), Values());
 }
 
 }  // namespace
