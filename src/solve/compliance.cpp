@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 
 #include "hexaplast/base/error.hpp"
@@ -37,10 +38,12 @@ void add_constraint_force(std::span<const ConstraintRow> rows, std::span<const d
     }
 }
 
-Compliance::Compliance(Preconditioner preconditioner, double energy_error)
-    : preconditioner_(preconditioner), energy_error_(energy_error) {}
+Compliance::Compliance(Preconditioner preconditioner, double tolerance)
+    : preconditioner_(preconditioner),
+      tolerance_(tolerance),
+      energy_error_(std::clamp(std::sqrt(kSquareOfEnergyError * tolerance), kLeastEnergyError, kMostEnergyError)) {}
 
-void Compliance::reset() { *this = Compliance(preconditioner_, energy_error_); }
+void Compliance::reset() { *this = Compliance(preconditioner_, tolerance_); }
 
 Eigen::VectorXd Compliance::nearest(const Eigen::VectorXd& b) const { return factor_.solve(x_.transpose() * b); }
 

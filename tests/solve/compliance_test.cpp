@@ -98,8 +98,12 @@ TEST_P(ComplianceOf, ContactsIsThatOfAFactorisation) {
   const double error_moved = (found_moved - expected_moved).norm() / expected_moved.norm();
   EXPECT_LE(error_moved, 0.01);
   EXPECT_LT(compliance.iterations(), anew);
+
+  Compliance exact(GetParam().preconditioner, 1e-10);
+  const double least = (exact.find(slab, rows) - expected).norm() / expected.norm();
+  EXPECT_LE(least, 1e-7);
   std::cout << GetParam().name << ": error " << error << " by " << anew << " iterations, then " << error_moved << " by "
-            << compliance.iterations() << "\n";
+            << compliance.iterations() << "; solved exactly " << least << " by " << exact.iterations() << "\n";
 }
 
 INSTANTIATE_TEST_SUITE_P(Systems, ComplianceOf,

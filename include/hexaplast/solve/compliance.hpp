@@ -30,8 +30,8 @@ void add_constraint_force(std::span<const ConstraintRow> rows, std::span<const d
 /// that stay cost one iteration.
 class Compliance {
  public:
-  /// energy_error: |x - A^-1 b| / |A^-1 b| in the norm of A, an iteration before a solve may end.
-  explicit Compliance(Preconditioner preconditioner = Preconditioner::kAuto, double energy_error = 0.2);
+  /// tolerance: |r| / |b| of the solver beside it; W is as exact, to 1e-8 at best.
+  explicit Compliance(Preconditioner preconditioner = Preconditioner::kAuto, double tolerance = 1e-3);
 
   /// W [1/(unit of A)] for these rows, symmetric; the same bits for any number of threads. Throws InputError for a node
   /// that is not there, NumericalError where A is not positive definite on a row.
@@ -53,7 +53,8 @@ class Compliance {
   Eigen::VectorXd nearest(const Eigen::VectorXd& b) const;
 
   Preconditioner preconditioner_;
-  double energy_error_;
+  double tolerance_;
+  double energy_error_;  // |x - A^-1 b| / |A^-1 b| in the norm of A, an iteration before a solve may end
   std::vector<PreconditionedConjugateGradients> solvers_;  // one per thread
   Eigen::MatrixXd b_, x_, previous_, r_;                   // 3 num_nodes x rows
   Eigen::MatrixXd w_;

@@ -182,6 +182,28 @@ TEST(RegionsInSofa, ComeAndGo)
     EXPECT_EQ(scene.body().material(5).young_modulus, 5000);
 }
 
+// Links keep what they lead to alive.
+TEST(LinksInSofa, LeadToNothingThatHasLeftTheScene)
+{
+    SofaScene scene = SofaScene::from_text(
+        block("", kGrid,
+              "<Node name='hand'><MechanicalObject name='frame' template='Rigid3d' position='0.1 0.1 1 0 0 0 1'/></Node>"
+              "<Node name='other'><Probe name='source' value='@/tissue/nodes.position' component='z'/></Node>",
+              "<InstrumentContactForceField name='tip' radius='0.01' stiffness='100' rigid='@/hand/frame'/>"
+              "<Probe name='reader' value='@/other/source.reading'/>"));
+    Messages messages;
+    scene.step();
+    EXPECT_EQ(messages.errors(), "");
+    auto& root = dynamic_cast<sofa::simulation::Node&>(scene.root());
+    for (const char* name : {"hand", "other"}) root.removeChild(root.getChild(name));
+    scene.step();
+    EXPECT_TRUE(isInvalid(scene.named("tip")));
+    EXPECT_TRUE(isInvalid(scene.named("reader")));
+    EXPECT_EQ(messages.count("'frame', which is no longer in the scene"), 1) << messages.text();
+    EXPECT_EQ(messages.count("'source', which is no longer in the scene"), 1) << messages.text();
+    EXPECT_FALSE(isInvalid(scene.field()));
+}
+
 TEST(AttributeChangeInSofa, FollowsItsLinkAndATimeThatGoesBack)
 {
     SofaScene scene = SofaScene::from_text(

@@ -213,7 +213,8 @@ private:
                        [&]
                        {
                            m_solver.emplace(readOptions<parts::MultigridCGOptions>());
-                           m_compliance = Compliance(m_solver->options().preconditioner);
+                           const parts::MultigridCGOptions& options = m_solver->options();
+                           m_compliance = Compliance(options.preconditioner, options.tolerance);
                            m_knowsCompliance = false;
                        });
     }

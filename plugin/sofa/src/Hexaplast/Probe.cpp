@@ -131,6 +131,8 @@ private:
     {
         m_probe->set_options(readOptions<parts::ProbeOptions>());
         const sofa::core::BaseData& from = source();
+        if (const auto* owner = dynamic_cast<const SofaComponent*>(from.getOwner()))
+            requireInScene(*this, "value", *owner);
         const auto* type = from.getValueTypeInfo();
         const void* value = from.getValueVoidPtr();
         m_values.resize(type->size(value));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <Hexaplast/errors.h>
 #include <Hexaplast/table.h>
 #include <sofa/core/behavior/BaseMechanicalState.h>
 #include <sofa/core/objectmodel/Link.h>
@@ -19,18 +20,19 @@ class RigidFrame
 {
 public:
     RigidFrame(TOwner& owner, const char* help, const Data<int>& index)
-        : l_rigid(owner.initLink("rigid", help)), d_index(index)
+        : m_owner(owner), l_rigid(owner.initLink("rigid", help)), d_index(index)
     {
     }
 
     bool isGiven() const { return l_rigid.get() != nullptr; }
 
-    /// Throws OptionError where the link leads to no such frame.
+    /// Throws OptionError where the link leads to no such frame of the scene.
     void check() const
     {
         if (!l_rigid && !l_rigid.getLinkedPath().empty())
             throw parts::OptionError("rigid", "'" + l_rigid.getLinkedPath() + "' leads to nothing");
         if (!l_rigid) return;
+        requireInScene(m_owner, "rigid", *l_rigid);
         if (l_rigid->getCoordDimension() != 7 || l_rigid->getDerivDimension() != 6)
             throw parts::OptionError("rigid",
                                      "leads to '" + l_rigid->getName() +
@@ -55,6 +57,7 @@ public:
     }
 
 private:
+    const TOwner& m_owner;
     sofa::core::objectmodel::SingleLink<TOwner, sofa::core::behavior::BaseMechanicalState,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>

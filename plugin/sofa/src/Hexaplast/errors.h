@@ -31,6 +31,13 @@ inline void passOn(const SofaComponent& component, const std::vector<parts::Rema
                                 << warning.attribute << ": " << warning.text;
 }
 
+/// Throws OptionError where `linked`, to which `attribute` leads, has been removed from the scene: the link keeps it.
+inline void requireInScene(const SofaComponent& component, const char* attribute, const SofaComponent& linked)
+{
+    if (linked.getContext()->getRootContext() != component.getContext()->getRootContext())
+        throw parts::OptionError(attribute, "leads to '" + linked.getName() + "', which is no longer in the scene");
+}
+
 /// Whether a component may take part in a step. One that is invalid says that it does not, in each step.
 inline bool mayStep(const SofaComponent& component)
 {
