@@ -185,12 +185,12 @@ TEST(RegionsInSofa, ComeAndGo)
 // Links keep what they lead to alive.
 TEST(LinksInSofa, LeadToNothingThatHasLeftTheScene)
 {
-    SofaScene scene = SofaScene::from_text(
-        block("", kGrid,
-              "<Node name='hand'><MechanicalObject name='frame' template='Rigid3d' position='0.1 0.1 1 0 0 0 1'/></Node>"
-              "<Node name='other'><Probe name='source' value='@/tissue/nodes.position' component='z'/></Node>",
-              "<InstrumentContactForceField name='tip' radius='0.01' stiffness='100' rigid='@/hand/frame'/>"
-              "<Probe name='reader' value='@/other/source.reading'/>"));
+    SofaScene scene = SofaScene::from_text(block(
+        "", kGrid,
+        "<Node name='hand'><MechanicalObject name='frame' template='Rigid3d' position='0.1 0.1 1 0 0 0 1'/></Node>"
+        "<Node name='other'><Probe name='source' value='@/tissue/nodes.position' component='z'/></Node>",
+        "<InstrumentContactForceField name='tip' radius='0.01' stiffness='100' rigid='@/hand/frame'/>"
+        "<Probe name='reader' value='@/other/source.reading'/>"));
     Messages messages;
     scene.step();
     EXPECT_EQ(messages.errors(), "");

@@ -182,8 +182,7 @@ TEST(ConstraintContactInSofa, ComplianceIsThatOfADirectSolver)
                 EXPECT_TRUE(scene->only<sofa::core::behavior::LinearSolver>().addJMInvJt(&found, &J, 0.01));
                 if (scene == &ours)
                     std::cout << " " << std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-                W[scene == &direct] =
-                    Eigen::Map<const Eigen::Matrix<double, 60, 60, Eigen::RowMajor>>(found.ptr());
+                W[scene == &direct] = Eigen::Map<const Eigen::Matrix<double, 60, 60, Eigen::RowMajor>>(found.ptr());
             }
             const double error = (W[0] - W[1]).norm() / W[1].norm();
             std::cout << " (" << error << ")";
