@@ -182,25 +182,32 @@ TEST(RegionsInSofa, ComeAndGo)
     EXPECT_EQ(scene.body().material(5).young_modulus, 5000);
 }
 
-// Links keep what they lead to alive.
+// Links of components keep what they lead to alive, and those of Data do not.
 TEST(LinksInSofa, LeadToNothingThatHasLeftTheScene)
 {
-    SofaScene scene = SofaScene::from_text(block(
-        "", kGrid,
-        "<Node name='hand'><MechanicalObject name='frame' template='Rigid3d' position='0.1 0.1 1 0 0 0 1'/></Node>"
-        "<Node name='other'><Probe name='source' value='@/tissue/nodes.position' component='z'/></Node>",
-        "<InstrumentContactForceField name='tip' radius='0.01' stiffness='100' rigid='@/hand/frame'/>"
-        "<Probe name='reader' value='@/other/source.reading'/>"));
+    const auto probe = [](const std::string& name, const std::string& value)
+    { return "<Probe name='" + name + "' value='@/" + value + "'/>"; };
+    const std::string source = "<Probe name='source' value='@/tissue/nodes.position' component='z'/>";
+    SofaScene scene = SofaScene::from_text(
+        block("", kGrid,
+              required({"ODESolver.Backward"}) +
+                  "<Node name='hand'><MechanicalObject name='frame' template='Rigid3d' position='0 0 1 0 0 0 1'/>" +
+                  source + "</Node><Node name='other'>" + source + "</Node>",
+              "<EulerImplicitSolver/><MultigridCGLinearSolver/>"
+              "<InstrumentContactForceField name='tip' radius='0.01' rigid='@/hand/frame'/>" +
+                  probe("kept", "hand/source.reading") + probe("gone", "other/source.reading")));
     Messages messages;
     scene.step();
     EXPECT_EQ(messages.errors(), "");
     auto& root = dynamic_cast<sofa::simulation::Node&>(scene.root());
-    for (const char* name : {"hand", "other"}) root.removeChild(root.getChild(name));
+    const sofa::simulation::Node::SPtr hand = root.getChild("hand");
+    root.removeChild(hand);
+    root.removeChild(root.getChild("other"));
     scene.step();
-    EXPECT_TRUE(isInvalid(scene.named("tip")));
-    EXPECT_TRUE(isInvalid(scene.named("reader")));
-    EXPECT_EQ(messages.count("'frame', which is no longer in the scene"), 1) << messages.text();
-    EXPECT_EQ(messages.count("'source', which is no longer in the scene"), 1) << messages.text();
+    for (const char* name : {"tip", "kept", "gone"}) EXPECT_TRUE(isInvalid(scene.named(name))) << name;
+    for (const char* words : {"'frame', which is no longer in the scene", "'source', which is no longer in the scene",
+                              "leads to nothing any more"})
+        EXPECT_EQ(messages.count(words), 1) << words << "\n" << messages.text();
     EXPECT_FALSE(isInvalid(scene.field()));
 }
 

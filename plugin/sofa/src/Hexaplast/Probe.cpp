@@ -90,6 +90,7 @@ private:
     {
         m_file.close();
         m_points.reset();
+        m_isLinked = d_value.getParent() != nullptr;
         d_value.update();  // finds a Data of a component that stands behind this one
         const auto* type = source().getValueTypeInfo();
         if (!type->ValidInfo() || !(type->Scalar() || type->Integer()) || type->Text())
@@ -133,6 +134,7 @@ private:
         const sofa::core::BaseData& from = source();
         if (const auto* owner = dynamic_cast<const SofaComponent*>(from.getOwner()))
             requireInScene(*this, "value", *owner);
+        if (m_isLinked && &from == &d_value) throw parts::OptionError("value", "leads to nothing any more");
         const auto* type = from.getValueTypeInfo();
         const void* value = from.getValueVoidPtr();
         m_values.resize(type->size(value));
@@ -152,6 +154,7 @@ private:
 
     std::optional<parts::Probe> m_probe;
     std::optional<Embedding> m_points;
+    bool m_isLinked = false;                   ///< `value`, to a Data that may leave the scene
     const MechanicalState* m_state = nullptr;  ///< whose nodes move the points
     std::vector<double> m_values;
     std::ofstream m_file;
