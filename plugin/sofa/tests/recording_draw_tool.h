@@ -54,6 +54,7 @@ public:
     void drawLines(Points, float, Colours) override { ++num_others; }
     void drawLines(Points, Pairs, float, Colour) override { ++num_others; }
     void drawLineStrip(Points, float, Colour) override { ++num_others; }
+    void drawLineStrip(Points, float, Colours) { ++num_others; }  // without override: since v26.12
     void drawLineLoop(Points, float, Colour) override { ++num_others; }
     void drawDisk(float, double, double, int, Colour) override { ++num_others; }
     void drawCircle(float, float, int, Colour) override { ++num_others; }
