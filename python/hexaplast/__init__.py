@@ -29,6 +29,7 @@ from ._hexaplast import (
     set_num_threads,
     simd_target,
 )
+from ._forceps import Forceps
 from ._notebook import Viewer, show
 
 __all__ = [
@@ -37,6 +38,7 @@ __all__ = [
     "BodyState",
     "Fields",
     "FlowReport",
+    "Forceps",
     "Grip",
     "Instrument",
     "Joints",

@@ -5,7 +5,7 @@ import pytest
 
 import hexaplast
 
-from bars import copies_before_running_on
+from bars import SCENES, copies_before_running_on
 
 
 def block(cells=(4, 4, 2), fixed=True, material=None, **arguments):
@@ -74,6 +74,48 @@ def test_a_moved_instrument_computes_what_a_scene_with_its_path_does(tmp_path):
     assert tip.force == pytest.approx(path.force, rel=1e-9) and tip.force[2] > 1 and abs(tip.force[0]) > 0.1
     assert simulation.body.corner_plastic_strain.max() > 0
     assert simulation.positions == pytest.approx(scene.positions, abs=1e-11)
+
+
+def test_forceps_are_two_instruments_that_open_and_go_together():
+    def pinched():
+        simulation = block(rayleigh_stiffness=0.02)
+        return simulation, [simulation.add_instrument("box", size=(1 / 32, 1 / 16, 1 / 16), friction=0.8,
+                                                      pose=(x, 0.125, 0.125)) for x in (-1 / 16, 5 / 16)]
+
+    by_hand, (left, right) = pinched()
+    simulation, jaws = pinched()
+    forceps = hexaplast.Forceps(*jaws, opening=11 / 32)  # between their faces
+    assert forceps.opening == 11 / 32 and forceps.pose.tolist() == [0.125, 0.125, 0.125, 0, 0, 0, 1]
+    for k in range(1, 31):
+        gap, height = 11 / 32 - k / 128, 0.125 - k / 1024
+        for jaw, x in ((left, 0.125 - (gap + 1 / 32) / 2), (right, 0.125 + (gap + 1 / 32) / 2)):
+            jaw.pose = (x, 0.125, height)
+        if k % 2:  # in either order
+            forceps.pose, forceps.opening = (0.125, 0.125, height), gap
+        else:
+            forceps.opening, forceps.pose = gap, (0.125, 0.125, height)
+        by_hand.step()
+        simulation.step()
+        assert forceps.opening == gap and forceps.pose[2] == height
+    assert (simulation.positions == by_hand.positions).all() and (forceps.force == left.force + right.force).all()
+    assert forceps.grip_force == (right.force[0] - left.force[0]) / 2 > 0.1
+    with pytest.raises(ValueError, match="both jaws are in one place"):
+        hexaplast.Forceps(left, left)
+
+
+def test_forceps_of_a_scene_turn_about_their_middle():
+    scene = hexaplast.Scene(SCENES / "forceps_fat.scn")
+    jaws = [scene.instrument(f"strip/{name}") for name in ("left", "right")]
+    forceps = hexaplast.Forceps(*jaws, opening=0.018)
+    half = np.sqrt(0.5)
+    forceps.opening = 0.012
+    forceps.pose = (0.001, 0.002, 0, 0, half, 0, half)  # as they are, along x
+    scene.step()
+    assert jaws[0].pose == pytest.approx([0.001, 0.002, 0.009, 0, half, 0, half])
+    forceps.pose = (0, 0.002, 0, 0, 0, 0, 1)  # a quarter turn back about y takes z to -x
+    scene.step()
+    assert [jaw.pose[:3] for jaw in jaws] == [pytest.approx([-0.009, 0.002, 0]), pytest.approx([0.009, 0.002, 0])]
+    assert forceps.opening == pytest.approx(0.012)
 
 
 def test_a_grip_holds_lets_go_and_holds_again():
