@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Nodes that are tied, or drawn, to those of another mechanical state.
-#include <gtest/gtest.h>
-
 #include "hexaplast/solve/energy_balance.hpp"
 #include "support/compare.hpp"
 #include "support/two_states.hpp"
@@ -80,17 +78,6 @@ TEST(AttachProjectiveConstraint, DrawsTheSecondNodeToTheFirst) {
   }
 }
 
-// A force of 2 N on the second node: with twoWay 1 m/s^2 for each of two kilograms, otherwise it is held.
-TEST(AttachProjectiveConstraint, PassesForcesInBothWaysOrNone) {
-  for (const std::string two_way : {"twoWay='true' ", ""}) {
-    scene::Scene scene = read_and_init(tied(two_way + "indices1='0' indices2='0'", "<CGLinearSolver/>", "",
-                                            "<ConstantForceField indices='0' forces='2 0 0'/>"));
-    scene.step();
-    for (const char* state : {"first/state", "second/state"})
-      EXPECT_NEAR(at<scene::MechanicalState>(scene, state).velocities()(0, 0), two_way.empty() ? 0 : .5, 1e-15);
-  }
-}
-
 // One node at 1 m/s meets another one at rest: both go on with half of it, and half of the energy is the constraint's.
 TEST(AttachProjectiveConstraint, IsASupportInTheBalanceOfEnergy) {
   for (const std::string two_way : {"", "twoWay='true' "}) {
@@ -107,62 +94,47 @@ TEST(AttachProjectiveConstraint, IsASupportInTheBalanceOfEnergy) {
   }
 }
 
-TEST(AttachProjectiveConstraint, ByADirectSolverInOneWay) {
-  const auto end_with = [&](const std::string& solver) {
-    scene::Scene scene = read_and_init(
-        tied("indices1='0' indices2='0'", solver, "", "<ConstantForceField indices='0 1' forces='2 0 0  0 3 0'/>"));
-    run(scene, 5);
-    return both(scene);
-  };
-  EXPECT_TRUE(agrees(end_with("<SparseLDLSolver/>"), end_with("<CGLinearSolver/>"), 1e-14));
-}
+const std::string kOfBoth =
+    ": ties nodes that FixedProjectiveConstraint 'fixed' constrains too: each node must have one of both";
 
 TEST(AttachProjectiveConstraint, MistakesAreNamed) {
-  const std::string at_start = "test.scn:1: error: AttachProjectiveConstraint";
-  for (const auto& [rest, message] : std::vector<std::pair<std::string, std::string>>{
-           {"indices1='0' indices2='2'", "indices2: 2 must lie in [0, 2)"},
-           {"indices1='0 1' indices2='1'", "indices2: 1 nodes given for 2 of indices1, must be as many"},
-           {"indices1='0 1' indices2='1 1'", "indices2: 1 is given twice, must be tied once"},
-           {"twoWay='true' indices1='0 0' indices2='0 1'", "indices1: 0 is given twice, must be tied once"}})
-    EXPECT_EQ(errors_of(tied(rest)), at_start + "." + message);
+  const std::string own = "AttachProjectiveConstraint", one = "indices1='0' indices2='0'",
+                    two_way = "twoWay='true' indices1='0' indices2='0'";
+  expect_errors([](const std::string& rest) { return tied(rest); },
+                {{"indices1='0' indices2='2'", "indices2: 2 must lie in [0, 2)"},
+                 {"indices1='0 1' indices2='1'", "indices2: 1 nodes given for 2 of indices1, must be as many"},
+                 {"indices1='0 1' indices2='1 1'", "indices2: 1 is given twice, must be tied once"},
+                 {"twoWay='true' indices1='0 0' indices2='0 1'", "indices1: 0 is given twice, must be tied once"}},
+                own + ".");
   EXPECT_EQ(errors_of(tied("indices1='0 0' indices2='0 1'")), "") << "two may follow one";
-  EXPECT_EQ(errors_of(tied("twoWay='true' indices1='0' indices2='0'", "<SparseLDLSolver name='direct'/>")),
-            at_start +
-                ".twoWay: ties nodes in both ways: no matrix has that, but SparseLDLSolver 'direct' needs one: "
-                "take a MultigridCGLinearSolver or a CGLinearSolver");
-  EXPECT_EQ(errors_of(tied("twoWay='true' indices1='0' indices2='0'", "<CGLinearSolver/>",
-                           "<FixedProjectiveConstraint name='fixed' indices='0'/>")),
-            at_start +
-                ": ties nodes that FixedProjectiveConstraint 'fixed' constrains too: each node must have one of "
-                "both");
-  std::string same = tied("indices1='0' indices2='0'");
-  same.replace(same.find("object2='@second'"), 17, "object2='@first/state'");
-  EXPECT_EQ(errors_of(same), at_start + ".object2: leads to 'state', as object1 does: must lead to another state");
+  expect_errors(
+      [](const std::string& text) { return text; },
+      {{tied(two_way, "<SparseLDLSolver name='direct'/>"),
+        ".twoWay: ties nodes in both ways: no matrix has that, but SparseLDLSolver 'direct' needs one: take a "
+        "MultigridCGLinearSolver or a CGLinearSolver"},
+       {tied(two_way, "<CGLinearSolver/>", "<FixedProjectiveConstraint name='fixed' indices='0'/>"), kOfBoth},
+       {replaced(tied(one), "object2='@second'", "object2='@first/state'"),
+        ".object2: leads to 'state', as object1 does: must lead to another state"}},
+      own);
 }
 
-// What init refuses is refused when it comes to be in a run, after all that changes in a step has changed.
 TEST(AttachProjectiveConstraint, ChangesAreChecked) {
-  const auto error_of = [](const std::string& changes) {
-    std::string text = tied("name='tie' twoWay='true' indices1='0' indices2='0'", "<CGLinearSolver/>",
-                            "<FixedProjectiveConstraint name='fixed' indices='1'/>");
-    text.insert(text.find("<EulerImplicit"), changes);
-    try {
-      scene::Scene scene = read_and_init(text);
+  const auto refusal_of = [](const std::string& changes) {
+    return error_of<scene::SceneError>([&] {
+      scene::Scene scene =
+          read_and_init(replaced(tied("name='tie' twoWay='true' indices1='0' indices2='0'", "<CGLinearSolver/>",
+                                      "<FixedProjectiveConstraint name='fixed' indices='1'/>"),
+                                 "<EulerImplicit", changes + "<EulerImplicit"));
       run(scene, 3);
-      return std::string();
-    } catch (const scene::SceneError& error) {
-      return std::string(error.what());
-    }
+    });
   };
-  const std::string of_both =
-                        "test.scn:1: error: AttachProjectiveConstraint: ties nodes that FixedProjectiveConstraint "
-                        "'fixed' constrains too: each node must have one of both",
+  const std::string refused = "test.scn:1: error: AttachProjectiveConstraint" + kOfBoth,
                     ties_it = attribute_change("tie", "indices1", ".5", "1"),
                     fixes_it = attribute_change("first/fixed", "indices", ".5", "0");
-  EXPECT_EQ(error_of(ties_it), of_both);
-  EXPECT_EQ(error_of(fixes_it), of_both);
-  EXPECT_EQ(error_of(fixes_it + ties_it), "");
-  EXPECT_EQ(error_of(attribute_change("tie", "twoWay", ".5", "false")),
+  EXPECT_EQ(refusal_of(ties_it), refused);
+  EXPECT_EQ(refusal_of(fixes_it), refused);
+  EXPECT_EQ(refusal_of(fixes_it + ties_it), "");
+  EXPECT_EQ(refusal_of(attribute_change("tie", "twoWay", ".5", "false")),
             "test.scn:1: error: AttributeChange.attribute: AttachProjectiveConstraint 'tie' has no attribute 'twoWay' "
             "that may change");
 }

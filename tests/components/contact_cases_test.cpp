@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Small scenes of contact with what hand or symmetry tells of each, as they stand, turned, and mirrored.
+// Small scenes of contact with what hand or symmetry tells of each, as they stand, turned, and mirrored; and a ball
+// that is pressed into an elastic block, against Hertz and CalculiX (docs/validation.md).
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/grid.hpp"
@@ -137,7 +140,6 @@ TEST_P(ContactCases, ABodyThatTearsUnderContact) {
   EXPECT_FALSE(at<scene::ForceField>(scene, "block/body").body()->removed().empty());
 }
 
-// Nothing from outside: the momentum of two free bodies that meet askew stays, and they part again.
 TEST_P(ContactCases, BodiesThatMeetKeepTheirMomentum) {
   const Placed& p = GetParam();
   scene::Scene scene = read_and_init(
@@ -202,7 +204,6 @@ TEST_P(ContactCases, AMotionThatTurnsBack) {
   EXPECT_GT(greatest, 1.5 * kWeight);
 }
 
-// Frictionless, a plate that turns about its normal and a cylinder that rolls press as they do at rest.
 TEST_P(ContactCases, AnInstrumentThatTurns) {
   const Placed& p = GetParam();
   for (const auto& [shape, axis, above] :
@@ -231,7 +232,6 @@ TEST_P(ContactCases, AnInstrumentThatTurns) {
   }
 }
 
-// What presses on a sheet, leaves it, and comes back from the other side presses there as much.
 TEST_P(ContactCases, ComingBackOnTheOtherSide) {
   const Placed& p = GetParam();
   const std::string times = "0 .1 .3 .4 .5 .6 .7 .8 2";
@@ -260,6 +260,92 @@ TEST_P(ContactCases, ComingBackOnTheOtherSide) {
     run(scene, 55);
     EXPECT_GT(std::abs(above), 0.01) << path;
     EXPECT_NEAR(p.force(scene, path).z(), -above, 1e-3 * std::abs(above)) << path;
+  }
+}
+
+using Json = nlohmann::json;
+
+const Json& reference() {
+  static const Json table = Json::parse(std::ifstream(HEXAPLAST_TEST_DATA "/calculix/indentation.json"));
+  return table;
+}
+
+const Json& coarse() { return reference()["meshes"]["coarse"]; }
+
+/// A quarter of the block with planes of symmetry, held at its bottom, and a ball that comes down by each depth [m] and
+/// stays there for a while. Steps of .1 s are longer than a period of the block: every stay ends at rest.
+struct Indentation {
+  static constexpr double kStep = 0.1;         // [s]
+  static constexpr int kDown = 5, kStay = 15;  // steps
+
+  Indentation(double poisson_ratio, const std::vector<double>& depths, double stiffness) {
+    const std::vector<double> across = coarse()["across"], up = coarse()["up"];  // [mm] of a graded mesh
+    const int n = static_cast<int>(across.size()) - 1, m = static_cast<int>(up.size()) - 1;
+    const HexMesh cells = support::block({n, n, m}, 1);
+    PointArray x = cells.positions();
+    for (auto row : x.rowwise())
+      row << 1e-3 * across[std::lround(row[0])], 1e-3 * across[std::lround(row[1])], 1e-3 * up[std::lround(row[2])];
+    const auto held = [&](int axis, const std::string& direction) {
+      return fmt::format("<PartialFixedProjectiveConstraint indices='{}' fixedDirections='{}'/>",
+                         fmt::join(nodes_at(cells, axis, 0), " "), direction);
+    };
+    const double radius = reference()["radius"], top = 1e-3 * up.back() + radius;
+    std::string times = "0", places = fmt::format("0 0 {}", top);
+    for (std::size_t d = 0; d < depths.size(); ++d) {
+      const double begin = kStep * static_cast<double>(d * (kDown + kStay));
+      times += fmt::format(" {} {}", begin + kStep * kDown, begin + kStep * (kDown + kStay));
+      for (int end = 0; end < 2; ++end) places += fmt::format("  0 0 {}", top - depths[d]);
+    }
+    scene = std::make_unique<scene::Scene>(read_and_init(fmt::format(
+        "<Node dt='{}' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/>"
+        "<MultigridCGLinearSolver tolerance='1e-6'/>{}<MechanicalObject name='nodes'/><UniformMass totalMass='.01'/>"
+        "<HexahedronElastoplasticFEMForceField youngModulus='{}' poissonRatio='{}'/>{}{}{}"
+        "<InstrumentContactForceField name='ball' radius='{}' contactStiffness='{}' keyTimes='{}' positions='{}'/>"
+        "</Node>",
+        kStep, mesh_topology(HexMesh(x, cells.hexahedra())), reference()["young_modulus"].get<double>(), poisson_ratio,
+        held(2, "1 1 1"), held(0, "1 0 0"), held(1, "0 1 0"), radius, stiffness, times, places)));
+    for (std::size_t d = 0; d < depths.size(); ++d) {
+      run(*scene, kDown + kStay);
+      forces.push_back(4 * at<scene::Component>(*scene, "ball").reals("force")[2]);
+    }
+  }
+
+  std::unique_ptr<scene::Scene> scene;
+  std::vector<double> forces;  // [N] on the whole ball, at the end of each stay
+};
+
+/// [N] Hertz, with the correction for a layer that sticks to a rigid ground (Dimitriadis et al., Biophys. J. 82, 2002).
+double hertz(double depth, double E, double nu, double radius, double thickness) {
+  constexpr double pi = std::numbers::pi;
+  const double chi = std::sqrt(radius * depth) / thickness;
+  const double a = -(1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1 - nu);
+  const double b = (0.6387 - 1.0277 * nu + 1.5164 * nu * nu) / (1 - nu);
+  const double factor = 1 - 2 * a / pi * chi + 4 * a * a / (pi * pi) * chi * chi -
+                        8 / std::pow(pi, 3) * (std::pow(a, 3) + 4 * pi * pi / 15 * b) * std::pow(chi, 3) +
+                        16 * a / std::pow(pi, 4) * (std::pow(a, 3) + 3 * pi * pi / 5 * b) * std::pow(chi, 4);
+  return 4 * E * std::sqrt(radius) * std::pow(depth, 1.5) / (3 * (1 - nu * nu)) * factor;
+}
+
+double thickness() { return 1e-3 * coarse()["up"].back().get<double>(); }
+
+TEST(Indentation, AgreesWithCalculixAndHertz) {
+  const double E = reference()["young_modulus"], nu = reference()["poisson_ratio"], radius = reference()["radius"];
+  const std::vector<double> depths = {0.25e-3, 0.5e-3, 1e-3};
+  const Indentation ours(nu, depths, reference()["penalty"]);
+  for (std::size_t d = 0; d < depths.size(); ++d) {
+    const double by_hertz = hertz(depths[d], E, nu, radius, thickness());
+    std::cout << fmt::format("depth {:.2f} mm: {:.5f} N, Hertz {:.5f}", 1e3 * depths[d], ours.forces[d], by_hertz);
+    EXPECT_NEAR(ours.forces[d], by_hertz, 0.05 * by_hertz) << depths[d];
+    for (const Json& row : reference()["cases"]) {
+      const double by_calculix = row["force"][d];
+      const std::string law = row["law"], mesh = row["mesh"];
+      std::cout << fmt::format(", {} {} {:.5f}", mesh, law, by_calculix);
+      // St. Venant-Kirchhoff's law is softer under pressure than the others
+      if (law != "stVenantKirchhoff") {
+        EXPECT_NEAR(ours.forces[d], by_calculix, 0.05 * by_calculix) << depths[d] << " " << law;
+      }
+    }
+    std::cout << "\n";
   }
 }
 

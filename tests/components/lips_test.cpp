@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Bodies that touch themselves and are cut: the lips of the cut touch each other, and begin to without force.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <fstream>
-#include <sstream>
-
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/grid.hpp"
+#include "support/mesh_text.hpp"
 #include "support/random.hpp"
 #include "support/scene.hpp"
 
@@ -20,32 +15,22 @@ using namespace hexaplast::support;
 constexpr double kCell = 0.01;
 const std::string kTouch = "<TissueContactForceField name='touch' contactDistance='0.003' friction='0.3'/>";
 
-std::string lips_numbers(const auto& rows) {
-  std::ostringstream text;
-  text.precision(17);
-  for (const auto& row : rows)
-    for (const auto number : row) text << number << ' ';
-  return text.str();
-}
-
 /// Of hexahedra of 1 cm, whose nodes lie off those of a grid by up to `warp` [m].
 std::string block_of(std::array<int, 3> cells, const std::string& more, double warp = 0,
                      const std::string& material = "") {
   const Vec3 max(cells[0] * kCell, cells[1] * kCell, cells[2] * kCell);
-  HexMesh mesh = regular_grid({cells[0], cells[1], cells[2]}, Vec3::Zero(), max);
-  PointArray x = mesh.positions();
-  if (warp > 0) x += Random(3).field(mesh.num_nodes(), warp);
+  const HexMesh grid = regular_grid(cells, Vec3::Zero(), max);
+  const PointArray off = warp > 0 ? Random(3).field(grid.num_nodes(), warp) : PointArray::Zero(grid.num_nodes(), 3);
   return "<Node dt='0.005' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver name='euler' "
-         "rayleighStiffness='0.005'/><SparseLDLSolver/>"
-         "<HexahedronSetTopologyContainer position='" +
-         lips_numbers(x.rowwise()) + "' hexahedra='" + lips_numbers(mesh.hexahedra()) +
-         "'/><MechanicalObject name='nodes'/><DiagonalMass name='mass' massDensity='1000'/>"
+         "rayleighStiffness='0.005'/><SparseLDLSolver/>" +
+         mesh_topology(HexMesh(grid.positions() + off, grid.hexahedra())) +
+         "<MechanicalObject name='nodes'/><DiagonalMass name='mass' massDensity='1000'/>"
          "<HexahedronElastoplasticFEMForceField name='flesh' youngModulus='5000' poissonRatio='0.3' " +
          material + "/>" + more + "</Node>";
 }
 
+const Body& lips_body(scene::Scene& scene) { return body(scene, "flesh"); }
 scene::ForceField& flesh(scene::Scene& scene) { return at<scene::ForceField>(scene, "flesh"); }
-const Body& body_in(scene::Scene& scene) { return *flesh(scene).body(); }
 double reading(scene::Scene& scene, const char* output) {
   return at<scene::Component>(scene, "touch").reals(output)[0];
 }
@@ -87,12 +72,12 @@ class LipsAtRest : public testing::TestWithParam<CutAtRest> {};
 TEST_P(LipsAtRest, FeelNoForce) {
   scene::Scene scene = read_and_init(block_of({4, 3, 3}, kTouch, GetParam().warp));
   run(scene, 2);
-  scene.open(flesh(scene), GetParam().joints(body_in(scene)));
-  ASSERT_TRUE(body_in(scene).copies().is_split());
+  scene.open(flesh(scene), GetParam().joints(lips_body(scene)));
+  ASSERT_TRUE(lips_body(scene).copies().is_split());
   run(scene, 1);
   EXPECT_GT(reading(scene, "touching"), 0);
   run(scene, 30);
-  const PointArray way = nodes(scene) - body_in(scene).mesh().positions();
+  const PointArray way = nodes(scene) - lips_body(scene).mesh().positions();
   EXPECT_LE(way.rowwise().norm().maxCoeff(), 1e-15);
 }
 
@@ -113,12 +98,11 @@ std::string led(const std::string& times, const std::string& ways) {
          times + "' movements='" + ways + "'/>";
 }
 
-// A bar that is cut through, drawn apart, and pressed together.
 TEST(Lips, CloseWithoutGainOfEnergy) {
   scene::Scene scene =
       read_and_init(block_of({8, 4, 4}, kTouch + led("0 0.1 0.5 1 2", "0 0 0  0 0 0  .004 0 0  -.001 0 0  -.001 0 0")));
   at<scene::OdeSolver>(scene, "euler").keep_energy_balance();
-  scene.open(flesh(scene), joints_across(body_in(scene), 0, 0.04));
+  scene.open(flesh(scene), joints_across(lips_body(scene), 0, 0.04));
   double work = 0, error = 0, before = 0;
   for (int step = 0; step < 300; ++step) {
     run(scene, 1);
@@ -134,12 +118,11 @@ TEST(Lips, CloseWithoutGainOfEnergy) {
 
 // The halves of a bar that is pressed, cut and alone.
 TEST(Lips, PressAsTwoBodiesDo) {
-  const std::string motion = "' keyTimes='0 0.2 1' movements='0 0 0  -.004 0 0  -.004 0 0'/>",
-                    fixed = "<FixedProjectiveConstraint indices='@left.indices'/>",
-                    rois =
-                        "<BoxROI name='left' box='-0.001 -1 -1 0.001 1 1'/><BoxROI name='right' box='0.079 -1 -1 "
-                        "0.081 1 1'/>",
-                    moved = "<LinearMovementProjectiveConstraint indices='@right.indices" + motion;
+  const std::string
+      motion = "' keyTimes='0 0.2 1' movements='0 0 0  -.004 0 0  -.004 0 0'/>",
+      fixed = "<FixedProjectiveConstraint indices='@left.indices'/>",
+      rois = "<BoxROI name='left' box='-0.001 -1 -1 0.001 1 1'/><BoxROI name='right' box='0.079 -1 -1 0.081 1 1'/>",
+      moved = "<LinearMovementProjectiveConstraint indices='@right.indices" + motion;
   const auto half = [&](const std::string& name, const std::string& x, const std::string& more) {
     return "<Node name='" + name + "'><RegularGridTopology n='5 5 5' min='" + x +
            " 0.04 0.04'/><MechanicalObject name='nodes'/><DiagonalMass massDensity='1000'/>"
@@ -149,15 +132,14 @@ TEST(Lips, PressAsTwoBodiesDo) {
   const std::string frame =
       "<Node dt='0.005' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver rayleighStiffness='0.005'/>"
       "<SparseLDLSolver/>";
-  scene::Scene two = read_and_init(frame +
-                                   "<TissueContactForceField friction='0.3' object1='@first/nodes' "
-                                   "object2='@second/nodes'/>" +
-                                   half("first", "0 0 0' max='0.04", rois + fixed) +
-                                   half("second", "0.04 0 0' max='0.08", rois + moved) + "</Node>");
+  scene::Scene two =
+      read_and_init(frame + "<TissueContactForceField friction='0.3' object1='@first/nodes' object2='@second/nodes'/>" +
+                    half("first", "0 0 0' max='0.04", rois + fixed) +
+                    half("second", "0.04 0 0' max='0.08", rois + moved) + "</Node>");
   scene::Scene cut = read_and_init(
       block_of({8, 4, 4}, rois + fixed + moved + "<TissueContactForceField name='touch' friction='0.3'/>"));
-  cut.open(flesh(cut), joints_across(body_in(cut), 0, 0.04));
-  const HexMesh& mesh = body_in(cut).mesh();
+  cut.open(flesh(cut), joints_across(lips_body(cut), 0, 0.04));
+  const HexMesh& mesh = lips_body(cut).mesh();
   double largest = 0;
   for (int step = 0; step < 60; ++step) {
     run(cut, 1);
@@ -188,7 +170,7 @@ struct Crumbling {
     PointArray& v = state.velocities();
     const Vec3 middle = kCell / 2 * Vec3(cells[0], cells[1], cells[2]);
     v = random.field(static_cast<int>(v.rows()), 0.05) - 4 * (state.positions().rowwise() - middle.transpose());
-    for (int joint = 0; joint < body_in(scene).joints().count(); ++joint) closed.push_back(joint);
+    for (int joint = 0; joint < lips_body(scene).joints().count(); ++joint) closed.push_back(joint);
   }
 
   int some(std::size_t count) {
@@ -203,7 +185,7 @@ struct Crumbling {
     }
     if (!joints.empty()) scene.open(flesh(scene), joints);
     if (random.uniform(0, 1) < 0.1)
-      flesh(scene).remove_elements(std::array{some(static_cast<std::size_t>(body_in(scene).mesh().num_elements()))});
+      flesh(scene).remove_elements(std::array{some(static_cast<std::size_t>(lips_body(scene).mesh().num_elements()))});
     run(scene, 1);
   }
 
@@ -228,8 +210,8 @@ TEST(Lips, OfTenThousandRandomOpeningsLoseNoMassAndNoMomentum) {
       block.step(9);
       touching = std::max(touching, reading(block.scene, "touching"));
     }
-    num_opened += body_in(block.scene).opened().size();
-    num_removed += body_in(block.scene).removed().size();
+    num_opened += lips_body(block.scene).opened().size();
+    num_removed += lips_body(block.scene).removed().size();
     ASSERT_TRUE(nodes(block.scene).allFinite()) << seed;
     EXPECT_NEAR(block.mass(), mass, 1e-12 * mass) << seed;
     EXPECT_LT((block.momentum() - momentum).norm(), 1e-9 * mass * 0.1) << seed;
@@ -272,25 +254,19 @@ TEST(Lips, GoOnWithTheSameBits) {
   }
   const std::string text = block_of(kCells, kTouch, 1e-3, "yieldStress='200' plasticFlowRate='5'");
   scene::Scene fresh = read_and_init(text), other = read_and_init(text);
-  other.open(flesh(other), joints_across(body_in(other), 0, 0.02));
+  other.open(flesh(other), joints_across(lips_body(other), 0, 0.02));
   run(other, 3);
   other.reset();
   for (scene::Scene* one : {&fresh, &other}) {
-    one->open(flesh(*one), joints_across(body_in(*one), 0, 0.01));
+    one->open(flesh(*one), joints_across(lips_body(*one), 0, 0.01));
     run(*one, 3);
   }
   EXPECT_EQ(saved(other), saved(fresh));
 }
 
-// The sheet of scenes/sheet_cut.scn, which is let go again and pushed together by 1 mm.
 TEST(Lips, OfASheetThatClosesDoNotPassThroughEachOther) {
-  std::ifstream file(HEXAPLAST_SOURCE_DIR "/scenes/sheet_cut.scn");
-  std::string text{std::istreambuf_iterator<char>(file), {}};
-  const auto replace = [&](const std::string& what, const std::string& by) {
-    const std::size_t at = text.find(what);
-    ASSERT_NE(at, text.npos) << what;
-    text.replace(at, what.size(), by);
-  };
+  std::string text = content(HEXAPLAST_SOURCE_DIR "/scenes/sheet_cut.scn");
+  const auto replace = [&](const std::string& what, const std::string& by) { text = replaced(text, what, by); };
   for (const std::string side : {"-", ""}) {
     const std::string out = side + "0.003 0 0  ", in = (side.empty() ? "-" : "") + std::string("0.0005 0 0  ");
     replace("keyTimes=\"0 0.4 2\"", "keyTimes=\"0 0.4 1.4 1.9 9\"");

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <gtest/gtest.h>
-
 #include "scene/parts.hpp"
 #include "support/compare.hpp"
 #include "support/scene.hpp"
@@ -128,15 +126,6 @@ TEST(SeveralBodies, OneThatOnlyAnotherOneLoadsIsSolvedToo) {
   }
 }
 
-TEST(SeveralBodies, WithSolversOfTheirOwnHaveTheBitsThatTheyHaveAlone) {
-  const std::string solvers = "<EulerImplicitSolver/><CGLinearSolver/>";
-  const std::string soft = solvers + std::string(kSoft), stiff = solvers + std::string(kStiff);
-  const std::string both = scene_of(node("soft", soft) + node("stiff", stiff));
-  EXPECT_EQ(end_of(both, "soft/nodes"), end_of(scene_of(node("soft", soft)), "soft/nodes"));
-  EXPECT_EQ(end_of(both, "stiff/nodes"), end_of(scene_of(node("stiff", stiff)), "stiff/nodes"));
-}
-
-// The work of all loads goes somewhere in both of them.
 TEST(SeveralBodies, HaveOneBalanceOfEnergy) {
   const auto balance_of = [](const std::string& bodies) {
     scene::Scene scene = read_and_init(scene_of("<EulerImplicitSolver name='euler'/><SparseLDLSolver/>" + bodies));
@@ -182,7 +171,6 @@ TEST(SeveralBodies, OneSolverMovesEach) {
                   "EulerImplicitSolver: needs a LinearSolver in its node or above"}});
 }
 
-// Names of bodies are different from each other, and can stand in a table.
 TEST(SeveralBodies, HaveNames) {
   scene::Scene scene = read_and_init(scene_of("<EulerImplicitSolver/><SparseLDLSolver/>" + node("soft", kSoft) +
                                               node("left, stiff", kStiff) + node("soft", kStiff)));

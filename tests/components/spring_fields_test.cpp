@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Springs within a mechanical state and between two.
-#include <fmt/format.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/solve/energy_balance.hpp"
@@ -50,11 +45,6 @@ std::string body(const std::string& springs, const std::string& root = "gravity=
                  "<HexahedronElastoplasticFEMForceField name='body' youngModulus='" +
                      modulus + "'/><FixedProjectiveConstraint indices='0-44'/>" + springs);
 }
-std::string spring(const std::string& damping) {
-  return "<SpringForceField indices1='120' indices2='95' stiffness='5' lengths='.0360555128' damping='" + damping +
-         "'/>";
-}
-
 // Damping acts by the velocities at the beginning of a step. Too much of it, as SOFA's default is for light nodes,
 // makes motions grow: where they do, and nowhere else, there is a warning.
 TEST(SpringForceField, WarnsWhereDampingMakesMotionsGrow) {
@@ -79,18 +69,8 @@ TEST(SpringForceField, WarnsWhereDampingMakesMotionsGrow) {
   EXPECT_TRUE(grows(chain(0, 1.65)));
   for (const double stiffness : {0.0, 10.0})
     for (const double damping : {1.0, 1.55, 1.65, 10.0, 14.0}) grows(chain(stiffness, damping));
-
-  // of a body, whose stiffness holds a node back too, but not all nodes of a layer together
-  bool has_grown = false, has_not = false;
-  for (const char* damping : {".02", ".05", ".1", ".15", ".2", ".3", "5"})
-    for (const std::string& springs :
-         {spring(damping), "<SpringForceField indices1='90-134' indices2='0-44' stiffness='0' lengths='.02' damping='" +
-                               std::string(damping) + "'/>"})
-      (grows(body(springs)) ? has_grown : has_not) = true;
-  EXPECT_TRUE(has_grown && has_not);
 }
 
-// Whatever it is that damps, and between what.
 TEST(SpringForceField, WarnsOfDampingInEverySetting) {
   const std::string weight = "gravity='0 0 -9.81' dt='.01'";
   const auto shares = [](int count, const std::string& damping, const std::string& states = "") {
@@ -110,7 +90,7 @@ TEST(SpringForceField, WarnsOfDampingInEverySetting) {
            shares(6, damping, "object1='@nodes' object2='@other/nodes'");
   };
   const auto with = [](std::string scene, const std::string& old, const std::string& changed) {
-    EXPECT_NE(scene.find(old), std::string::npos) << old;
+    EXPECT_TRUE(has(scene, old)) << old;
     return scene.replace(scene.find(old), old.size(), changed);
   };
   const auto without_inertia = [&](const std::string& damping) {
@@ -157,14 +137,6 @@ TEST(SpringForceField, MistakesAreNamed) {
                               "SpringForceField.indices2: 1 nodes given for 2 of indices1, must be as many"}});
 }
 
-TEST(RestShapeSpringsForceField, PullsBackToTheRestPositions) {
-  scene::Scene scene =
-      read_and_init(four_nodes("<RestShapeSpringsForceField name='s' points='1 3' stiffness='10 20'/>"));
-  at<scene::MechanicalState>(scene, "nodes").positions().array() += .5;
-  EXPECT_EQ(force_of(scene, "s", 0), rows({{0, 0, 0}, {-5, -5, -5}, {0, 0, 0}, {-10, -10, -10}}));
-}
-
-// A hook that moves along, and drags the node behind it.
 TEST(RestShapeSpringsForceField, PullsToWhereAnotherStateIs) {
   const auto text = [](const std::string& attributes) {
     return "<Node dt='.01' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/>"
@@ -253,7 +225,6 @@ PointArray end_of(const Blocks& blocks, int steps) {
   return blocks.is_one_state ? positions(scene, "first") : both(scene);
 }
 
-// By all integrators, and all ways to solve a system.
 TEST(SpringsBetweenStates, MoveBodiesAsIfTheyWereOfOneState) {
   struct Case {
     std::string integrator, solver;
@@ -291,7 +262,6 @@ TEST(SpringsBetweenStates, MoveBodiesAsIfTheyWereOfOneState) {
   }
 }
 
-// The damping of SOFA's solver by the stiffness of a component.
 TEST(SpringsBetweenStates, HaveARayleighStiffness) {
   Blocks blocks, one{.springs = kInOneState, .is_one_state = true};
   for (Blocks* each : {&blocks, &one})
@@ -316,8 +286,7 @@ TEST(SpringsBetweenStates, MayLeadToStatesThatFollow) {
   const std::string refusal =
       "SpringForceField.object1: leads to 'points', which follows another state: no matrix has ";
   blocks.solver = "<SparseLDLSolver name='direct'/>";
-  EXPECT_NE(errors_of(blocks.text()).find(refusal + "that, but SparseLDLSolver 'direct' needs one"), std::string::npos)
-      << errors_of(blocks.text());
+  EXPECT_TRUE(has(errors_of(blocks.text()), refusal + "that, but SparseLDLSolver 'direct' needs one"));
   // so also where the other end is at rest
   const std::string hooked =
       "<Node dt='.01'><DefaultAnimationLoop/>" + node("hook", "<MechanicalObject position='0 0 1'/>") +
@@ -327,7 +296,7 @@ TEST(SpringsBetweenStates, MayLeadToStatesThatFollow) {
                node("skin", "<MechanicalObject name='points' position='.5 .5 .5'/><BarycentricMapping/>") +
                "<SpringForceField object1='@skin' object2='@/hook' spring='0 0 400 .1 .05'/>") +
       "</Node>";
-  EXPECT_NE(errors_of(hooked).find(refusal), std::string::npos) << errors_of(hooked);
+  EXPECT_TRUE(has(errors_of(hooked), refusal));
 }
 
 // A kilogram that hangs on a spring: its upper end in a state that nothing moves, or on a fixed node.
@@ -350,35 +319,6 @@ TEST(SpringsBetweenStates, HangOnAStateThatNothingMoves) {
   EXPECT_EQ(positions(scene, "hook"), rows({{7, 7, 7}, {0, 0, 0}}));
 }
 
-// Implicit Euler keeps linear momentum, but not the angular one: a step changes it by -h^2 sum v' x f, with the forces
-// f at its beginning. Newton's method would have those at its end there.
-TEST(SpringsBetweenStates, ChangeAngularMomentumAsImplicitEulerDoes) {
-  const double h = .01, stiffness = 200, rest_length = 1;
-  scene::Scene scene = read_and_init(
-      "<Node dt='.01' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/>" +
-      node("first",
-           "<MechanicalObject name='state' position='0 0 0' velocity='0 -2 0'/><UniformMass vertexMass='1'/>") +
-      node("second",
-           "<MechanicalObject name='state' position='1.2 0 0' velocity='0 2 0'/><UniformMass vertexMass='1'/>") +
-      "<SpringForceField object1='@first' object2='@second' spring='0 0 200 0 1'/></Node>");
-  const auto row = [&](const std::string& state, bool velocity) -> Vec3 {
-    auto& of = at<scene::MechanicalState>(scene, state + "/state");
-    return (velocity ? of.velocities() : of.positions()).row(0).transpose();
-  };
-  const auto angular = [&]() -> Vec3 {
-    return row("first", false).cross(row("first", true)) + row("second", false).cross(row("second", true));
-  };
-  const Vec3 at_start = angular();
-  for (int k = 0; k < 30; ++k) {
-    const Vec3 before = angular(), apart = row("second", false) - row("first", false);
-    const Vec3 force = stiffness * (apart.norm() - rest_length) * apart.normalized();  // on the first one
-    scene.step();
-    const Vec3 expected = -h * h * (row("first", true) - row("second", true)).cross(force);
-    EXPECT_LT((angular() - before - expected).norm(), 1e-13) << k;
-  }
-  EXPECT_NEAR((angular() - at_start).norm() / at_start.norm(), .0505, .0005);
-}
-
 // A hundred times as stiff as the bodies: the preconditioner sees them as it sees contact.
 TEST(SpringsBetweenStates, ThatAreStiffCostFewIterations) {
   const auto iterations = [](const std::string& springs, const std::string& preconditioner) {
@@ -392,8 +332,7 @@ TEST(SpringsBetweenStates, ThatAreStiffCostFewIterations) {
              "<FixedProjectiveConstraint indices='0-80'/>") +
         node("second",
              "<RegularGridTopology n='9 9 9' min='.09 0 0' max='.17 .08 .08'/><MechanicalObject "
-             "name='state'/><UniformMass totalMass='.5'/><HexahedronElastoplasticFEMForceField "
-             "youngModulus='2000'/>") +
+             "name='state'/><UniformMass totalMass='.5'/><HexahedronElastoplasticFEMForceField youngModulus='2000'/>") +
         "</Node>");
     int all = 0;
     for (int k = 0; k < 5; ++k) all += scene.step().iterations;

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Every numeric attribute of every component, taken from the attribute table, given what it should not get.
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <algorithm>
+// Every numeric attribute of every component, taken from the attribute table, given what it should not get, and scenes
+// that are damaged or misspelt.
+#include <cstdio>
 #include <cstdlib>
-#include <filesystem>
-#include <map>
 #include <memory>
-#include <regex>
-#include <string>
+#include <random>
 
 #include "attributes/admissible.hpp"
 #include "attributes/examples.hpp"
@@ -18,35 +13,25 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
 #include "support/example_scene.hpp"
+#include "support/files.hpp"
 #include "support/scene.hpp"
 
 namespace {
 
-namespace fs = std::filesystem;
 using namespace hexaplast;
+using namespace hexaplast::support;
+
 using attributes::Access;
 using attributes::Attribute;
 using attributes::Description;
 using attributes::Type;
 
-/// Numbers that an attribute's text must hold at least; 0: it holds no numbers.
 int numbers_wanted(Type type) {
-  switch (type) {
-    case Type::kInteger:
-    case Type::kReal:
-    case Type::kIntegers:
-    case Type::kReals:
-      return 1;
-    case Type::kVector3:
-    case Type::kVectors3:
-      return 3;
-    case Type::kBoxes:
-      return 6;
-    case Type::kHexahedra:
-      return 8;
-    default:
-      return 0;
-  }
+  static const std::map<Type, int> kWanted = {{Type::kInteger, 1}, {Type::kReal, 1},     {Type::kIntegers, 1},
+                                              {Type::kReals, 1},   {Type::kVector3, 3},  {Type::kVectors3, 3},
+                                              {Type::kBoxes, 6},   {Type::kHexahedra, 8}};
+  const auto found = kWanted.find(type);
+  return found == kWanted.end() ? 0 : found->second;
 }
 
 bool is_integer(Type type) { return type == Type::kInteger || type == Type::kIntegers || type == Type::kHexahedra; }
@@ -68,8 +53,8 @@ struct Answer {
 class ExampleScenes : public testing::Test {
  protected:
   ExampleScenes() : folder_(fs::temp_directory_path() / ("scene_attributes_" + std::to_string(::getpid()))) {
-    support::plugins();
-    for (const Description* description : support::factory().descriptions())
+    plugins();
+    for (const Description* description : factory().descriptions())
       category_of_[std::string(description->class_name)] = description->category;
     fs::create_directories(folder_);
     fs::current_path(folder_);
@@ -84,12 +69,12 @@ class ExampleScenes : public testing::Test {
         std::ranges::find(attributes::kExamples, component.class_name, &attributes::Example::class_name);
     const std::string lines = example == attributes::kExamples.end() ? "<" + std::string(component.class_name) + "/>"
                                                                      : std::string(example->lines);
-    return support::pasted(std::string(attributes::kExampleScene), lines, category_of_);
+    return pasted(std::string(attributes::kExampleScene), lines, category_of_);
   }
 
   template <class Visit>
   void for_each_numeric_attribute(const Visit& visit) {
-    std::vector<const Description*> all = support::factory().descriptions();
+    std::vector<const Description*> all = factory().descriptions();
     all.push_back(&attributes::kNode);
     for (const Description* component : all) {
       for (const Attribute& attribute : component->attributes) {
@@ -101,7 +86,7 @@ class ExampleScenes : public testing::Test {
   }
 
   Answer answer_to(const Description& component, const Attribute& attribute, const std::string& value) {
-    scene::Scene scene = support::read(scene_with(component));
+    scene::Scene scene = read(scene_with(component));
     scene::Object* object = &scene.root();
     if (component.class_name != attributes::kNode.class_name) {
       for (scene::Component* each : scene.root().all<scene::Component>())
@@ -117,7 +102,7 @@ class ExampleScenes : public testing::Test {
       scene.init();
       for (int step = 0; step < 2; ++step) scene.step();
     } catch (const scene::SceneError& error) {
-      EXPECT_NE(std::string(error.what()).find("error: "), std::string::npos) << error.what();
+      EXPECT_TRUE(has(error.what(), "error: "));
       return {"", error.what()};
     } catch (const InputError& error) {
       return {"", error.what()};
@@ -151,8 +136,7 @@ TEST_F(ExampleScenes, NumbersOutOfRangeAreRefusedWithTheRangeAndOthersRunOrAreRe
     for (const std::string& word : words) {
       const Answer answer = answer_to(component, attribute, repeated(word, count));
       if (attribute.range.contains(std::strtod(word.c_str(), nullptr))) continue;
-      EXPECT_NE(answer.refusal_of_text.find(attributes::describe(attribute.range)), std::string::npos)
-          << word << ": " << answer.refusal_of_text;
+      EXPECT_TRUE(has(answer.refusal_of_text, attributes::describe(attribute.range))) << word;
     }
   });
 }
@@ -163,26 +147,26 @@ TEST_F(ExampleScenes, BeginAlikeHoweverOften) {
   for (const char* name : {"block.msh", "block.vtk", "organ.obj"}) fs::copy(meshes / name, name);
   fs::copy(meshes / "organ_binary.stl", "skin.stl");
   fs::copy(meshes / "surface.obj", "skin.obj");
-  for (const Description* component : support::factory().descriptions()) {
+  for (const Description* component : factory().descriptions()) {
     if (component->takes_anything || component->category == "Test") continue;
     SCOPED_TRACE(component->class_name);
     const std::string text = scene_with(*component);
-    scene::Scene scene = support::read_and_init(text);
-    const std::vector<std::byte> first = support::saved(scene);
+    scene::Scene scene = read_and_init(text);
+    const std::vector<std::byte> first = saved(scene);
     for (const int num_steps : {0, 0, 3}) {
-      support::run(scene, num_steps);
+      run(scene, num_steps);
       scene.reset();
-      EXPECT_TRUE(support::saved(scene) == first) << "reset after " << num_steps << " steps";
+      EXPECT_TRUE(saved(scene) == first) << "reset after " << num_steps << " steps";
     }
-    scene::Scene again = support::read_and_init(text);
-    EXPECT_TRUE(support::saved(again) == first) << "read again";
+    scene::Scene again = read_and_init(text);
+    EXPECT_TRUE(saved(again) == first) << "read again";
 
     for (const int num_steps : {0, 3}) {
-      support::run(scene, num_steps);
+      run(scene, num_steps);
       std::vector<PointArray> before;
       const std::vector<scene::MechanicalState*> states = scene.root().all<scene::MechanicalState>();
       for (scene::MechanicalState* state : states) before.push_back(state->positions());
-      std::unique_ptr<scene::Component> grip = support::factory().make("GraspForceField");
+      std::unique_ptr<scene::Component> grip = factory().make("GraspForceField");
       grip->find_data("keyTimes")->set(std::vector<double>{0}, {});
       grip->find_data("positions")->set(std::vector<double>{9, 9, 9}, {});
       grip->find_data("radius")->set(0.1, {});
@@ -194,17 +178,16 @@ TEST_F(ExampleScenes, BeginAlikeHoweverOften) {
   }
 }
 
-// What an example gives and could do without, or could not: a message, never a crash.
 TEST_F(ExampleScenes, WithoutAnyOneAttributeTheyRunOrAreRefused) {
   int num_left_out = 0, num_refused = 0;
-  for (const Description* component : support::factory().descriptions()) {
+  for (const Description* component : factory().descriptions()) {
     if (component->takes_anything) continue;
     const std::string whole = scene_with(*component);
     const std::regex attribute("\\s\\w+=\"[^\"]*\"");
     for (std::sregex_iterator match(whole.begin(), whole.end(), attribute), end; match != end; ++match) {
       std::string scene = whole;
       scene.erase(match->position(), match->length());
-      const std::string errors = support::errors_of(scene);
+      const std::string errors = errors_of(scene);
       EXPECT_TRUE(errors.empty() || errors.find("test.scn:") == 0) << errors;
       ++num_left_out;
       num_refused += !errors.empty();
@@ -224,6 +207,128 @@ TEST_F(ExampleScenes, NodesAndHexahedraThatDoNotExistAreRefused) {
     EXPECT_NE(answer.refusal_of_text + answer.refusal_of_scene, "");
   });
   EXPECT_GE(num_lists, 4);
+}
+
+std::map<std::string, std::string> shipped_scenes() {
+  std::map<std::string, std::string> scenes;
+  for (const fs::directory_entry& entry : fs::directory_iterator(fs::path(HEXAPLAST_SOURCE_DIR) / "scenes")) {
+    if (entry.path().extension() != ".scn") continue;
+    scenes[entry.path().filename().string()] = content(entry.path());
+  }
+  return scenes;
+}
+
+// A damaged scene loads, or is refused by one of the three ways that the command reports; anything else ends the test.
+void expect_clean(const std::string& text) {
+  try {
+    scene::Scene scene = read(text);
+    scene.init();
+  } catch (const scene::SceneError& error) {
+    EXPECT_TRUE(has(error.what(), "test.scn"));
+  } catch (const scene::PluginError& error) {
+    EXPECT_TRUE(has(error.what(), "RequiredPlugin"));
+  }
+}
+
+// A scene is one element: whatever is cut off, its end is missing, which is said once and of a line that is there.
+TEST(DamagedScene, EveryTruncationOfTheShippedScenesIsRefused) {
+  for (const auto& [name, text] : shipped_scenes()) {
+    const std::size_t end = text.rfind("</Node>") + 7;  // what may be missing behind it does not matter
+    for (std::size_t length = 0; length < end; ++length) {
+      try {
+        read(text.substr(0, length));
+        ADD_FAILURE() << name << " is read though it is cut after " << length << " characters";
+      } catch (const scene::SceneError& error) {
+        const std::string said = error.what();
+        int line = 0;
+        EXPECT_EQ(std::sscanf(said.c_str(), "test.scn:%d: error: ", &line), 1) << said;
+        EXPECT_TRUE(line >= 1 && line <= 1 + std::ranges::count(text.begin(), text.begin() + length, '\n')) << said;
+        EXPECT_FALSE(has(said, "\n"));
+      }
+    }
+  }
+}
+
+// How many mutations of each scene: enough for a build by default, as many as HEXAPLAST_MUTATIONS says for a long run.
+int num_mutations() {
+  const char* given = std::getenv("HEXAPLAST_MUTATIONS");
+  return given ? std::atoi(given) : 250;
+}
+
+TEST(DamagedScene, MutationsOfTheShippedScenesAreRefusedOrLoad) {
+  // half the changes put something that means something
+  const std::string characters = "<>/\"'=&;@.-+0123456789eE \n\tnxX_!";
+
+  const auto scenes = shipped_scenes();
+  ASSERT_FALSE(scenes.empty());
+  std::mt19937 random(20240607);
+  const auto below = [&](std::size_t bound) {
+    return std::uniform_int_distribution<std::size_t>(0, bound - 1)(random);
+  };
+  for (const auto& [name, whole] : scenes) {
+    for (int i = 0; i < num_mutations(); ++i) {
+      std::string text = whole;
+      for (std::size_t changes = 1 + below(4); changes > 0; --changes) {
+        const char value = below(2) ? characters[below(characters.size())] : static_cast<char>(below(256));
+        const std::size_t at = below(text.size());
+        switch (below(3)) {
+          case 0:
+            text[at] = value;
+            break;
+          case 1:
+            text.insert(at, 1, value);
+            break;
+          default:
+            text.erase(at, 1 + below(20));
+        }
+      }
+      expect_clean(text);
+    }
+  }
+}
+
+/// Where a pattern's group stands in the scene outside comments: begin and length.
+std::vector<std::pair<std::size_t, std::size_t>> places_of(const std::string& scene, const char* pattern) {
+  std::string visible = scene;
+  for (std::size_t at = visible.find("<!--"); at != visible.npos; at = visible.find("<!--", at))
+    for (const std::size_t end = visible.find("-->", at) + 3; at < end; ++at) visible[at] = ' ';
+  std::vector<std::pair<std::size_t, std::size_t>> places;
+  const std::regex expression(pattern);
+  for (std::sregex_iterator match(visible.begin(), visible.end(), expression), end; match != end; ++match)
+    places.emplace_back(match->position(1), match->length(1));
+  return places;
+}
+
+TEST(MisspeltScene, NoNameOfAComponentAttributeOrTargetIsPassedOver) {
+  int num_names = 0;
+  const auto expect_refusal = [&](const std::string& scene, std::size_t at, const std::string& misspelt,
+                                  std::size_t length, const std::string& refusal) {
+    std::string text = scene;
+    text.replace(at, length, misspelt);
+    const std::string errors = errors_of(text);
+    EXPECT_TRUE(has(errors, refusal)) << misspelt;
+    ++num_names;
+  };
+  for (const auto& [name, scene] : shipped_scenes()) {
+    SCOPED_TRACE(name);
+    for (const auto& [at, length] : places_of(scene, "<([A-Z]\\w+)(?=[^>]*/>)")) {
+      const std::string word = scene.substr(at, length);
+      const std::string misspelt = word.substr(0, 2) + word.substr(3);
+      expect_refusal(scene, at, misspelt, length,
+                     misspelt + ": unknown component\n  hint: did you mean '" + word + "'?");
+    }
+    for (const auto& [at, length] : places_of(scene, "\\s([a-z]\\w+)=\"")) {
+      if (scene.compare(at, 8, "version=") == 0 || scene.compare(at, 9, "encoding=") == 0) continue;
+      const std::string word = scene.substr(at, length);
+      if (word == "removeIsolated") continue;  // of bookkeeping in SOFA, which may have any attribute
+      expect_refusal(scene, at, word + "x", length, word + "x: unknown attribute");
+    }
+    for (const auto& [at, length] : places_of(scene, "\"@(\\w+)")) {
+      const std::string word = scene.substr(at, length);
+      expect_refusal(scene, at, word + "x", length, "holds no '" + word + "x'\n  hint: did you mean '" + word + "'?");
+    }
+  }
+  EXPECT_GT(num_names, 300);
 }
 
 }  // namespace

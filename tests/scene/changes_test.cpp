@@ -1,14 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Every attribute that may change during a run, taken from the attribute table: it acts in the step that begins at its
 // time, whoever changes it, nothing else moves, reset undoes it, and a run that is taken up goes on with it.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <map>
 #include <optional>
-#include <set>
-#include <string>
-#include <vector>
 
 #include "attributes/examples.hpp"
 #include "hexaplast/base/error.hpp"
@@ -18,13 +11,12 @@
 namespace {
 
 using namespace hexaplast;
+using namespace hexaplast::support;
 using attributes::Access;
 using attributes::Attribute;
 using attributes::Description;
 using attributes::Type;
 using scene::Value;
-using support::read_and_init;
-using support::run;
 
 constexpr int kChangesAt = 3, kSteps = 8;  // the step that the change begins with, of all
 
@@ -288,7 +280,7 @@ std::optional<int> expect_effect(const Example& example, const Attribute& attrib
   for (const int steps : {kChangesAt - 1, kChangesAt, kChangesAt + 1}) {
     scene::Scene put_down = read_and_init(text), taken_up = read_and_init(text);
     run(put_down, steps);
-    support::go_on_in(put_down, taken_up);
+    go_on_in(put_down, taken_up);
     EXPECT_EQ(motion(taken_up, kSteps - steps), tail(changed, steps)) << "taken up after " << steps << " steps";
   }
 
@@ -307,7 +299,7 @@ std::optional<int> expect_effect(const Example& example, const Attribute& attrib
   const std::string first_value = scene::write_value(present);
   if (!is_given && first_value.empty()) return first;  // nothing that is given may differ from nothing
   const std::string source(source_of(attribute.type));
-  scene::Scene linked = support::read(
+  scene::Scene linked = read(
       example.with(change("source", source, *value) + "<Source name='source' " + source + "='" + first_value + "'/>"));
   example.component(linked).find_data(attribute.name)->read("@/source." + source, {"test.scn", 1});
   linked.init();
@@ -322,9 +314,9 @@ std::string lines(const std::set<std::string>& names) {
 }
 
 TEST(Changes, ActInTheirStepAloneAndAreUndone) {
-  support::plugins();
-  support::factory().add<Source>(kSource);
-  const std::vector<const Description*> all = support::factory().descriptions();
+  plugins();
+  factory().add<Source>(kSource);
+  const std::vector<const Description*> all = factory().descriptions();
   std::map<std::string, std::string> category_of;
   for (const Description* description : all) category_of[std::string(description->class_name)] = description->category;
 
@@ -341,8 +333,8 @@ TEST(Changes, ActInTheirStepAloneAndAreUndone) {
       if (piece.lines.find("ilename") != piece.lines.npos || piece.lines.find("fileTopology") != piece.lines.npos)
         continue;
       SCOPED_TRACE(piece.lines);
-      const Example example(
-          *description, support::pasted(std::string(attributes::kExampleScene), std::string(piece.lines), category_of));
+      const Example example(*description,
+                            pasted(std::string(attributes::kExampleScene), std::string(piece.lines), category_of));
       scene::Scene scene = read_and_init(example.text());
       const auto* changeable = dynamic_cast<const scene::Changeable*>(&example.component(scene));
       if (!changeable) continue;

@@ -1,29 +1,24 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <string>
-
+#include "scene/description.hpp"
 #include "support/files.hpp"
 #include "support/scene.hpp"
 
 namespace {
 
 using namespace hexaplast;
-namespace fs = std::filesystem;
-using support::at;
+using namespace hexaplast::support;
 
 /// A directory of its own for each test. Messages name files in it without the directory.
 class SceneInclude : public testing::Test {
  protected:
   void write(const std::string& name, const std::string& text) {
     fs::create_directories((directory_ / name).parent_path());
-    support::put(directory_ / name, text);
+    put(directory_ / name, text);
   }
 
   scene::Scene read(const std::string& name) {
-    scene::PluginLoader& loader = support::plugins();
-    return scene::read_scene(directory_ / name, support::factory(), loader, search_path_);
+    scene::PluginLoader& loader = plugins();
+    return scene::read_scene(directory_ / name, factory(), loader, search_path_);
   }
 
   std::string errors_of(const std::string& name) {
@@ -39,7 +34,7 @@ class SceneInclude : public testing::Test {
     }
   }
 
-  const support::Scratch directory_;
+  const Scratch directory_;
   scene::SearchPath search_path_;
 };
 
@@ -49,15 +44,6 @@ TEST_F(SceneInclude, AFileStandsForItsRootAndIsFoundFromTheIncludingFile) {
   write("parts/b.xml", "<BoxROI name='b' box='1 2 3 4 5 6'/>");
   scene::Scene scene = read("main.scn");
   EXPECT_EQ(at<scene::Engine>(scene, "a/renamed").reals("box"), (std::vector<double>{1, 2, 3, 4, 5, 6}));
-}
-
-TEST_F(SceneInclude, AGroupIsReplacedByItsMembers) {
-  write("main.scn", "<Node><include href='a.xml'/></Node>");
-  write("a.xml", "<Node name='Group'><BoxROI name='first'/><BoxROI name='second'/></Node>");
-  scene::Scene scene = read("main.scn");
-  EXPECT_NO_THROW(at<scene::Engine>(scene, "first"));
-  EXPECT_NO_THROW(at<scene::Engine>(scene, "second"));
-  EXPECT_TRUE(scene.root().children().empty());
 }
 
 TEST_F(SceneInclude, ErrorsShowTheChainOfFiles) {
@@ -114,7 +100,7 @@ TEST_F(SceneInclude, LevelsAndNumberAreLimited) {
   for (int i = 0; i < 16; ++i)
     write(file(i), "<Node><include href='" + file(i + 1) + "'/><include href='" + file(i + 1) + "'/></Node>");
   write(file(16), "<Node/>");
-  EXPECT_NE(errors_of(file(0)).find("error: include.href: more than 1000 includes\n"), std::string::npos);
+  EXPECT_TRUE(has(errors_of(file(0)), "error: include.href: more than 1000 includes\n"));
 }
 
 /// The file is not beside the scene, but below a directory of the search path.
@@ -157,18 +143,49 @@ TEST_F(SceneSearchPath, TheFileItselfComesFirstThenTheDirectoriesInTheirOrder) {
 }
 
 TEST_F(SceneSearchPath, WhatIsNowhereIsRefusedWithThePlaces) {
-  EXPECT_NE(errors_of("scenes/a.scn").find("  hint: looked for in none, "), std::string::npos);
+  EXPECT_TRUE(has(errors_of("scenes/a.scn"), "  hint: looked for in none, "));
   fs::remove(directory_ / "one/parts/part.xml");
-  EXPECT_NE(errors_of("scenes/a.scn").find("'parts/part.xml': no such file\n  hint: looked for in none, "),
-            std::string::npos);
+  EXPECT_TRUE(has(errors_of("scenes/a.scn"), "'parts/part.xml': no such file\n  hint: looked for in none, "));
 }
 
 TEST_F(SceneSearchPath, NamesThatLeadUpwardsCountFromTheirFileAlone) {
   write("one/parts/part.xml", part("../m.obj"));
   write_mesh("m.obj", 7);  // one/../m.obj
   const std::string errors = errors_of("scenes/a.scn");
-  EXPECT_NE(errors.find("no such file"), std::string::npos);
-  EXPECT_EQ(errors.find("hint"), std::string::npos) << errors;
+  EXPECT_TRUE(has(errors, "no such file"));
+  EXPECT_FALSE(has(errors, "hint"));
+}
+
+std::optional<scene::Description> description_in(const std::string& text) {
+  const Scratch scratch;
+  put(scratch / "some.scn", text);
+  return scene::description_of(scratch / "some.scn");
+}
+
+TEST(Description, IsTheLineAndTheParagraphAtTheHeadOfTheFile) {
+  const auto found = description_in(
+      "<?xml version=\"1.0\"?>\n<!-- a licence -->\n<!--\n  Fat on a\n  vessel\n\n  It is   drawn\n  out.\n\n  "
+      "More.\n-->"
+      "\n<Node name=\"root\"><!-- within\n\n  the scene --></Node>\n");
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->heading, "Fat on a vessel");
+  EXPECT_EQ(found->words, "It is drawn out.");
+}
+
+TEST(Description, IsNoneWhereTheFileHasNone) {
+  EXPECT_FALSE(description_in("<Node name=\"root\"><!-- within\n\n  the scene --></Node>"));
+  EXPECT_FALSE(description_in("<!-- a licence --><Node name=\"root\"/>"));
+  EXPECT_FALSE(description_in("<!-- long " + std::string(200, 'x') + "\n\n words --><Node name=\"root\"/>"));
+  EXPECT_FALSE(description_in("<!-- one\n\n two --><Node"));
+  EXPECT_FALSE(scene::description_of("/nowhere.scn"));
+  EXPECT_FALSE(scene::description_of("/dev/zero"));
+}
+
+TEST(Description, OfEveryShippedSceneIsThere) {
+  for (const auto& entry : std::filesystem::directory_iterator(HEXAPLAST_SOURCE_DIR "/scenes"))
+    if (entry.path().extension() == ".scn") {
+      EXPECT_TRUE(scene::description_of(entry.path())) << entry.path();
+    }
 }
 
 }  // namespace

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "scene/plugin.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cstring>
-#include <filesystem>
-#include <string>
 
 #include "support/files.hpp"
 
 namespace {
 
 using namespace hexaplast;
-namespace fs = std::filesystem;
+using namespace hexaplast::support;
 
 /// A directory of its own for each test, with plugins made from the bytes of the real one.
 class PluginFiles : public testing::Test {
@@ -20,7 +16,7 @@ class PluginFiles : public testing::Test {
   void SetUp() override { ASSERT_FALSE(real_.empty()); }
 
   std::string refusal(const std::string& bytes) {
-    support::put(directory_ / "libOther.so", bytes);
+    put(directory_ / "libOther.so", bytes);
     return refusal_of_name("Other");
   }
   std::string refusal_of_name(const std::string& name) {
@@ -36,8 +32,8 @@ class PluginFiles : public testing::Test {
   std::string prefix() const { return "plugin 'Other': " + (directory_ / "libOther.so").string() + ": "; }
   std::string search_path() const { return "; search path: " + directory_.path().string(); }
 
-  const support::Scratch directory_;
-  const std::string real_ = support::content(fs::path(HEXAPLAST_TEST_PLUGINS) / "Hexaplast.so");
+  const Scratch directory_;
+  const std::string real_ = content(fs::path(HEXAPLAST_TEST_PLUGINS) / "Hexaplast.so");
 };
 
 TEST_F(PluginFiles, ComponentsComeFromAPluginFoundByName) {
@@ -61,7 +57,7 @@ TEST_F(PluginFiles, OfTheInstallationAreTrustedWhereverItLies) {
       scene::PluginLoader(factory, {installed}, {}, untrusted).load("Hexaplast");
       ADD_FAILURE() << untrusted;
     } catch (const scene::PluginError& error) {
-      EXPECT_NE(std::string(error.what()).find("from which nothing is loaded"), std::string::npos) << error.what();
+      EXPECT_TRUE(has(error.what(), "from which nothing is loaded"));
     }
   }
 }
@@ -110,10 +106,10 @@ TEST_F(PluginFiles, AnotherAbiIsRefusedBeforeAnyCodeRuns) {
   EXPECT_EQ(refusal(with(changed)), prefix() + "it was built for another scalar size: 4, must be 8" + search_path());
   changed = tag;
   changed.compiler_abi += 1;
-  EXPECT_NE(refusal(with(changed)).find("another compiler ABI"), std::string::npos);
+  EXPECT_TRUE(has(refusal(with(changed)), "another compiler ABI"));
   changed = tag;
   changed.sizes[1] += 8;
-  EXPECT_NE(refusal(with(changed)).find("another layout of shared types"), std::string::npos);
+  EXPECT_TRUE(has(refusal(with(changed)), "another layout of shared types"));
   changed = tag;
   changed.magic[0] = 'H';
   EXPECT_EQ(refusal(with(changed)),
@@ -125,13 +121,13 @@ TEST_F(PluginFiles, AFunctionIsNeeded) {
   const std::string symbol = "hexaplast_register_components";
   for (std::size_t at = other.find(symbol); at != other.npos; at = other.find(symbol, at)) other[at] = 'H';
   const std::string message = refusal(other);
-  EXPECT_NE(message.find("it has no function " + symbol), message.npos) << message;
+  EXPECT_TRUE(has(message, "it has no function " + symbol));
 }
 
 TEST_F(PluginFiles, EveryTruncationIsRefused) {
   for (std::size_t i = 0; i < 64; ++i) {
     const std::string message = refusal(real_.substr(0, real_.size() * i / 64));
-    EXPECT_NE(message.find(prefix() + "it "), message.npos) << message;
+    EXPECT_TRUE(has(message, prefix() + "it "));
   }
 }
 

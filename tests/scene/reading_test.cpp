@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
 #include <set>
-#include <string>
 
 #include "attributes/gone.hpp"
 #include "support/files.hpp"
@@ -13,10 +8,7 @@
 namespace {
 
 using namespace hexaplast;
-using support::at;
-using support::errors_of;
-using support::read;
-using support::read_and_init;
+using namespace hexaplast::support;
 
 // What a scene needs around the lines under test; these stand on line 3 and after.
 std::string framed(const std::string& lines) {
@@ -65,7 +57,6 @@ TEST(SceneReading, WhatSofaScenesSayIsAccepted) {
             "");
 }
 
-// A scene of an earlier version is told what to write instead.
 TEST(SceneReading, NamesThatAreGoneSayWhatToWriteInstead) {
   EXPECT_EQ(errors_of(framed("<FixedConstraint name='old'/>\n<BoxROI position='@old.position'/>")),
             "test.scn:3: error: FixedConstraint: unknown component\n  hint: take FixedProjectiveConstraint");
@@ -84,7 +75,7 @@ TEST(SceneReading, NamesThatAreGoneSayWhatToWriteInstead) {
       const std::size_t dot = name.find('.');
       const std::string_view owner = name.substr(0, dot);  // empty: any
       bool is_there = owner.empty() || owner == "Node";
-      for (const attributes::Description* component : support::factory().descriptions()) {
+      for (const attributes::Description* component : factory().descriptions()) {
         if (!owner.empty() && owner != component->class_name) continue;
         is_there = true;
         EXPECT_EQ(std::ranges::count(component->attributes, name.substr(dot + 1), &attributes::Attribute::name), 0)
@@ -96,59 +87,45 @@ TEST(SceneReading, NamesThatAreGoneSayWhatToWriteInstead) {
 
 // What scenes need that ship with the program, in its documentation and its examples; the rest of SOFA is SOFA's.
 TEST(SceneReading, TheComponentsAreTheseAndNoOthers) {
-  const std::set<std::string_view> expected = {
-      // frame
-      "DefaultAnimationLoop", "RunSettings", "AttributeChange", "Probe", "MaterialRegion",
-      // time and equations
-      "EulerImplicitSolver", "StaticSolver", "NewtonRaphsonSolver", "CGLinearSolver", "MultigridCGLinearSolver",
-      "SparseLDLSolver",
-      // meshes
-      "RegularGridTopology", "SparseGridTopology", "TubeGridTopology", "SheetGridTopology", "SpherePatchGridTopology",
-      "MeshTopology", "HexahedronSetTopologyContainer", "TriangleSetTopologyContainer", "QuadSetTopologyContainer",
-      "MeshVTKLoader", "MeshGmshLoader", "MeshOBJLoader", "MeshSTLLoader",
-      // state
-      "MechanicalObject", "DiagonalMass", "UniformMass",
-      // forces
-      "HexahedronElastoplasticFEMForceField", "ConstantForceField", "LinearForceField", "TangentialForceField",
-      "SurfacePressureForceField", "PlaneForceField", "GraspForceField", "InstrumentContactForceField",
-      "TissueContactForceField", "RestShapeSpringsForceField", "SpringForceField",
-      // cutting
-      "BladeController",
-      // constraints
-      "FixedProjectiveConstraint", "PartialFixedProjectiveConstraint", "LinearMovementProjectiveConstraint",
-      "PartialLinearMovementProjectiveConstraint", "AttachProjectiveConstraint",
-      // selection
-      "BoxROI", "SphereROI", "PlaneROI", "MeshROI", "IndexValueMapper", "IndicesFromValues",
-      // mappings
-      "BarycentricMapping", "IdentityMapping",
-      // seen
-      "OglModel", "VisualStyle", "InteractiveCamera",
+  const std::vector<std::string_view> words = scene::split_words(
+      "DefaultAnimationLoop RunSettings AttributeChange Probe MaterialRegion EulerImplicitSolver StaticSolver "
+      "NewtonRaphsonSolver CGLinearSolver MultigridCGLinearSolver SparseLDLSolver RegularGridTopology "
+      "SparseGridTopology TubeGridTopology SheetGridTopology SpherePatchGridTopology MeshTopology "
+      "HexahedronSetTopologyContainer TriangleSetTopologyContainer QuadSetTopologyContainer MeshVTKLoader "
+      "MeshGmshLoader MeshOBJLoader MeshSTLLoader MechanicalObject DiagonalMass UniformMass "
+      "HexahedronElastoplasticFEMForceField ConstantForceField LinearForceField TangentialForceField "
+      "SurfacePressureForceField PlaneForceField GraspForceField InstrumentContactForceField "
+      "TissueContactForceField RestShapeSpringsForceField SpringForceField BladeController "
+      "FixedProjectiveConstraint PartialFixedProjectiveConstraint LinearMovementProjectiveConstraint "
+      "PartialLinearMovementProjectiveConstraint AttachProjectiveConstraint BoxROI SphereROI PlaneROI MeshROI "
+      "IndexValueMapper IndicesFromValues BarycentricMapping IdentityMapping OglModel VisualStyle "
+      "InteractiveCamera "
       // accepted without effect
-      "BackgroundSetting", "LightManager", "DirectionalLight", "DefaultVisualManagerLoop",
-      "HexahedronSetTopologyModifier", "HexahedronSetGeometryAlgorithms", "QuadSetTopologyModifier",
-      "QuadSetGeometryAlgorithms", "TriangleSetGeometryAlgorithms"};
-  support::plugins();
+      "BackgroundSetting LightManager DirectionalLight DefaultVisualManagerLoop HexahedronSetTopologyModifier "
+      "HexahedronSetGeometryAlgorithms QuadSetTopologyModifier QuadSetGeometryAlgorithms "
+      "TriangleSetGeometryAlgorithms");
+  plugins();
   std::set<std::string_view> registered;
-  for (const attributes::Description* description : support::factory().descriptions())
+  for (const attributes::Description* description : factory().descriptions())
     if (description->category != "Test") registered.insert(description->class_name);
-  EXPECT_EQ(registered, expected);
+  EXPECT_EQ(registered, std::set(words.begin(), words.end()));
 }
 
 TEST(SceneReading, AllErrorsAreReportedAtOnceAndAtMostTwenty) {
   std::string lines;
   for (int i = 0; i < 23; ++i) lines += "<Nonsense/>\n";
   const std::string errors = errors_of(framed(lines));
-  EXPECT_NE(errors.find("test.scn:3: error: Nonsense: unknown component\n"), errors.npos);
-  EXPECT_NE(errors.find("test.scn:22: error: Nonsense: unknown component\n"), errors.npos);
-  EXPECT_EQ(errors.find("test.scn:23: "), errors.npos);
-  EXPECT_NE(errors.find("\n3 further errors are not shown"), errors.npos);
+  EXPECT_TRUE(has(errors, "test.scn:3: error: Nonsense: unknown component\n"));
+  EXPECT_TRUE(has(errors, "test.scn:22: error: Nonsense: unknown component\n"));
+  EXPECT_FALSE(has(errors, "test.scn:23: "));
+  EXPECT_TRUE(has(errors, "\n3 further errors are not shown"));
 }
 
 TEST(SceneReading, AMistakeDoesNotHideTheDanglingLinkBesideIt) {
   const std::string errors =
       errors_of(framed("<DiagonalMass massDensity='x'/>\n<FixedProjectiveConstraint indices='@no.indices'/>"));
-  EXPECT_NE(errors.find("test.scn:3: error: DiagonalMass.massDensity: 'x' is not a number"), errors.npos);
-  EXPECT_NE(errors.find("test.scn:4: error: FixedProjectiveConstraint.indices: link '@no.indices'"), errors.npos);
+  EXPECT_TRUE(has(errors, "test.scn:3: error: DiagonalMass.massDensity: 'x' is not a number"));
+  EXPECT_TRUE(has(errors, "test.scn:4: error: FixedProjectiveConstraint.indices: link '@no.indices'"));
 }
 
 TEST(SceneReading, WhatOnlyFollowsFromAMistakeIsNotReported) {
@@ -163,14 +140,6 @@ TEST(SceneReading, WhatOnlyFollowsFromAMistakeIsNotReported) {
   EXPECT_EQ(errors_of(framed(body + "<TissueContactForceField object1='@nodes'/>")), refused);
 }
 
-TEST(SceneReading, UnnamedObjectsAreNumberedByClass) {
-  scene::Scene scene = read(framed("<BoxROI/> <BoxROI name='BoxROI2'/> <BoxROI/> <Node/>"));
-  EXPECT_NO_THROW(at<scene::Engine>(scene, "BoxROI1"));
-  EXPECT_NO_THROW(at<scene::Engine>(scene, "BoxROI2"));
-  EXPECT_NO_THROW(at<scene::Engine>(scene, "BoxROI3"));
-  EXPECT_EQ(scene.root().children()[0]->name(), "Node1");
-}
-
 TEST(SceneReading, OnlyTheRootsClockCounts) {
   scene::Scene scene =
       read_and_init("<Node dt='0.5' gravity='1 2 3'>\n<Node name='inner' dt='0.1' gravity='0 0 0'/></Node>");
@@ -181,11 +150,6 @@ TEST(SceneReading, OnlyTheRootsClockCounts) {
   EXPECT_EQ(scene::format(warnings[0]), "test.scn:2: warning: Node.dt: is ignored: only the root's counts");
 }
 
-TEST(SceneReading, EveryRunBeginsAtTimeZero) {
-  EXPECT_EQ(errors_of("<Node time='0'/>"), "");
-  EXPECT_EQ(errors_of("<Node time='1'/>"), "test.scn:1: error: Node.time: 1 must lie in [0, 0]");
-}
-
 TEST(SceneReading, IgnoredDrawingIsNotedBookkeepingIsSilent) {
   scene::Scene scene = read_and_init(
       "<Node><LightManager size='3' whatever='@nowhere'/>\n"
@@ -194,16 +158,6 @@ TEST(SceneReading, IgnoredDrawingIsNotedBookkeepingIsSilent) {
   for (const scene::Message& message : scene.diagnostics().take_warnings()) said.push_back(scene::format(message));
   ASSERT_EQ(said.size(), 2u);
   EXPECT_EQ(said[1], "test.scn:1: note: LightManager: visual: ignored here");
-}
-
-TEST(SceneReading, AFileIsOneNodeOfPlainXml) {
-  for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{
-           {"<!DOCTYPE scene [<!ENTITY a 'b'>]>\n<Node/>", "1: error: document types and entities are not allowed"},
-           {"<Node/>\n<Node/>", "2: error: junk after document element at column 1: <Node/>"},
-           {"<Node>\n<Node name='a' name='b'/></Node>",
-            "2: error: duplicate attribute at column 16 in <Node> of line 1: name='b'/></Node>"},
-           {"", "1: error: the file holds no element, must hold one"}})
-    EXPECT_EQ(errors_of(text), "test.scn:" + message);
 }
 
 // Links
@@ -273,19 +227,17 @@ TEST(SceneLinks, AClassStandsForItsOnlyComponent) {
 
 TEST(SceneLinks, SrcConnectsAllThatIsNotGiven) {
   const std::string grid = "<RegularGridTopology name='other' n='2 2 2' max='2 3 4'/>";
-  scene::Scene scene = read_and_init(
-      framed(grid + "<BoxROI name='all' src='@other' box='1 1 1 9 9 9'/>"
-                    "<BoxROI name='own' src='@other' position='5 5 5  0 0 0  0 0 0  0 0 0  0 0 0  0 0 0  0 0 0  0 0 0' "
-                    "box='1 1 1 9 9 9'/>"));
+  scene::Scene scene = read_and_init(framed(grid + "<BoxROI name='all' src='@other' box='1 1 1 9 9 9'/>"
+                                                   "<BoxROI name='own' src='@other' position='5 5 5  0 0 0  0 0 0  0 0 "
+                                                   "0  0 0 0  0 0 0  0 0 0  0 0 0' box='1 1 1 9 9 9'/>"));
   EXPECT_EQ(at<scene::Engine>(scene, "all").reals("pointsInROI"), (std::vector<double>{2, 3, 4}));
   EXPECT_EQ(at<scene::Engine>(scene, "own").reals("pointsInROI"), (std::vector<double>{5, 5, 5}));
 
   EXPECT_EQ(errors_of(framed("<BoxROI src='@absent'/>")),
             "test.scn:3: error: BoxROI.src: link '@absent' stops at node '/', which holds no 'absent'");
-  EXPECT_EQ(
-      errors_of(framed("<RunSettings src='@grid'/>")),
-      "test.scn:3: error: RunSettings.src: link '@grid' leads to RegularGridTopology 'grid', which has no attribute "
-      "that belongs here");
+  EXPECT_EQ(errors_of(framed("<RunSettings src='@grid'/>")),
+            "test.scn:3: error: RunSettings.src: link '@grid' leads to RegularGridTopology 'grid', which has no "
+            "attribute that belongs here");
 }
 
 TEST(SceneLinks, CirclesAreFound) {
@@ -325,24 +277,12 @@ TEST(SceneLinks, WhatCannotFollowAChangeRefusesIt) {
   } catch (const scene::SceneError& error) {
     EXPECT_STREQ(error.what(),
                  "test.scn:2: error: MechanicalObject.externalForce: follows a link to something that changes during "
-                 "the run, which it "
-                 "cannot do");
+                 "the run, which it cannot do");
   }
 }
 
 // Overrides
 // -----------------------------------------------------------------------------------------------------------------
-
-TEST(SceneOverride, ReplacesAnAttributeBeforeInit) {
-  scene::Scene scene = read(framed("<Node name='in'><BoxROI name='roi'/></Node>"));
-  scene::override_attribute(scene, "root.dt=0.25");
-  scene::override_attribute(scene, ".gravity=0 0 -2");
-  scene::override_attribute(scene, "in/roi.box=0 0 0 .5 .5 .5");
-  scene.init();
-  EXPECT_EQ(scene.dt(), 0.25);
-  EXPECT_EQ(scene.root().clock().gravity, Vec3(0, 0, -2));
-  EXPECT_EQ(at<scene::Engine>(scene, "in/roi").integers("indices").size(), 8u);
-}
 
 TEST(SceneOverride, TheLastOneCounts) {
   scene::Scene scene = read(framed(""));

@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The bits of the shipped scenes: the same for any number of threads, and the same as ever on each instruction set.
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <algorithm>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -19,6 +13,8 @@
 
 namespace hexaplast {
 namespace {
+
+using namespace support;
 
 using Json = nlohmann::ordered_json;
 
@@ -92,8 +88,8 @@ void compare(const Json& row, const std::string& target, const std::string& hash
 
 std::string hash_after(const PinnedScene& pinned, int threads) {
   set_num_threads(threads);
-  scene::Scene scene = scene::read_scene(std::string(HEXAPLAST_SOURCE_DIR "/scenes/") + pinned.name + ".scn",
-                                         support::factory(), support::plugins());
+  scene::Scene scene =
+      scene::read_scene(std::string(HEXAPLAST_SOURCE_DIR "/scenes/") + pinned.name + ".scn", factory(), plugins());
   scene.init();
   for (int step = 0; step < pinned.num_steps; ++step) scene.step();
   scene::MechanicalState& state = *scene::independent_states(scene.root()).front();

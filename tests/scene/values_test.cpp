@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <gtest/gtest.h>
-
 #include <memory>
 #include <set>
-#include <vector>
 
 #include "attributes/admissible.hpp"
 #include "attributes/hexaplast.hpp"
@@ -18,6 +15,7 @@
 namespace {
 
 using namespace hexaplast;
+using namespace hexaplast::support;
 using attributes::Attribute;
 using attributes::Type;
 using scene::read_value;
@@ -49,7 +47,7 @@ TEST(SceneValues, NumbersAreReadToTheLastBit) {
 }
 
 TEST(SceneValues, NumbersDoNotDependOnTheLocale) {
-  const support::GermanLocale german;
+  const GermanLocale german;
   EXPECT_EQ(real("1.5"), 1.5);
   EXPECT_EQ(refusal(kReal, "1,5"), "'1,5' is not a number");
   EXPECT_EQ(refusal(kReal, "1.234,5"), "'1.234,5' is not a number");
@@ -105,8 +103,8 @@ TEST(SceneValues, NearNamesAreFoundAtTwoEditsAtMost) {
 // The table is the single source: every class that can be made is described, and every default can be read and lies in
 // its range.
 TEST(AttributeTable, DefaultsCanBeReadAndNamesAreUnique) {
-  support::plugins();
-  const std::vector<const attributes::Description*> all = support::factory().descriptions();
+  plugins();
+  const std::vector<const attributes::Description*> all = factory().descriptions();
   EXPECT_GE(all.size(), 16u);
   for (const attributes::Description* description : all) {
     EXPECT_FALSE(description->help.empty()) << description->class_name;
@@ -118,7 +116,7 @@ TEST(AttributeTable, DefaultsCanBeReadAndNamesAreUnique) {
         EXPECT_NO_THROW(read_value(attribute, attribute.initial)) << description->class_name << "." << attribute.name;
       }
     }
-    EXPECT_EQ(support::factory().make(description->class_name)->class_name(), description->class_name);
+    EXPECT_EQ(factory().make(description->class_name)->class_name(), description->class_name);
   }
 }
 

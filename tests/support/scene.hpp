@@ -11,6 +11,8 @@
 
 #include "scene/reader.hpp"
 #include "support/archive.hpp"
+#include "support/compare.hpp"
+#include "support/files.hpp"
 
 namespace hexaplast::support {
 
@@ -40,6 +42,15 @@ inline scene::Scene read_and_init(std::string_view text) {
   return scene;
 }
 
+/// One that ships with the program, with attributes replaced as by --set.
+inline scene::Scene shipped(const std::string& name, const std::vector<std::string>& assignments = {}) {
+  scene::Scene scene =
+      scene::read_scene(std::string(HEXAPLAST_SOURCE_DIR "/scenes/") + name + ".scn", factory(), plugins());
+  for (const std::string& assignment : assignments) scene::override_attribute(scene, assignment);
+  scene.init();
+  return scene;
+}
+
 /// All errors of a scene, one after the other; empty when it can run.
 inline std::string errors_of(std::string_view text) {
   try {
@@ -53,10 +64,12 @@ inline std::string errors_of(std::string_view text) {
 }
 
 /// Expects each piece of a scene, within what `frame` puts around it, to be refused with its message, that of line 1.
+/// `who`: what all messages begin with.
 template <class Frame>
-void expect_errors(const Frame& frame, std::initializer_list<std::pair<std::string, std::string>> rows) {
+void expect_errors(const Frame& frame, std::initializer_list<std::pair<std::string, std::string>> rows,
+                   const std::string& who = "") {
   for (const auto& [piece, message] : rows)
-    EXPECT_EQ(errors_of(frame(piece)), "test.scn:1: error: " + message) << piece;
+    EXPECT_EQ(errors_of(frame(piece)), "test.scn:1: error: " + who + message) << piece;
 }
 
 /// What a scene has to say that is no error, one message behind the other.
@@ -91,6 +104,13 @@ T& at(scene::Scene& scene, std::string_view path) {
 
 /// Where the points of the state `nodes` of the root are.
 inline const PointArray& nodes(scene::Scene& scene) { return at<scene::MechanicalState>(scene, "nodes").positions(); }
+
+inline PointArray& velocities(scene::Scene& scene) { return at<scene::MechanicalState>(scene, "nodes").velocities(); }
+
+/// Of the force field of that path.
+inline const Body& body(scene::Scene& scene, std::string_view path = "body") {
+  return *at<scene::ForceField>(scene, path).body();
+}
 
 inline void run(scene::Scene& scene, int steps) {
   for (int k = 0; k < steps; ++k) scene.step();
