@@ -3,10 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <array>
-#include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "hexaplast/base/error.hpp"
@@ -15,6 +12,7 @@
 namespace {
 
 using namespace hexaplast;
+using namespace hexaplast::support;
 
 struct Surface {
   PointArray positions;
@@ -44,7 +42,7 @@ Surface box_surface(const Vec3& size) {
 // The way back along the normal ends on the surface, and no shorter way does: the distance does not change by more than
 // one walks, and along the normal by just that.
 void expect_distance(const Solid& solid, double size, unsigned seed) {
-  support::Random random(seed);
+  Random random(seed);
   for (int k = 0; k < 2000; ++k) {
     const Vec3 p = random.vector(size);
     const SignedDistance at = solid.distance(p);
@@ -84,7 +82,7 @@ TEST(Solid, ASurfaceOfABoxIsTheBox) {
   const Vec3 size(0.5, 0.9, 0.2);
   const Surface surface = box_surface(size);
   const Solid box = Solid::box(size), solid = Solid::closed_surface(surface.positions, surface.triangles);
-  support::Random random(7);
+  Random random(7);
   for (int k = 0; k < 5000; ++k) {
     const Vec3 p = random.vector(k % 2 ? 0.3 : 1);
     EXPECT_NEAR(solid.distance(p).value, box.distance(p).value, 1e-14);
@@ -112,7 +110,7 @@ Surface ring(double radius, double wire) {
 // However it is turned, and whatever it reaches around.
 TEST(Solid, TheSmallestRadiusOfASurfaceIsThatOfItsThinnestPart) {
   const Surface plate = box_surface({0.04, 0.04, 0.001});
-  support::Random random(13);
+  Random random(13);
   for (int k = 0; k < 20; ++k) {
     const Eigen::AngleAxisd turn(k == 0 ? std::numbers::pi / 4 : 3 * k, random.vector(1).normalized());
     const PointArray turned = plate.positions * turn.toRotationMatrix().transpose();
@@ -192,7 +190,7 @@ TEST(Solid, KnowsTheInsideOfSurfacesThatAreNotConvex) {
     }
     return crossings % 2 == 1;
   };
-  support::Random random(11);
+  Random random(11);
   int num_inside = 0;
   for (int k = 0; k < 20000; ++k) {
     Vec3 p = random.vector(1.1);

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include <bit>
 #include <cmath>
-#include <map>
-#include <sstream>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/formats/mesh_export.hpp"
@@ -17,10 +14,7 @@
 namespace hexaplast {
 namespace {
 
-namespace fs = std::filesystem;
-using support::content;
-using support::refuses;
-using support::replaced;
+using namespace support;
 
 const std::string kFolder = HEXAPLAST_TEST_DATA "/meshes/";
 const std::vector<std::string> kVolumeFiles = {"two_22_ascii.msh",  "two_22_binary.msh", "two_41_ascii.msh",
@@ -73,7 +67,6 @@ TEST(MeshFile, LinesMayEndAsOnWindows) {
   }
 }
 
-// A file cut anywhere is refused, unless all that counts is there; it never yields another mesh.
 TEST(MeshFile, CutAnywhereIsRefusedOrWhole) {
   for (const std::string& file : kVolumeFiles) {
     const std::string whole = content(kFolder + file);
@@ -161,7 +154,6 @@ ExportedMesh exported(const ImportedMesh& mesh) {
           .hexahedra = mesh.hexahedra};
 }
 
-// Reading back what is written: the same numbers to the last bit, and cells in the same order.
 TEST(MeshFile, IsReadAsItWasWritten) {
   ImportedMesh mesh = read_gmsh(kFolder + "two_22_ascii.msh");
   mesh.positions.row(0) << 0.1 + 0.2, -1e-17, 12345.678901234567;

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <gtest/gtest.h>
-
 #include <cstring>
 #include <limits>
 
@@ -13,9 +11,7 @@
 namespace hexaplast {
 namespace {
 
-using support::content;
-using support::refuses;
-using support::replaced;
+using namespace support;
 
 const std::string kFolder = HEXAPLAST_TEST_DATA "/meshes/";
 
@@ -45,7 +41,7 @@ TEST(StlFile, HoldsWhatMeshioWrote) {
     EXPECT_EQ(mesh.positions.rows(), 8) << "each corner once";
     EXPECT_EQ(mesh.triangles.size(), 12u);
     EXPECT_TRUE(mesh.quads.empty() && mesh.hexahedra.empty());
-    EXPECT_NEAR(support::enclosed_volume(mesh.positions, mesh.triangles), 0.1 * 0.1 * 0.4, 1e-9) << "single precision";
+    EXPECT_NEAR(enclosed_volume(mesh.positions, mesh.triangles), 0.1 * 0.1 * 0.4, 1e-9) << "single precision";
   }
 }
 
@@ -103,7 +99,6 @@ TEST(StlFile, NamesPlaceAndReason) {
   EXPECT_TRUE(refuses<InputError>(parsing(binary), {"a.stl:1: neither"}));
 }
 
-// A file cut anywhere is refused, unless all that counts is there.
 TEST(StlFile, CutAnywhereIsRefusedOrWhole) {
   for (const std::string& whole : {content(kFolder + "organ_ascii.stl"), content(kFolder + "organ_binary.stl"), kTwo}) {
     std::size_t refused = 0;

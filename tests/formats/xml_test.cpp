@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <tuple>
+
+#include "formats/base64.hpp"
 #include "formats/text.hpp"
 
 namespace hexaplast {
@@ -124,6 +127,23 @@ TEST(Printable, ShowsWhatWouldSteerATerminal) {
   EXPECT_EQ(printable("a\xE2\x80\xAE\xE2\x81\xA6\xE2\x80\xA8z\xE2\x80\xA7"), "a\\u202e\\u2066\\u2028z\xE2\x80\xA7");
   EXPECT_EQ(printable_line("a\n\tb \xC3\xA9\xE2\x80\xAE"), "a\\u000a\\u0009b \xC3\xA9\\u202e");
   EXPECT_EQ(printable("\x9B\x32J \xED\xA0\x80 \xC3"), "\\x9b2J \\xed\\xa0\\x80 \\xc3");
+}
+
+// The examples of RFC 4648, section 10, and all values of a byte.
+TEST(Base64, IsThatOfTheStandard) {
+  for (const auto& [bytes, text] :
+       {std::tuple("", ""), std::tuple("f", "Zg=="), std::tuple("fo", "Zm8="), std::tuple("foo", "Zm9v"),
+        std::tuple("foob", "Zm9vYg=="), std::tuple("fooba", "Zm9vYmE="), std::tuple("foobar", "Zm9vYmFy")}) {
+    EXPECT_EQ(to_base64(bytes), text);
+    std::string padded = bytes;
+    while (padded.size() % 3 != 0) padded += '\0';
+    EXPECT_EQ(from_base64(text), padded);
+  }
+  std::string all;
+  for (int byte = 0; byte < 255; ++byte) all += static_cast<char>(byte);
+  EXPECT_EQ(from_base64(to_base64(all)), all);
+  EXPECT_FALSE(from_base64("Zm9*"));
+  EXPECT_FALSE(from_base64("Zm 9"));
 }
 
 }  // namespace

@@ -2,8 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "base/disjoint_sets.hpp"
 #include "hexaplast/mesh/node_copies.hpp"
@@ -15,7 +13,7 @@
 namespace hexaplast {
 namespace {
 
-using support::Json;
+using namespace support;
 
 void expect_within_4_ulp(double value, double expected) {
   const double ulp = std::nextafter(std::abs(expected), std::numeric_limits<double>::infinity()) - std::abs(expected);
@@ -35,7 +33,7 @@ std::vector<int> split(NodeCopies& copies, const HexMesh& mesh, const Joints& jo
                       hexahedra);
 }
 
-HexMesh some_of(const HexMesh& mesh, double fraction, support::Random& random) {
+HexMesh some_of(const HexMesh& mesh, double fraction, Random& random) {
   std::vector<Hexahedron> kept;
   for (const Hexahedron& corners : mesh.hexahedra())
     if (random.uniform(0, 1) < fraction) kept.push_back(corners);
@@ -45,8 +43,8 @@ HexMesh some_of(const HexMesh& mesh, double fraction, support::Random& random) {
 /// tests/data/cutting/mesh_*.json: the conventions stand in its README.
 class OpenedMesh : public testing::TestWithParam<std::string> {
  protected:
-  const Json data = support::test_data("cutting", "mesh_" + GetParam());
-  const HexMesh mesh{support::matrix(data["positions"]), support::hexahedra(data["hexahedra"])};
+  const Json data = test_data("cutting", "mesh_" + GetParam());
+  const HexMesh mesh{matrix(data["positions"]), hexahedra(data["hexahedra"])};
   const Joints joints{mesh};
 
   std::vector<int> numbers(const Json& open) const {
@@ -101,9 +99,9 @@ INSTANTIATE_TEST_SUITE_P(Joints, OpenedMesh,
 
 // The definition, over all corners at once: corners at one initial node are one present node if closed joints connect.
 TEST(NodeCopies, OfRandomOpeningsAreTheConnectedCorners) {
-  support::Random random(7);
+  Random random(7);
   for (int trial = 0; trial < 300; ++trial) {
-    const HexMesh mesh = some_of(support::block({4, 3, 3}, 0.1), 0.7, random);
+    const HexMesh mesh = some_of(block({4, 3, 3}, 0.1), 0.7, random);
     const Joints joints(mesh);
     NodeCopies copies(mesh.num_nodes());
     std::vector<Hexahedron> hexahedra = mesh.hexahedra();
@@ -142,11 +140,10 @@ TEST(NodeCopies, OfRandomOpeningsAreTheConnectedCorners) {
   }
 }
 
-// Closed joints hold all hexahedra together that have a node in common.
 TEST(Joints, TieTheHexahedraOfEveryNode) {
-  support::Random random(3);
+  Random random(3);
   for (int trial = 0; trial < 100; ++trial) {
-    const HexMesh mesh = some_of(support::block({3, 3, 3}, 0.1), 0.4, random);
+    const HexMesh mesh = some_of(block({3, 3, 3}, 0.1), 0.4, random);
     const Joints joints(mesh);
     NodeCopies copies(mesh.num_nodes());
     std::vector<Hexahedron> hexahedra = mesh.hexahedra();

@@ -4,10 +4,9 @@
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
+#include <map>
 #include <set>
-#include <string>
 #include <type_traits>
 
 #include "attributes/contact.hpp"
@@ -19,18 +18,21 @@
 #include "parts/blade.hpp"
 #include "parts/grasp.hpp"
 #include "parts/grids.hpp"
+#include "parts/hexahedral_body.hpp"
 #include "parts/instrument.hpp"
 #include "parts/multigrid_cg.hpp"
 #include "parts/option.hpp"
 #include "parts/probe.hpp"
 #include "parts/tangential_load.hpp"
 #include "parts/tissue_contact.hpp"
+#include "support/files.hpp"
 #include "support/refused.hpp"
+#include "support/shapes.hpp"
 
 namespace hexaplast::parts {
 namespace {
 
-using support::refused;
+using namespace support;
 
 const PointArray kPoints = (PointArray(4, 3) << 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3).finished();
 
@@ -231,6 +233,214 @@ TEST(AttributeChange, HasValuesWithoutBlanksAroundThem) {
   using Values = std::vector<std::optional<std::string_view>>;
   EXPECT_EQ(values_of_changes(" true; false ;; 1 2\n"), (Values{"true", "false", std::nullopt, "1 2"}));
   EXPECT_EQ(values_of_changes(""), Values());
+}
+
+using Given = std::map<std::string, std::vector<double>, std::less<>>;
+
+HexahedralBodyOptions options(const Given& given, std::size_t num_hexahedra = 12, std::span<const double> fill = {}) {
+  return body_options(
+      [&](const auto& row) -> std::optional<std::vector<double>> {
+        const auto found = given.find(row.name);
+        if (found == given.end()) return std::nullopt;
+        return found->second;
+      },
+      num_hexahedra, fill);
+}
+
+std::string refused_options(const Given& given) {
+  return refused([&] { options(given); });
+}
+
+class BodyPart : public testing::Test {
+ protected:
+  static constexpr double kStep = 0.02;  // [s]
+  HexahedralBody made(const Given& given) const {
+    return HexahedralBody(mesh.positions(), mesh.hexahedra(), options(given), kStep);
+  }
+
+  const HexMesh mesh = distorted_block({2, 2, 3}, 0.1, 0.1, 11);
+  const PointArray stretched = mesh.positions() * Eigen::Vector3d(0.9, 0.95, 1.3).asDiagonal();
+  const Given plastic{{"youngModulus", {7000}}, {"yieldStress", {100}},
+                      {"plasticFlowRate", {2}}, {"restShape", {0}},  // joined
+                      {"averaging", {1}},                            // jacobi, which
+                      {"implementation", {1}}};                      // plain alone has
+};
+
+TEST(BodyOptions, AreReadRowByRow) {
+  const HexahedralBodyOptions none = options({});
+  ASSERT_EQ(none.materials.size(), 1u);
+  for (const Row<Material>& row : material_rows())
+    EXPECT_EQ(row.at.get(none.materials[0]), row.at.get(Material())) << row.name;
+  EXPECT_EQ(none.settings, Settings());
+
+  std::vector<double> young(12, 5000);
+  young[3] = 9000;
+  const HexahedralBodyOptions some = options({{"youngModulus", young}, {"hardening", {0.5}}, {"averagingSteps", {3}}});
+  ASSERT_EQ(some.materials.size(), 12u);
+  EXPECT_EQ(some.materials[3].young_modulus, 9000);
+  EXPECT_EQ(some.materials[3].hardening, 0.5);
+  EXPECT_EQ(some.settings.averaging_steps, 3);
+
+  std::vector<double> fill(12, 1);
+  fill[5] = 0.5;
+  const HexahedralBodyOptions half =
+      options({{"youngModulus", {6000}}, {"yieldStress", {100}}, {"fractureStress", {120}}}, 12, fill);
+  ASSERT_EQ(half.materials.size(), 12u);
+  EXPECT_EQ(half.materials[4].young_modulus, 6000);
+  EXPECT_EQ(half.materials[5].young_modulus, 3000);
+  EXPECT_EQ(half.materials[5].yield_stress, 50);
+  EXPECT_EQ(half.materials[5].fracture_stress, 60);
+}
+
+TEST(BodyOptions, ThatAreWrongAreNamed) {
+  EXPECT_EQ(refused_options({{"youngModulus", {1, 2}}}),
+            "youngModulus: 2 values given, must be one or 12 (one per hexahedron)");
+  EXPECT_EQ(refused_options({{"youngModulus", {}}}),
+            "youngModulus: 0 values given, must be one or 12 (one per hexahedron)");
+  EXPECT_EQ(refused_options({{"poissonRatio", {0.5}}}), "poissonRatio: 0.5 must lie in [0, 0.5)");
+  EXPECT_EQ(refused_options({{"fractureStretch", {1}}}), "fractureStretch: 1 must be > 1");
+  EXPECT_EQ(refused_options({{"averagingSteps", {0}}}), "averagingSteps: 0 must lie in [1, 1000]");
+  EXPECT_EQ(refused_options({{"averagingSteps", {0}}, {"youngModulus", {1, -2}}, {"plasticFlowRate", {-1}}}),
+            "averagingSteps: 0 must lie in [1, 1000]; youngModulus: -2 must be > 0; plasticFlowRate: -1 must be >= 0");
+  EXPECT_THROW(options({{"youngModulus", {}}}, 0), OptionError) << "of no hexahedra there is no value either";
+}
+
+TEST_F(BodyPart, FlowsAsTheBodyDoes) {
+  HexahedralBody part = made(plastic);
+  EXPECT_TRUE(part.take_warnings().empty());
+  const HexahedralBodyOptions same = options(plastic);
+  Body body(mesh, same.materials, same.settings);
+  part.end_step(stretched, kStep);
+  const FlowReport report = body.flow(stretched, kStep);
+  EXPECT_EQ(part.body().plastic_rest_positions(), body.plastic_rest_positions());
+  EXPECT_NE(part.body().plastic_rest_positions(), mesh.positions());
+  EXPECT_EQ(part.report().yielded, report.yielded);
+  EXPECT_GT(report.yielded, 0);
+  part.reset();
+  EXPECT_EQ(part.body().plastic_rest_positions(), mesh.positions());
+  EXPECT_EQ(part.report().yielded, 0);
+}
+
+TEST_F(BodyPart, TakesAnotherMaterialAndNoOtherSettings) {
+  HexahedralBody part = made(plastic);
+  part.end_step(stretched, kStep);
+  const PointArray flowed = part.body().plastic_rest_positions();
+  Given other = plastic;
+  other["youngModulus"] = {9000};
+  part.set_options(options(other), kStep);
+  EXPECT_EQ(part.body().materials()[0].young_modulus, 9000);
+  EXPECT_EQ(part.body().plastic_rest_positions(), flowed);
+  other["averaging"] = {0};
+  other["volumeRestitution"] = {2};
+  EXPECT_EQ(refused([&] { part.set_options(options(other), kStep); }),
+            "averaging: cannot change during a run, only members of the material can; "
+            "volumeRestitution: cannot change during a run, only members of the material can");
+  EXPECT_EQ(part.body().materials()[0].young_modulus, 9000);
+}
+
+TEST_F(BodyPart, WarnsOfRatesAndRefusesStepsThatAreTooLong) {
+  Given fast = plastic;
+  fast["plasticFlowRate"] = {4};  // 0.08 per step, wisely at most 0.05
+  HexahedralBody part = made(fast);
+  const std::vector<Remark> warnings = part.take_warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_TRUE(has(warnings[0].text, "plasticFlowRate"));
+  EXPECT_TRUE(part.take_warnings().empty()) << "once";
+  const auto num_warnings = [&](const Given& given) { return made(given).take_warnings().size(); };
+  EXPECT_EQ(
+      num_warnings({{"restShape", {0}}, {"yieldStress", {9}}, {"plasticFlowRate", {5}}, {"volumeRestitution", {20}}}),
+      2u);
+  EXPECT_EQ(num_warnings({{"restShape", {0}}, {"plasticFlowRate", {500}}, {"volumeRestitution", {700}}}), 0u)
+      << "nothing flows";
+  EXPECT_THROW(part.end_step(stretched, 1), InputError);
+  EXPECT_EQ(part.body().plastic_rest_positions(), mesh.positions());
+}
+
+constexpr double kStep = 0.1;  // [s]
+
+PointArray points(const std::vector<Vec3>& rows) {
+  PointArray points(rows.size(), 3);
+  for (std::size_t k = 0; k < rows.size(); ++k) points.row(k) = rows[k].transpose();
+  return points;
+}
+
+/// Four layers of hexahedra of 1 m.
+class BladePart : public testing::Test {
+ protected:
+  /// The joints that open in steps from a time on, the blade being the only one.
+  std::set<int> opened(Blade& blade, double time, int num_steps) {
+    std::set<int> all;
+    for (int step = 0; step < num_steps; ++step, time += kStep) {
+      blade.begin_step({.time = time, .dt = kStep, .rayleigh_stiffness = 0}, body.mesh().positions());
+      const std::vector<int> joints = blade.end_step(body.mesh().positions());
+      body.open(joints);
+      all.insert(joints.begin(), joints.end());
+    }
+    return all;
+  }
+
+  /// Joints between hexahedra below and above the plane z = 2.
+  std::set<int> between_layers() const {
+    std::set<int> joints;
+    for (int joint = 0; joint < body.joints().count(); ++joint)
+      if (body.joints().hexahedra(joint)[0] < 32 && body.joints().hexahedra(joint)[1] >= 32) joints.insert(joint);
+    return joints;
+  }
+
+  Body body{block({4, 4, 4}, 1), {{.young_modulus = 5000}}};
+  const PointArray edge = points({{0, -1, 0}, {0, 2, 0}, {0, 5, 0}});
+};
+
+TEST_F(BladePart, CutsWherePathLeadsIt) {
+  Blade blade({.points = edge, .key_times = {0.25, 1.25}, .positions = points({{-1, 0, 2.1}, {5, 0, 2.1}})}, body);
+  EXPECT_EQ(opened(blade, 0, 3).size(), 0u) << "0.3 m after the first key time it is 0.7 m away from the first centres";
+  EXPECT_EQ(opened(blade, 0.3, 12), between_layers());
+  EXPECT_EQ(connected_parts(body.mesh(), body.alive()).count, 2);
+  EXPECT_TRUE(opened(blade, 0, 12).empty()) << "what is open is passed over";
+  body.reset();
+  EXPECT_EQ(opened(blade, 0, 15), between_layers());
+}
+
+// It leaves a corner of its path out unless it stops there within the step.
+TEST_F(BladePart, PassesItsKeyTimesWithinAStep) {
+  Blade blade(
+      {.points = edge, .key_times = {0, 0.05, 0.1}, .positions = points({{-1, 0, 2.1}, {5, 0, 2.1}, {-1, 0, 2.1}})},
+      body);
+  EXPECT_EQ(opened(blade, 0, 1), between_layers());
+}
+
+// Half a turn about the axis x = z = 2 in one step: from far left to far right, through the lower half alone.
+TEST_F(BladePart, TurnsOnAnArc) {
+  const double half = std::sqrt(0.5);
+  Blade blade({.points = points({{0, -3, -1.4}, {0, 3, -1.4}}),
+               .key_times = {0, kStep},
+               .positions = points({{2, 2, 2}, {2, 2, 2}}),
+               .orientations = {0, half, 0, half, 0, -half, 0, half}},
+              body);
+  std::set<int> expected;
+  for (int joint = 0; joint < body.joints().count(); ++joint) {
+    const auto is_inside = [&](int hexahedron) {
+      const Vec3 centre = gather(body.mesh().positions(), body.mesh().hexahedra()[hexahedron]).colwise().mean();
+      return std::hypot(centre[0] - 2, centre[2] - 2) < 1.4;
+    };
+    const int first = body.joints().hexahedra(joint)[0], second = body.joints().hexahedra(joint)[1];
+    if (is_inside(first) != is_inside(second) && first < 32 && second < 32) expected.insert(joint);
+  }
+  EXPECT_EQ(expected.size(), 16u);
+  EXPECT_EQ(opened(blade, 0, 1), expected);
+}
+
+TEST_F(BladePart, NamesTheOptionsThatItRefuses) {
+  EXPECT_EQ(refused([&] { Blade({}, body); }),
+            "points: 0 given, must be at least two; keyTimes: is empty, must hold at least one time");
+  EXPECT_EQ(
+      refused([&] {
+        Blade(
+            {.points = edge.topRows(1), .key_times = {0, 1}, .positions = PointArray::Zero(1, 3), .orientations = {1}},
+            body);
+      }),
+      "points: 1 given, must be at least two; positions: 1 positions given for 2 times, must be as many; "
+      "orientations: 1 numbers given, must be a quaternion (4) for each of 2 key times");
 }
 
 }  // namespace

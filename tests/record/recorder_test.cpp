@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The tables of a run: every number can be read back with its last bit.
+#include "record/recorder.hpp"
 
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -10,6 +12,7 @@
 #include "picture/axis.hpp"
 #include "record/recorded_run.hpp"
 #include "record/state_arrays.hpp"
+#include "support/german_locale.hpp"
 #include "support/output.hpp"
 #include "support/vtu_reader.hpp"
 
@@ -17,6 +20,7 @@ namespace hexaplast {
 namespace {
 
 using namespace support;
+
 using output::OutputError;
 using output::Recorder;
 using output::RunPlan;
@@ -73,7 +77,6 @@ TEST(HistoryTable, LeavesOutTheShapeWithoutLoadWhereItIsNotWanted) {
   EXPECT_EQ(run.history().number(2, "current_elongation"), output::summarise(run.body, run.x).current_elongation);
 }
 
-// Two hexahedra that come apart between two states.
 TEST(MeshFiles, HaveACopyOfANodeOnEachSideOfACut) {
   const Scratch scratch;
   Body body(block({2, 1, 1}, 0.1), {Material()});
@@ -113,7 +116,6 @@ TEST(MeshFiles, HaveACopyOfANodeOnEachSideOfACut) {
   EXPECT_EQ(run.mesh().hexahedra(), body.initial_mesh().hexahedra());
 }
 
-/// Bars of hexahedra that do not touch, each stretched to its own share in every step: they break one after another.
 TEST(RemovedTable, SaysInWhichStepEachHexahedronWent) {
   const Scratch scratch;
   constexpr int kBars = 2000;
@@ -191,16 +193,6 @@ TEST(FinalState, ComesBackWithAllItsBits) {
   EXPECT_EQ(read["yield_stress"][1].get<double>(), fields.yield_stress[1]);
   EXPECT_EQ(read["removed"], nlohmann::json::array());
   EXPECT_EQ(read["state_hash"].get<std::string>(), output::state_hash(42, x, v, &body));
-}
-
-TEST(FinalState, ThatCannotBeWrittenLeavesTheEarlierFile) {
-  const Scratch scratch;
-  const Body body = yielding_block();
-  const PointArray x = body.mesh().positions();
-  EXPECT_THROW(output::write_final(scratch / "nowhere/final.json", 0, 0, x, x, body), OutputError);
-  fs::create_directory(scratch / "taken.json");
-  EXPECT_THROW(output::write_final(scratch / "taken.json", 0, 0, x, x, body), OutputError);
-  EXPECT_FALSE(fs::exists(scratch / "taken.json.part"));
 }
 
 TEST(StateHash, FeelsEveryPartOfTheState) {
@@ -308,6 +300,53 @@ TEST(Ticks, AreRoundAndInside) {
   EXPECT_NEAR(around.max, 0.2, 1e-15);
   EXPECT_EQ(around.label(around.values.back()), "0.20");
   EXPECT_EQ(output::ticks_within(0, 3e-7, 3).label(2e-7), "2e-07");
+}
+
+/// Everything that a run writes, by file names.
+std::map<std::string, std::string> written_by_a_run(const fs::path& directory) {
+  const Body body = yielding_block();
+  const PointArray x = stretched(body.mesh().positions(), 0.1), v = some_velocities(body);
+  output::Recorder recorder(directory, body, plan(4, 2));
+  recorder.record({}, x, v);
+  for (long step = 1; step <= 4; ++step)
+    recorder.record({.step = 1000 * step,
+                     .time = 0.0125 * static_cast<double>(step),
+                     .kinetic_energy = 1234.5,
+                     .solver_iterations = 7,
+                     .residual = 1e-6 / 3,
+                     .step_ms = 1234.5},
+                    x, v);
+  recorder.finish();
+  output::write_final(directory / "final.json", 4000, 0.05, x, v, body);
+  return files_in(directory);
+}
+
+TEST(Locale, OfTheHostChangesNoByteOfWhatARunWrites) {
+  const Scratch scratch;
+  const auto expected = written_by_a_run(scratch / "plain");
+  ASSERT_GE(expected.size(), 4u);
+  EXPECT_TRUE(has(expected.at("history.csv"), "1234.5"));
+  EXPECT_TRUE(has(expected.at("history.csv"), "\n4000,0.05,"));
+
+  std::map<std::string, std::string> found;
+  bool is_made = false;
+  {
+    const GermanLocale german;
+    is_made = german.is_made();
+    char number[16];
+    std::snprintf(number, sizeof number, "%.1f", 1.5);
+    EXPECT_STREQ(number, is_made ? "1,5" : "1.5");
+    std::ostringstream stream;
+    stream << 1234.5;
+    EXPECT_EQ(stream.str(), "1.234,5");
+    found = written_by_a_run(scratch / "german");
+  }
+  for (const auto& [name, bytes] : expected) {
+    ASSERT_TRUE(found.contains(name)) << name;
+    EXPECT_TRUE(found.at(name) == bytes) << name << " differs";
+  }
+  EXPECT_EQ(found.size(), expected.size());
+  if (!is_made) GTEST_SKIP() << "only C++ streams were tried: localedef has no de_DE here";
 }
 
 }  // namespace
