@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "support/command.hpp"
 
-#include <sys/wait.h>
-
-#include <algorithm>
-#include <cstdlib>
 #include <regex>
 
 #include "support/held_bar.hpp"
@@ -33,8 +29,8 @@ TEST_F(Command, ShowsASummaryAndWritesNothingElse) {
 TEST_F(Command, WritesNoControlCodesIntoFilesAndNothingWhereItIsQuiet) {
   write("bar.scn", kBar);
   const Outcome outcome = hexaplast("run bar.scn --steps 50");
-  EXPECT_EQ((outcome.out + outcome.err).find('\x1b'), std::string::npos);
-  EXPECT_EQ((outcome.out + outcome.err).find('\r'), std::string::npos);
+  EXPECT_FALSE(has(outcome.out + outcome.err, "\x1b"));
+  EXPECT_FALSE(has(outcome.out + outcome.err, "\r"));
   const Outcome quiet = succeeds("run bar.scn --quiet --set bar/material.plasticFlowRate=20");
   EXPECT_EQ(quiet.out + quiet.err, "");
 }
@@ -56,7 +52,6 @@ TEST_F(Command, VersionAndHelpAreNoErrors) {
   }
 }
 
-// 2: the command line; 3: the scene; 5: files; 6: plugins.
 // The run stands still for most of the ten seconds.
 TEST_F(Command, ALogOfALongRunSaysHowMuchIsLeft) {
   write("bar.scn", kBar);
@@ -69,6 +64,7 @@ TEST_F(Command, ALogOfALongRunSaysHowMuchIsLeft) {
   EXPECT_FALSE(has(run.err, "\x1b")) << "no control codes";
 }
 
+// 2: the command line; 3: the scene; 5: files; 6: plugins.
 TEST_F(Command, EndsWithTheCodeOfWhatIsWrongAndSaysIt) {
   write("bar.scn", kBar);
   write("file", "");
@@ -122,8 +118,8 @@ TEST_F(Command, EndsWithTheCodeOfWhatIsWrongAndSaysIt) {
         "plasticFlowRate = 1000000 1/s times dt = 0.01 s is 10000"},
        {"run bad.scn", 3,
         "bad.scn:2: error: Nonsense: unknown component\n  hint: a scene with other components of SOFA runs in "
-        "SOFA, with the plugin Hexaplast\nbad.scn:3: error: RunSettings.stepz: unknown attribute\n  hint: did "
-        "you mean 'steps'?\n"},
+        "SOFA, with the plugin Hexaplast\nbad.scn:3: error: RunSettings.stepz: unknown attribute\n  hint: did you mean "
+        "'steps'?\n"},
        {"check bad.scn", 3, "bad.scn:2: error: Nonsense: unknown component\n"},
        {"run mass.scn --steps 1 --final state.json", 3, "mass.scn"},
        {"mesh export mass.scn -o mass.vtu", 3, "no body in the scene: there is nothing to export"},
@@ -173,12 +169,6 @@ TEST_F(Command, ClosedStreamsStayOutOfFiles) {
   EXPECT_FALSE(has(history, "warning"));
 }
 
-TEST_F(Command, TheFinalFileMayLieInTheOutputDirectory) {
-  write("bar.scn", kBar);
-  succeeds("run bar.scn --out files --frames 0 --final files/final.json");
-  EXPECT_TRUE(fs::exists(directory_ / "files" / "final.json"));
-}
-
 TEST_F(Command, AClosedOutputDoesNotCrashIt) {
   write("bar.scn", kBar);
   const std::string scene = " '" + (directory_ / "bar.scn").string() + "'";
@@ -201,6 +191,53 @@ TEST_F(Command, ThePythonSceneIsTheSceneInXml) {
   succeeds("run '" + (source / "scenes" / "bar_stretch_high.scn").string() + "' --steps 60 --final xml.json");
   EXPECT_EQ(read("python.json"), read("xml.json"));
   EXPECT_TRUE(has(read("xml.json"), "state_hash"));
+}
+
+TEST_F(Command, BenchWritesRecordsAndItsOwnBaselineHolds) {
+  const Outcome outcome = succeeds("bench --quick --sizes 100 --threads 1,2 --json now.json");
+  EXPECT_TRUE(has(outcome.out, "state hash"));
+  ASSERT_EQ(json("now.json").size(), 36u);
+
+  // half of the lead is far beyond what noise takes; ten times of it is never there
+  const std::string again = "bench --quick --sizes 100 --json - --baseline now.json --ratio ";
+  const Outcome behind = fails(again + "10", 4, "times the dense peer, less than 10 of the baseline's");
+  EXPECT_EQ(Json::parse(behind.out).size(), 36u) << "records are written before the command fails";
+  succeeds(again + "0.01");
+}
+
+TEST_F(Command, BenchMeasuresAScene) {
+  write("bar.scn",
+        "<Node><DefaultAnimationLoop/><RunSettings steps='6'/><EulerImplicitSolver/><CGLinearSolver iterations='7' "
+        "tolerance='0' threshold='0'/><RegularGridTopology n='4 3 3' max='1 .5 .5'/><MechanicalObject/><DiagonalMass "
+        "totalMass='2'/><HexahedronElastoplasticFEMForceField youngModulus='2000' yieldStress='1' "
+        "plasticFlowRate='2'/></Node>");
+  const Outcome outcome = succeeds("bench --scene bar.scn --threads 1,3 --json -");
+  const Json records = Json::parse(outcome.out);
+  ASSERT_EQ(records.size(), 2u);
+  EXPECT_EQ(records[0]["size"], 12);
+  EXPECT_EQ(records[0]["iterations"], 7);
+  EXPECT_EQ(records[0]["solver"], "CGLinearSolver");
+  EXPECT_EQ(records[1]["threads"], 3);
+  const Outcome ran = hexaplast("run bar.scn");
+  EXPECT_TRUE(has(ran.out, records[0]["state_hash"].get<std::string>())) << "a run ends in its state";
+}
+
+// BenchBatch has what the records say.
+TEST_F(Command, BenchStepsABatchAtOnce) {
+  const Outcome outcome = succeeds("bench --batch --quick --sizes 90 --bodies 2 --threads 1 --json batch.json");
+  EXPECT_TRUE(has(outcome.out, "together"));
+  ASSERT_EQ(json("batch.json").size(), 4u);
+  EXPECT_EQ(json("batch.json")[0]["bodies"], 2);
+}
+
+TEST_F(Command, BenchRefusesWhatMeansNothing) {
+  for (const char* arguments :
+       {"--sizes 0", "--sizes 3q", "--sizes 9999k", "--threads 0", "--simd SSE9", "--ratio 0.5",
+        "--scene a.scn --quick", "--batch --scene a.scn", "--batch --baseline now.json", "--batch --bodies 0",
+        "--bodies 5", "--batch --bodies 30000 --sizes 90", "--batch --bodies 60000 --sizes 23", "--batch --sizes 0"})
+    EXPECT_EQ(hexaplast(std::string("bench ") + arguments).code, 2) << arguments;
+  EXPECT_EQ(hexaplast("bench --quick --sizes 50 --baseline missing.json").code, 3);
+  EXPECT_EQ(hexaplast("bench --quick --sizes 50 --json missing/now.json").code, 5);
 }
 
 }  // namespace

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What somebody outside the project sees: a plugin and a program built against an installation, the example that the
 // pages show, and the packages.
-#include <algorithm>
-#include <cmath>
-#include <nlohmann/json.hpp>
 #include <regex>
 
 #include "support/command.hpp"

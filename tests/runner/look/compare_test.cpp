@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // `hexaplast compare`: two runs beside each other.
-#include <algorithm>
-#include <cmath>
-#include <sstream>
-
 #include "support/command.hpp"
 #include "support/golden.hpp"
 #include "support/held_bar.hpp"
@@ -18,10 +14,7 @@ const std::string kYieldingBar = in_a_node(
 
 class Compare : public Command {
  protected:
-  void SetUp() override {
-    Command::SetUp();
-    write("bar.scn", kYieldingBar);
-  }
+  Compare() { write("bar.scn", kYieldingBar); }
 
   void run(const std::string& directory, const std::string& options = "") {
     succeeds("run bar.scn --frames 0 --quiet --out " + directory + " --final " + directory + ".json " + options);

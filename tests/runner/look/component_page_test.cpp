@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// docs/components.md is what the program prints, and every example on it runs.
-#include <algorithm>
-#include <map>
-#include <nlohmann/json.hpp>
-#include <set>
-#include <vector>
-
+// docs/components.md is what the program prints, and every example on it runs; the manual page and the completion
+// against what --help says of every subcommand.
 #include "support/command.hpp"
 #include "support/example_scene.hpp"
 
@@ -98,6 +93,122 @@ TEST_F(Command, ListRefusesWhatIsNoComponent) {
                   {"list e", 2, "hexaplast: error: no component 'e'\n"},
                   {"list BoxROI --markdown", 2, "error: "},
                   {"list --plugin Absent", 6, "Absent"}});
+}
+
+class CommandPage : public Command {
+ protected:
+  std::string help(const std::string& path) { return hexaplast(path + " --help").out; }
+
+  /// First words of the lines of a section of the help text.
+  static std::set<std::string> entries(const std::string& help, const std::string& section) {
+    std::set<std::string> found;
+    const std::size_t begin = help.find(section + ":\n");
+    if (begin == std::string::npos) return found;
+    std::istringstream lines(help.substr(begin + section.size() + 2));
+    for (std::string line; std::getline(lines, line) && !line.empty();) {
+      std::smatch match;
+      if (!std::regex_search(line, match, std::regex("^  ([^ ]+)"))) continue;
+      std::istringstream names(match[1].str());
+      for (std::string name; std::getline(names, name, ',');) found.insert(name);
+    }
+    return found;
+  }
+
+  /// Whether the help is that of a program in Python, which knows its options by itself.
+  static bool is_of_program(const std::string& help) { return help.starts_with("usage: "); }
+
+  static std::set<std::string> long_options(const std::string& help) {
+    const std::regex option("--[a-z-]+");
+    std::set<std::string> found;
+    for (std::sregex_iterator it(help.begin(), help.end(), option), end; it != end; ++it) found.insert(it->str());
+    return found;
+  }
+
+  /// Calls visit(path, help) for the command and every subcommand, however deep.
+  template <class Visit>
+  int for_each_command(const std::string& path, const Visit& visit) {
+    const std::string text = help(path);
+    visit(path, text);
+    int count = 1;
+    for (const std::string& name : entries(text, "Subcommands"))
+      count += for_each_command(path.empty() ? name : path + " " + name, visit);
+    return count;
+  }
+
+  /// What bash offers after these words, the last one unfinished.
+  std::set<std::string> completed(const std::string& words) {
+    const std::string bin = fs::path(HEXAPLAST_COMMAND).parent_path().string();
+    write("ask.sh", "PATH=" + bin + ":$PATH; source ./completion\nCOMP_WORDS=(hexaplast " + words +
+                        ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n_hexaplast\nprintf '%s\\n' \"${COMPREPLY[@]}\"\n");
+    const auto asked = shell("bash ask.sh");
+    EXPECT_EQ(asked.code, 0) << asked.err;
+    EXPECT_EQ(asked.err, "") << words;
+    std::set<std::string> offered;
+    std::istringstream lines(asked.out);
+    for (std::string line; std::getline(lines, line);)
+      if (!line.empty()) offered.insert(line);
+    return offered;
+  }
+};
+
+TEST_F(CommandPage, TellsEveryOptionOfEverySubcommand) {
+  const std::string page = hexaplast("page man").out;
+  ASSERT_EQ(page.find(".TH HEXAPLAST 1"), 0u);
+  const auto hyphened = [](std::string text) { return std::regex_replace(text, std::regex("-"), "\\-"); };
+  const int count = for_each_command("", [&](const std::string& path, const std::string& text) {
+    const std::string head = path.empty() ? ".SH OPTIONS" : ".SS \"hexaplast " + hyphened(path) + "\"\n";
+    const std::size_t begin = page.find(head);
+    ASSERT_NE(begin, std::string::npos) << path;
+    const std::string section = page.substr(begin, page.find("\n.S", begin + 1) - begin);
+    if (is_of_program(text)) {
+      EXPECT_TRUE(has(section, "\\-\\-help\\fR lists its options")) << path;
+      return;
+    }
+    const std::set<std::string> options = entries(text, "Options");
+    ASSERT_GE(options.size(), 2u) << text;
+    for (const std::string& option : options)
+      EXPECT_TRUE(has(section, "\\fB" + hyphened(option) + "\\fR")) << path << option;
+  });
+  EXPECT_GT(count, 14) << "the walk has lost its object";
+  EXPECT_FALSE(has(page, ".SS \"hexaplast page")) << "page is for the build alone";
+}
+
+// They are written by hand.
+TEST_F(CommandPage, SynopsesOfTheDocumentationHaveEveryOption) {
+  for (const auto& [command, page, beginning] : {std::tuple("run", "commands.md", "\nhexaplast run SCENE ["),
+                                                 {"resume", "checkpoints.md", "\nhexaplast resume DIR ["}}) {
+    const std::string text = content(std::string(HEXAPLAST_SOURCE_DIR) + "/docs/" + page);
+    const std::size_t begin = text.find(beginning);
+    ASSERT_NE(begin, std::string::npos) << page;
+    const std::string synopsis = text.substr(begin, text.find("```", begin) - begin);
+    for (const std::string& option : entries(help(command), "Options"))
+      if (option != "-h" && option != "--help") {
+        EXPECT_TRUE(std::regex_search(synopsis, std::regex("\\[" + option + "[ \\]]"))) << page << ": " << option;
+      }
+  }
+}
+
+TEST_F(CommandPage, CompletesEveryOptionOfEverySubcommand) {
+  write("completion", hexaplast("page bash").out);
+  for_each_command("", [&](const std::string& path, const std::string& text) {
+    EXPECT_EQ(completed(path + " -"), is_of_program(text) ? long_options(text) : entries(text, "Options")) << path;
+    const std::set<std::string> inner = entries(text, "Subcommands");
+    if (!inner.empty()) {
+      EXPECT_EQ(completed(path + " ''"), inner) << path;
+    }
+  });
+}
+
+TEST_F(CommandPage, CompletesValues) {
+  write("completion", hexaplast("page bash").out);
+  write("bar.scn", "");
+  EXPECT_EQ(completed("ru"), (std::set<std::string>{"run"}));
+  EXPECT_EQ(completed("run --qu"), (std::set<std::string>{"--quiet"}));
+  EXPECT_EQ(completed("mesh offset --direction ''"), (std::set<std::string>{"inward", "outward", "both"}));
+  EXPECT_EQ(completed("run b"), (std::set<std::string>{"bar.scn"}));
+  EXPECT_EQ(completed("run bar.scn --final b"), (std::set<std::string>{"bar.scn"}));
+  EXPECT_EQ(completed("run bar.scn --steps ''"), (std::set<std::string>{}));
+  EXPECT_EQ(completed("list RegularGridT"), (std::set<std::string>{"RegularGridTopology"}));
 }
 
 }  // namespace

@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // hexaplast render, and the pictures that hexaplast run makes.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
-
 #include "support/command.hpp"
 
 namespace {
@@ -64,8 +59,7 @@ int num_frames(const std::string& film) {
 
 class Render : public Command {
  protected:
-  void SetUp() override {
-    Command::SetUp();
+  Render() {
     write("bar.scn", kBar);
     const Outcome run = succeeds("run bar.scn --out bar --frames 0 --quiet");
   }
@@ -230,19 +224,16 @@ TEST_F(Render, KeepsAnOlderPictureWhereItFails) {
   EXPECT_EQ(hexaplast("render bar -o bar").code, 5) << "a directory";
 }
 
-TEST_F(Render, MakesFilms) {
-  succeeds("render bar --video film.png --size 160x90 --field stress");
-  EXPECT_EQ(num_frames(read("film.png")), 3);
-
-  // a run of 0.1 s: steps 0, 4, 8 at 25 pictures a second, and the last one
-  const Outcome run = succeeds("run bar.scn --out again --video run.png --frames 0 --field speed --quiet");
-  EXPECT_EQ(num_frames(read("run.png")), 4);
-  EXPECT_FALSE(is_there("again/frames"));
-}
-
-TEST_F(Render, FieldOfARunIsThatOfItsPictures) {
-  succeeds("run bar.scn --out bar --force --frames 1 --field stress --quiet");
-  EXPECT_EQ(picture("--field stress", "1280x720"), read("bar/frames/frame_000010.png"));
+TEST_F(Render, FieldAndUpOfARunAreThoseOfItsPictures) {
+  const auto own = [&](const std::string& options) {
+    succeeds("run bar.scn --out bar --force --frames 1 --quiet " + options);
+    return read("bar/frames/frame_000010.png");
+  };
+  EXPECT_EQ(own("--field stress"), picture("--field stress", "1280x720"));
+  const std::string up = own("--up -x");
+  EXPECT_EQ(picture("", "1280x720"), up);
+  EXPECT_EQ(picture("--up -x", "1280x720"), up);
+  EXPECT_NE(picture("--up y", "1280x720"), up);
   EXPECT_EQ(hexaplast("run bar.scn --out bar --force --field warmth").code, 2);
 }
 
@@ -250,14 +241,6 @@ TEST_F(Render, NeedsFfmpegForItsFilmsAlone) {
   fails("render bar --video film.mp4", 5, "needs the program ffmpeg", "PATH=/nonexistent");
   EXPECT_EQ(hexaplast("run bar.scn --out third --video film.mp4 --quiet", "PATH=/nonexistent").code, 5);
   EXPECT_FALSE(is_there("third/history.csv")) << "said before the first step";
-}
-
-TEST_F(Render, UpOfARunIsThatOfItsPictures) {
-  succeeds("run bar.scn --out bar --force --frames 1 --up -x --quiet");
-  const std::string own = read("bar/frames/frame_000010.png");
-  EXPECT_EQ(picture("", "1280x720"), own);
-  EXPECT_EQ(picture("--up -x", "1280x720"), own);
-  EXPECT_NE(picture("--up y", "1280x720"), own);
 }
 
 // RunRecord has the numbers that the files hold.

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// hexaplast mesh grid, sheet, tube, sphere-patch, offset, info and convert.
-#include <algorithm>
+// hexaplast mesh grid, sheet, tube, sphere-patch, offset, cage, info, convert and export, and scenes whose meshes lie
+// elsewhere.
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "hexaplast/formats/mesh_import.hpp"
+#include "hexaplast/geometry/embed.hpp"
 #include "support/command.hpp"
+#include "support/golden.hpp"
 
 namespace {
 
@@ -176,6 +177,140 @@ TEST_F(MeshMake, InfoNamesWhatIsLeftOut) {
   EXPECT_EQ(copies["copies"], 1);
   EXPECT_NEAR(copies["body"]["volume"], 2, 1e-12);
   EXPECT_EQ(copies["body"]["boundary_faces"], 10);
+}
+
+/// The faces of an axis-aligned box as OBJ, its vertices numbered from `first` on.
+std::string box(const Vec3& min, const Vec3& max, int first = 1) {
+  std::ostringstream text;
+  for (int n = 0; n < 8; ++n)
+    text << "v " << (n & 1 ? max : min)[0] << ' ' << (n & 2 ? max : min)[1] << ' ' << (n & 4 ? max : min)[2] << '\n';
+  for (const auto& [a, b, c, d] :
+       {std::array{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}})
+    text << "f " << first + a << ' ' << first + b << ' ' << first + c << ' ' << first + d << '\n';
+  return text.str();
+}
+
+class MeshCage : public Command {
+ protected:
+  ImportedMesh written() { return read_vtk(directory_ / "cage.vtu"); }
+};
+
+// A plate of 2 x 1 x 0.6 m in cubes of 0.204 m: 10 x 5 x 3, of which 8 x 3 x 1 are inside.
+TEST_F(MeshCage, LaysCubesAroundASurface) {
+  write("plate.obj", box(Vec3(0, 0, 0), Vec3(2, 1, 0.6)));
+  const Outcome outcome = succeeds("mesh cage plate.obj --cells 10 -o cage.vtu");
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_EQ(outcome.out,
+            "plate: cage of cubes of 0.204 m\n  nodes               264\n"
+            "  hexahedra           150  (126 touched by the surface, 24 enclosed)\n  parts               1\n");
+  const ImportedMesh cage = written();
+  EXPECT_EQ(cage.positions.rows(), 264);
+  EXPECT_EQ(cage.hexahedra.size(), 150u);
+  const ImportedMesh surface = read_obj(directory_ / "plate.obj");
+  EXPECT_EQ(Embedding(cage.positions, cage.hexahedra, surface.positions).num_outside(), 0);
+  EXPECT_TRUE(has(read("cage.vtu"), "Name=\"enclosed\""));
+}
+
+TEST_F(MeshCage, RefusesPartsUnlessAskedFor) {
+  write("two.obj", box(Vec3(0, 0, 0), Vec3(1, 1, 1)) + box(Vec3(4, 0, 0), Vec3(5, 1, 1), 9));
+  fails("mesh cage two.obj --cells 10 -o cage.vtu", 3,
+        "two.obj: error: the cage has 2 parts that share no face: use fewer, larger cells, or --allow-parts\n");
+  EXPECT_FALSE(is_there("cage.vtu"));
+  succeeds("mesh cage two.obj --cells 10 -o cage.vtu --allow-parts");
+  succeeds("mesh cage two.obj --cells 1 -o cage.vtu");
+  EXPECT_EQ(written().hexahedra.size(), 1u);
+}
+
+TEST_F(MeshCage, SaysWhereHexahedraAreHinged) {
+  write("two.obj", box(Vec3(.1, .1, .1), Vec3(.9, .9, .9)) + box(Vec3(1.1, 1.1, .1), Vec3(1.9, 1.9, .9), 9));
+  const Outcome outcome = hexaplast("mesh cage two.obj --cells 2 -o cage.vtu --allow-parts");
+  EXPECT_EQ(outcome.err,
+            "warning: hexahedra meet at 2 nodes without sharing a face there: they fold freely about them\n");
+}
+
+TEST_F(MeshCage, RefusesWhatItCannotDo) {
+  write("plate.obj", box(Vec3(0, 0, 0), Vec3(2, 1, 0.6)));
+  write("broken.obj", "v 0 0 0\nv 1 0\n");
+  write("points.obj", "v 0 0 0\nv 1 0 0\n");
+  write("plate.stl", "");
+  write("good.vtu", "good");
+  const std::string into_good = " -o good.vtu";
+  expect_refused({{"mesh cage absent.obj --cells 3" + into_good, 5, "absent.obj: error: no such file\n"},
+                  {"mesh cage broken.obj --cells 3" + into_good, 3,
+                   "hexaplast: error: broken.obj:2: '' is not a coordinate: must be a finite number\n"},
+                  {"mesh cage points.obj --cells 3" + into_good, 3,
+                   "points.obj: error: the surface has neither triangles nor quads\n"},
+                  {"mesh cage plate.stl --cells 3" + into_good, 3, "plate.stl"},
+                  {"mesh cage plate.obj --cells 100000" + into_good, 3, "at most 134217728 are possible"},
+                  {"mesh cage plate.obj --cells 0" + into_good, 2, "--cells"},
+                  {"mesh cage plate.obj" + into_good, 2, "--cells"},
+                  {"mesh cage plate.obj --cells 3 -o cage.obj", 2, "--out cage.obj: the name must end in .vtu\n"},
+                  {"mesh cage plate.obj --cells 3 -o nowhere/cage.vtu", 5, "nowhere/cage.vtu"}});
+  EXPECT_EQ(read("good.vtu"), "good");
+}
+
+/// A body on a cube of a mesh file that lies in far/mesh.
+class MeshPath : public Command {
+ protected:
+  MeshPath() {
+    fs::create_directories(directory_ / "far/mesh");
+    fs::copy(HEXAPLAST_TEST_DATA "/meshes/block.msh", directory_ / "far/mesh/cube.msh");
+    write("a.scn",
+          "<Node dt='0.01' gravity='0 0 -9.81'><DefaultAnimationLoop/><RunSettings steps='20'/><EulerImplicitSolver/>"
+          "<SparseLDLSolver/><MeshGmshLoader name='loader' filename='mesh/cube.msh'/><MeshTopology src='@loader'/>"
+          "<MechanicalObject/><UniformMass totalMass='1'/>"
+          "<HexahedronElastoplasticFEMForceField youngModulus='1e5' poissonRatio='0.3'/></Node>");
+  }
+};
+
+TEST_F(MeshPath, IsAnOptionOfEveryVerbThatReadsScenes) {
+  EXPECT_EQ(hexaplast("check a.scn").code, 3);
+  for (const char* verb : {"check a.scn", "run a.scn --quiet", "mesh export a.scn -o a.vtu",
+                           "sweep a.scn --vary .dt=0.01,0.02 --out sweep --jobs 1"}) {
+    succeeds(std::string(verb) + " --mesh-path none --mesh-path far");
+  }
+}
+
+TEST_F(MeshPath, BelongsToARunThatIsResumed) {
+  succeeds("run a.scn --mesh-path far --out whole --frames 0 --quiet --final whole.json");
+  succeeds("run a.scn --mesh-path far --out half --frames 0 --quiet --steps 10 --checkpoint every=10");
+  succeeds("resume half --steps 20 --quiet --final half.json");
+  EXPECT_EQ(read("half.json"), read("whole.json"));
+  // another mesh of that name is another scene
+  fs::copy(HEXAPLAST_TEST_DATA "/meshes/organ.obj", directory_ / "far/mesh/cube.msh",
+           fs::copy_options::overwrite_existing);
+  EXPECT_NE(hexaplast("resume half --steps 30 --quiet").code, 0);
+}
+
+// Against another program, where it is installed. Without lateral contraction a pulled bar stays a prism, and both laws
+// agree to the square of the strain (here 1e-4). CalculixCantilever has large deflections.
+TEST_F(Command, ABarIsPulledAsFarAsByCalculix) {
+  if (shell("command -v ccx").code != 0) GTEST_SKIP() << "ccx is not installed";
+  write("bar.scn",
+        "<Node name='root' gravity='0 0 0'><DefaultAnimationLoop/><RunSettings steps='1'/><StaticSolver/>"
+        "<NewtonRaphsonSolver maxNbIterationsNewton='9' absoluteResidualStoppingThreshold='1e-9'/><SparseLDLSolver/>"
+        "<RegularGridTopology n='3 2 2'/><MechanicalObject/><HexahedronElastoplasticFEMForceField "
+        "youngModulus='1000' poissonRatio='0'/><FixedProjectiveConstraint indices='0 3 6 9'/>"
+        "<ConstantForceField indices='2 5 8 11' totalForce='0.1 0 0'/></Node>");
+  const Outcome written = shell("PATH=/usr/bin:$PATH '" HEXAPLAST_SOURCE_DIR
+                                "/benchmarks/calculix/scene_deck.py' --hexaplast '" HEXAPLAST_COMMAND "' bar.scn");
+  ASSERT_EQ(written.code, 0) << written.err;
+  write("deck.inp", written.out);
+  ASSERT_EQ(shell("OMP_NUM_THREADS=1 ccx -i deck").code, 0);
+  Eigen::MatrixXd theirs = Eigen::MatrixXd::Constant(12, 3, std::nan(""));  // displacements [m], of seven digits
+  std::istringstream lines(read("deck.dat"));
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream numbers(line);
+    int node = 0;
+    double x = 0, y = 0, z = 0;
+    if (numbers >> node >> x >> y >> z) theirs.row(node - 1) << x, y, z;  // of the last increment in the end
+  }
+
+  EXPECT_EQ(succeeds("run bar.scn --quiet --final final.json").err, "");
+  const Json final = json("final.json");
+  const Eigen::MatrixXd ours = matrix(final["positions"]) - matrix(final["plastic_rest_positions"]);
+  EXPECT_NEAR(ours(2, 0), 1e-4, 1e-10);
+  EXPECT_LT((ours - theirs).cwiseAbs().maxCoeff(), 3e-4 * 1e-4);
 }
 
 }  // namespace

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Scenes that ship with the program, run as a user runs them: permanent shape, volume and tears in their bands.
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
 #include <numeric>
 
 #include "hexaplast/geometry/sections.hpp"
@@ -159,7 +156,6 @@ TEST_F(Shipped, SheetIsCutWithoutLosingTissue) {
   EXPECT_LT(gap, 0.005);
 }
 
-// From its notch on the sheet tears across all 32 rows, in the plane that is its mirror.
 TEST_F(Shipped, NotchTearsStraightAndLeavesTwoMirrorImages) {
   const auto [final, history] = run("notch");
   const PointArray current = matrix(final["positions"]);
@@ -204,7 +200,6 @@ TEST_F(Shipped, FattyTissueKeepsABumpOnAWallThatDoesNotFlow) {
   expect_kept_volume(history, 2e-3);
 }
 
-// The forceps go 40 mm out. The lobe keeps about half of it.
 TEST_F(Shipped, LiverCageKeepsItsLobeDrawnOut) {
   const auto [final, history] = run("liver_cage");
 
