@@ -37,8 +37,7 @@ inline std::vector<std::string>& messages() {
   return list;
 }
 
-class Message {
- public:
+struct Message {
   explicit Message(const void* /*component*/ = nullptr) {}
   ~Message() { messages().push_back(text_.str()); }
   template <class T>
@@ -83,6 +82,7 @@ std::string name_of(std::string text) {
 
 namespace sofa {
 
+using sofa_standin::absent;
 using Index = unsigned int;
 using Size = Index;
 
@@ -91,8 +91,7 @@ namespace type {
 enum NoInit { NOINIT };
 
 template <std::size_t N, class Real>
-class Vec : public std::array<Real, N> {
- public:
+struct Vec : std::array<Real, N> {
   Vec() : std::array<Real, N>{} {}
   Vec(Real x, Real y, Real z) requires(N == 3) : std::array<Real, N>{x, y, z} {}
   Real* ptr() { return this->data(); }
@@ -101,16 +100,14 @@ class Vec : public std::array<Real, N> {
 using Vec3 = Vec<3, SReal>;
 
 template <class T>
-class vector : public std::vector<T> {
- public:
+struct vector : std::vector<T> {
   using std::vector<T>::vector;
 };
 
 template <std::size_t Rows, std::size_t Columns, class Real>
-class Mat {
- public:
+struct Mat {
   explicit Mat(NoInit) {}
-  Real& operator()(std::size_t, std::size_t) { sofa_standin::absent(); }
+  Real& operator()(std::size_t, std::size_t) { absent(); }
 };
 
 struct RGBAColor {
@@ -153,7 +150,6 @@ std::ostream& operator<<(std::ostream& out, const vector<T>& values) {
 }  // namespace type
 
 namespace defaulttype {
-
 struct Vec3Types {
   using Coord = type::Vec3;
   using Deriv = type::Vec3;
@@ -161,14 +157,12 @@ struct Vec3Types {
   using VecDeriv = type::vector<Deriv>;
   static const char* Name() { return "Vec3d"; }
 };
-
 }  // namespace defaulttype
 
 namespace helper {
 
 /// One of some words. Like SOFA's it stays what it is where it is told another word.
-class OptionsGroup {
- public:
+struct OptionsGroup {
   OptionsGroup() = default;
   template <class Words>
   explicit OptionsGroup(const Words& words) : words_(words.begin(), words.end()), selected_(words_.front()) {}
@@ -195,8 +189,7 @@ inline std::ostream& operator<<(std::ostream& out, const OptionsGroup& words) { 
 
 }  // namespace helper
 
-// ---------------------------------------------------------------------------------------- Data, components, the
-// factory
+// Data, components, the factory
 
 namespace core {
 
@@ -212,28 +205,27 @@ struct sptr {
   T* target_;
 };
 
-class ExecParams {};
+struct ExecParams {};
 namespace execparams {
-inline const ExecParams* defaultInstance() { sofa_standin::absent(); }
+inline const ExecParams* defaultInstance() { absent(); }
 }  // namespace execparams
 
 namespace behavior {
-class BaseMechanicalState;
+struct BaseMechanicalState;
 }
 
 namespace topology {
-class Topology;
-class BaseMeshTopology;
+struct Topology;
+struct BaseMeshTopology;
 }  // namespace topology
 
 namespace visual {
-class VisualParams;
+struct VisualParams;
 }
 
 namespace objectmodel {
 
-class DDGNode {
- public:
+struct DDGNode {
   virtual ~DDGNode() = default;
   virtual void update() = 0;
   void addInput(DDGNode*) {}
@@ -248,8 +240,7 @@ class DDGNode {
 };
 
 /// What a file or a script gives to a component.
-class BaseObjectDescription {
- public:
+struct BaseObjectDescription {
   std::map<std::string, std::string> attributes;
   const char* getAttribute(const std::string& name) const {
     const auto found = attributes.find(name);
@@ -258,22 +249,20 @@ class BaseObjectDescription {
 };
 
 struct AbstractTypeInfo {
-  bool ValidInfo() const { sofa_standin::absent(); }
-  bool Scalar() const { sofa_standin::absent(); }
-  bool Integer() const { sofa_standin::absent(); }
-  bool Text() const { sofa_standin::absent(); }
-  Size size() const { sofa_standin::absent(); }
-  Size size(const void*) const { sofa_standin::absent(); }
-  SReal getScalarValue(const void*, Size) const { sofa_standin::absent(); }
+  bool ValidInfo() const { absent(); }
+  bool Scalar() const { absent(); }
+  bool Integer() const { absent(); }
+  bool Text() const { absent(); }
+  Size size() const { absent(); }
+  Size size(const void*) const { absent(); }
+  SReal getScalarValue(const void*, Size) const { absent(); }
 };
 
-class Base {
- public:
+struct Base {
   virtual ~Base() = default;
 };
 
-class BaseData : public DDGNode {
- public:
+struct BaseData : DDGNode {
   struct Init {
     std::string help;
     bool is_displayed = true, is_read_only = false;
@@ -293,10 +282,10 @@ class BaseData : public DDGNode {
   const std::string& getGroup() const { return init_.group; }
   void setGroup(const std::string& group) { init_.group = group; }
   BaseData* getParent() const { return nullptr; }
-  Base* getOwner() const { sofa_standin::absent(); }
-  bool setParent(BaseData*) { sofa_standin::absent(); }
-  const AbstractTypeInfo* getValueTypeInfo() const { sofa_standin::absent(); }
-  const void* getValueVoidPtr() const { sofa_standin::absent(); }
+  Base* getOwner() const { absent(); }
+  bool setParent(BaseData*) { absent(); }
+  const AbstractTypeInfo* getValueTypeInfo() const { absent(); }
+  const void* getValueVoidPtr() const { absent(); }
 
  protected:
   void set() {
@@ -311,8 +300,7 @@ class BaseData : public DDGNode {
 };
 
 template <class T>
-class Data : public BaseData {
- public:
+struct Data : BaseData {
   struct InitData : Init {
     T value{};
   };
@@ -352,30 +340,26 @@ class Data : public BaseData {
   T value_{};
 };
 
-class DataCallback {
- public:
+struct DataCallback {
   void addInputs(std::initializer_list<BaseData*>) {}
   void addCallback(const std::function<void()>&) {}
 };
 
-class DataFileName : public Data<std::string> {
- public:
+struct DataFileName : Data<std::string> {
   using Data<std::string>::Data;
   const std::string& getFullPath() const { return getValue(); }
 };
 
-class BaseComponent;
+struct BaseComponent;
 
-class BaseLink {
- public:
+struct BaseLink {
   enum Flags { FLAG_NONE = 0, FLAG_STOREPATH = 1, FLAG_STRONGLINK = 2 };
   struct Init {};
-  const BaseComponent* getLinkedBase() const { sofa_standin::absent(); }
+  const BaseComponent* getLinkedBase() const { absent(); }
 };
 
 template <class Owner, class Target, unsigned flags>
-class SingleLink : public BaseLink {
- public:
+struct SingleLink : BaseLink {
   SingleLink(const Init& = {}) {}
   Target* get() const { return target_; }
   std::string getLinkedPath() const { return {}; }
@@ -389,33 +373,31 @@ class SingleLink : public BaseLink {
 
 enum class ComponentState { Undefined, Loading, Valid, Dirty, Busy, Invalid };
 
-class Event {
- public:
+struct Event {
   virtual ~Event() = default;
 };
 
-class BaseContext {
- public:
+struct BaseContext {
   enum SearchDirection { SearchUp = -1, Local = 0, SearchDown = 1 };
 
-  SReal getDt() const { sofa_standin::absent(); }
-  SReal getTime() const { sofa_standin::absent(); }
-  bool getAnimate() const { sofa_standin::absent(); }
-  void setAnimate(bool) { sofa_standin::absent(); }
-  BaseContext* getRootContext() const { sofa_standin::absent(); }
-  topology::BaseMeshTopology* getMeshTopologyLink() const { sofa_standin::absent(); }
-  behavior::BaseMechanicalState* getMechanicalState() const { sofa_standin::absent(); }
+  SReal getDt() const { absent(); }
+  SReal getTime() const { absent(); }
+  bool getAnimate() const { absent(); }
+  void setAnimate(bool) { absent(); }
+  BaseContext* getRootContext() const { absent(); }
+  topology::BaseMeshTopology* getMeshTopologyLink() const { absent(); }
+  behavior::BaseMechanicalState* getMechanicalState() const { absent(); }
   template <class T>
   T* get(SearchDirection = SearchUp) const {
-    sofa_standin::absent();
+    absent();
   }
   template <class T>
   void get(T*&, SearchDirection = SearchUp) const {
-    sofa_standin::absent();
+    absent();
   }
   template <class T>
   void get(std::vector<T*>*, SearchDirection = SearchUp) const {
-    sofa_standin::absent();
+    absent();
   }
 };
 
@@ -426,8 +408,7 @@ struct New {
 };
 
 /// In no node.
-class BaseComponent : public Base {
- public:
+struct BaseComponent : Base {
   BaseComponent() = default;
   BaseComponent(const BaseComponent&) = delete;
 
@@ -456,7 +437,6 @@ class BaseComponent : public Base {
     const auto found = data_.find(name);
     return found == data_.end() ? nullptr : found->second;
   }
-  void addAlias(BaseData* data, const char* alias) { data_[alias] = data; }
 
   // Called before the Data is constructed, from what they return.
   template <class T>
@@ -476,7 +456,7 @@ class BaseComponent : public Base {
   Data<type::BoundingBox> f_bbox;
 
   BaseLink::Init initLink(const char*, const char*) { return {}; }
-  const BaseLink* findLink(const std::string&) const { sofa_standin::absent(); }
+  const BaseLink* findLink(const std::string&) const { absent(); }
 
  private:
   std::map<std::string, BaseData*> data_;
@@ -487,8 +467,7 @@ using BaseObject = BaseComponent;
 
 using objectmodel::BaseData;
 
-class ObjectRegistrationData {
- public:
+struct ObjectRegistrationData {
   explicit ObjectRegistrationData(const std::string& help) : help_(help) {}
 
   template <class T>
@@ -499,14 +478,13 @@ class ObjectRegistrationData {
   }
 
  private:
-  friend class ObjectFactory;
+  friend struct ObjectFactory;
   std::string help_, template_name_;
   std::function<std::shared_ptr<objectmodel::BaseComponent>()> make_;
 };
 
 /// Knows classes by the name that their objects say they have.
-class ObjectFactory {
- public:
+struct ObjectFactory {
   struct Entry {
     std::string help, template_name;
     std::function<std::shared_ptr<objectmodel::BaseComponent>()> make;
@@ -524,22 +502,17 @@ class ObjectFactory {
 namespace helper {
 
 template <class T>
-class ReadAccessor {
- public:
-  const T& ref() const { sofa_standin::absent(); }
+struct ReadAccessor {
+  const T& ref() const { absent(); }
 };
 
 template <class T>
-class WriteAccessor {
- public:
-  T& wref() { sofa_standin::absent(); }
-  std::size_t size() const { sofa_standin::absent(); }
-  void resize(std::size_t) { sofa_standin::absent(); }
-  void clear() { sofa_standin::absent(); }
-  template <class Entry>
-  void push_back(const Entry&) {
-    sofa_standin::absent();
-  }
+struct WriteAccessor {
+  T& wref() { absent(); }
+  std::size_t size() const { absent(); }
+  void resize(std::size_t) { absent(); }
+  void clear() { absent(); }
+  void push_back(const auto&) { absent(); }
 };
 template <class T>
 WriteAccessor<T> getWriteAccessor(core::objectmodel::Data<T>&) {
@@ -552,25 +525,21 @@ WriteAccessor<T> getWriteOnlyAccessor(core::objectmodel::Data<T>&) {
 
 }  // namespace helper
 
-// ---------------------------------------------------------------------------------------- events, drawing, topologies
+// events, drawing, topologies
 
 namespace simulation {
-
-class AnimateBeginEvent : public core::objectmodel::Event {
- public:
-  SReal getDt() const { sofa_standin::absent(); }
-  static bool checkEventType(const Event*) { sofa_standin::absent(); }
+struct AnimateBeginEvent : core::objectmodel::Event {
+  SReal getDt() const { absent(); }
+  static bool checkEventType(const Event*) { absent(); }
 };
-class AnimateEndEvent : public AnimateBeginEvent {};
-class UpdateMappingEndEvent : public AnimateBeginEvent {};
-class IntegrateBeginEvent : public AnimateBeginEvent {};
-
+struct AnimateEndEvent : AnimateBeginEvent {};
+struct UpdateMappingEndEvent : AnimateBeginEvent {};
+struct IntegrateBeginEvent : AnimateBeginEvent {};
 }  // namespace simulation
 
 namespace helper {
 
-class ColorMap {
- public:
+struct ColorMap {
   ColorMap(unsigned int, const std::string&) {}
   auto getEvaluator(SReal, SReal) const {
     return [](SReal) { return type::RGBAColor::gray(); };
@@ -578,13 +547,11 @@ class ColorMap {
 };
 
 namespace visual {
-
-class DrawTool {
- public:
+struct DrawTool {
   struct StateLifeCycle {
     ~StateLifeCycle() {}
   };
-  StateLifeCycle makeStateLifeCycle() { sofa_standin::absent(); }
+  StateLifeCycle makeStateLifeCycle() { absent(); }
   void setPolygonMode(int, bool) {}
   void enableLighting() {}
   void disableLighting() {}
@@ -593,124 +560,98 @@ class DrawTool {
   void drawLines(const std::vector<type::Vec3>&, float, const type::RGBAColor&) {}
   void drawPoints(const std::vector<type::Vec3>&, float, const type::RGBAColor&) {}
 };
-
 }  // namespace visual
 }  // namespace helper
 
 namespace core::visual {
-
-class DisplayFlags {
- public:
-  bool getShowForceFields() const { sofa_standin::absent(); }
-  bool getShowWireFrame() const { sofa_standin::absent(); }
-  bool getShowVisualModels() const { sofa_standin::absent(); }
+struct DisplayFlags {
+  bool getShowForceFields() const { absent(); }
+  bool getShowWireFrame() const { absent(); }
+  bool getShowVisualModels() const { absent(); }
 };
-class VisualParams {
- public:
-  const DisplayFlags& displayFlags() const { sofa_standin::absent(); }
-  helper::visual::DrawTool* drawTool() const { sofa_standin::absent(); }
+struct VisualParams {
+  const DisplayFlags& displayFlags() const { absent(); }
+  helper::visual::DrawTool* drawTool() const { absent(); }
 };
-
 }  // namespace core::visual
 
 namespace core::topology {
 
 enum TopologyChangeType { POINTSADDED, POINTSREMOVED, POINTSRENUMBERING, HEXAHEDRAADDED, HEXAHEDRAREMOVED, OTHER };
 
-class TopologyChange {
- public:
+struct TopologyChange {
   virtual ~TopologyChange() = default;
-  TopologyChangeType getChangeType() const { sofa_standin::absent(); }
+  TopologyChangeType getChangeType() const { absent(); }
 };
-class HexahedraRemoved : public TopologyChange {
- public:
-  const type::vector<Index>& getArray() const { sofa_standin::absent(); }
+struct HexahedraRemoved : TopologyChange {
+  const type::vector<Index>& getArray() const { absent(); }
 };
 
-class Topology : public objectmodel::BaseComponent {
- public:
+struct Topology : objectmodel::BaseComponent {
   using Hexahedron = type::Vec<8, Index>;
   using Hexa = Hexahedron;
   using SeqHexahedra = type::vector<Hexahedron>;
   using Triangle = type::Vec<3, Index>;
   using SeqTriangles = type::vector<Triangle>;
 };
-class BaseMeshTopology : public Topology {
- public:
-  const SeqHexahedra& getHexahedra() { sofa_standin::absent(); }
-  std::size_t getNbHexahedra() { sofa_standin::absent(); }
-  std::list<const TopologyChange*>::const_iterator beginChange() const { sofa_standin::absent(); }
-  std::list<const TopologyChange*>::const_iterator endChange() const { sofa_standin::absent(); }
+struct BaseMeshTopology : Topology {
+  const SeqHexahedra& getHexahedra() { absent(); }
+  std::size_t getNbHexahedra() { absent(); }
+  std::list<const TopologyChange*>::const_iterator beginChange() const { absent(); }
+  std::list<const TopologyChange*>::const_iterator endChange() const { absent(); }
 };
 
 }  // namespace core::topology
 
 namespace component::topology::container {
 namespace constant {
-
-class MeshTopology : public core::topology::BaseMeshTopology {
- public:
+struct MeshTopology : core::topology::BaseMeshTopology {
   core::objectmodel::Data<type::vector<type::Vec3>> d_seqPoints{initData(&d_seqPoints, "position", "")};
   core::objectmodel::Data<SeqHexahedra> d_seqHexahedra{initData(&d_seqHexahedra, "hexahedra", "")};
   core::objectmodel::Data<type::vector<Index>> d_seqQuads{initData(&d_seqQuads, "quads", "")};
   core::objectmodel::Data<type::vector<Index>> d_seqEdges{initData(&d_seqEdges, "edges", "")};
 };
-
 }  // namespace constant
 namespace grid {
-
-class SparseGridTopology : public constant::MeshTopology {
- public:
-  float getStiffnessCoef(Index) { sofa_standin::absent(); }
+struct SparseGridTopology : constant::MeshTopology {
+  float getStiffnessCoef(Index) { absent(); }
 };
-
 }  // namespace grid
 namespace dynamic {
-
-class HexahedronSetTopologyContainer : public core::topology::BaseMeshTopology {};
-class HexahedronSetTopologyModifier : public core::objectmodel::BaseComponent {
- public:
+struct HexahedronSetTopologyContainer : core::topology::BaseMeshTopology {};
+struct HexahedronSetTopologyModifier : core::objectmodel::BaseComponent {
   core::objectmodel::Data<bool> removeIsolated;
   using Ancestors = type::vector<type::vector<Index>>;
   using Coefficients = type::vector<type::vector<SReal>>;
-  void addPoints(Size, const Ancestors&, const Coefficients&, bool) { sofa_standin::absent(); }
-  void addHexahedra(const core::topology::Topology::SeqHexahedra&, const Ancestors&, const Coefficients&) {
-    sofa_standin::absent();
-  }
-  void removeHexahedra(const type::vector<Index>&) { sofa_standin::absent(); }
-  void notifyEndingEvent() { sofa_standin::absent(); }
+  void addPoints(Size, const Ancestors&, const Coefficients&, bool) { absent(); }
+  void addHexahedra(const core::topology::Topology::SeqHexahedra&, const Ancestors&, const Coefficients&) { absent(); }
+  void removeHexahedra(const type::vector<Index>&) { absent(); }
+  void notifyEndingEvent() { absent(); }
 };
-
 }  // namespace dynamic
 }  // namespace component::topology::container
 
-// ----------------------------------------------------------------------------------- states, force fields, linear
-// systems
+// states, force fields, linear systems
 
 namespace linearalgebra {
-
-class BaseVector {
- public:
+struct BaseVector {
   virtual ~BaseVector() = default;
-  SReal element(long) const { sofa_standin::absent(); }
+  SReal element(long) const { absent(); }
 };
-class BaseMatrix {
- public:
+struct BaseMatrix {
   virtual ~BaseMatrix() = default;
-  void add(long, long, SReal) { sofa_standin::absent(); }
-  long rowSize() const { sofa_standin::absent(); }
-  long colSize() const { sofa_standin::absent(); }
+  void add(long, long, SReal) { absent(); }
+  long rowSize() const { absent(); }
+  long colSize() const { absent(); }
 };
 template <class Real>
-class SparseMatrix final : public BaseMatrix {
- public:
+struct SparseMatrix final : BaseMatrix {
   using Index = long;
   using Lines = std::map<Index, std::map<Index, Real>>;
-  void resize(Index, Index) { sofa_standin::absent(); }
-  typename Lines::const_iterator begin() const { sofa_standin::absent(); }
-  typename Lines::const_iterator end() const { sofa_standin::absent(); }
+  void resize(Index, Index) { absent(); }
+  typename Lines::const_iterator begin() const { absent(); }
+  typename Lines::const_iterator end() const { absent(); }
 };
-
 }  // namespace linearalgebra
 
 namespace core {
@@ -720,9 +661,8 @@ enum class ConstVecId { kPosition, kVelocity };
 namespace vec_id::read_access {
 inline constexpr ConstVecId position = ConstVecId::kPosition, velocity = ConstVecId::kVelocity;
 }
-class MultiVecDerivId {
- public:
-  VecDerivId getId(const behavior::BaseMechanicalState*) const { sofa_standin::absent(); }
+struct MultiVecDerivId {
+  VecDerivId getId(const behavior::BaseMechanicalState*) const { absent(); }
 };
 
 struct MatricesFactors {
@@ -734,53 +674,46 @@ struct MatricesFactors {
   using B = Factor<'B'>;
   using K = Factor<'K'>;
 };
-class MechanicalParams {
- public:
-  SReal mFactor() const { sofa_standin::absent(); }
-  SReal bFactor() const { sofa_standin::absent(); }
-  SReal kFactor() const { sofa_standin::absent(); }
+struct MechanicalParams {
+  SReal mFactor() const { absent(); }
+  SReal bFactor() const { absent(); }
+  SReal kFactor() const { absent(); }
 };
 namespace mechanicalparams {
-inline SReal kFactorIncludingRayleighDamping(const MechanicalParams*, SReal) { sofa_standin::absent(); }
+inline SReal kFactorIncludingRayleighDamping(const MechanicalParams*, SReal) { absent(); }
 }  // namespace mechanicalparams
 
-class ConstraintParams {
- public:
-  MultiVecDerivId lambda() const { sofa_standin::absent(); }
+struct ConstraintParams {
+  MultiVecDerivId lambda() const { absent(); }
 };
-class BaseMapping : public objectmodel::BaseComponent {
- public:
-  bool isMechanical() const { sofa_standin::absent(); }
-  type::vector<behavior::BaseMechanicalState*> getMechTo() { sofa_standin::absent(); }
-  type::vector<const objectmodel::BaseComponent*> getFrom() { sofa_standin::absent(); }
+struct BaseMapping : objectmodel::BaseComponent {
+  bool isMechanical() const { absent(); }
+  type::vector<behavior::BaseMechanicalState*> getMechTo() { absent(); }
+  type::vector<const objectmodel::BaseComponent*> getFrom() { absent(); }
 };
-class CollisionModel : public objectmodel::BaseComponent {};
+struct CollisionModel : objectmodel::BaseComponent {};
 namespace topology {
-class TopologicalMapping : public objectmodel::BaseComponent {
- public:
-  Topology* getFrom() { sofa_standin::absent(); }
+struct TopologicalMapping : objectmodel::BaseComponent {
+  Topology* getFrom() { absent(); }
 };
 }  // namespace topology
 
 namespace behavior {
 
-class OdeSolver : public objectmodel::BaseComponent {};
-class BaseConstraintCorrection : public objectmodel::BaseComponent {};
-class ConstraintSolver : public objectmodel::BaseComponent {
- public:
-  void removeConstraintCorrection(BaseConstraintCorrection*) { sofa_standin::absent(); }
+struct OdeSolver : objectmodel::BaseComponent {};
+struct BaseConstraintCorrection : objectmodel::BaseComponent {};
+struct ConstraintSolver : objectmodel::BaseComponent {
+  void removeConstraintCorrection(BaseConstraintCorrection*) { absent(); }
 };
 
-class BaseMechanicalState : public objectmodel::BaseComponent {
- public:
-  Size getSize() const { sofa_standin::absent(); }
-  Size getCoordDimension() const { sofa_standin::absent(); }
-  Size getDerivDimension() const { sofa_standin::absent(); }
-  void copyToBuffer(SReal*, ConstVecId, unsigned int) const { sofa_standin::absent(); }
+struct BaseMechanicalState : objectmodel::BaseComponent {
+  Size getSize() const { absent(); }
+  Size getCoordDimension() const { absent(); }
+  Size getDerivDimension() const { absent(); }
+  void copyToBuffer(SReal*, ConstVecId, unsigned int) const { absent(); }
 };
 template <class DataTypes>
-class MechanicalState : public BaseMechanicalState {
- public:
+struct MechanicalState : BaseMechanicalState {
   using VecCoord = typename DataTypes::VecCoord;
   using VecDeriv = typename DataTypes::VecDeriv;
   helper::ReadAccessor<VecCoord> readPositions() const { return {}; }
@@ -788,39 +721,35 @@ class MechanicalState : public BaseMechanicalState {
   helper::ReadAccessor<VecDeriv> readVelocities() const { return {}; }
   helper::WriteAccessor<VecCoord> writePositions() { return {}; }
   helper::WriteAccessor<VecDeriv> writeVelocities() { return {}; }
-  const objectmodel::Data<VecDeriv>* read(VecDerivId) { sofa_standin::absent(); }
-  objectmodel::Data<VecDeriv>* write(VecDerivId) { sofa_standin::absent(); }
+  const objectmodel::Data<VecDeriv>* read(VecDerivId) { absent(); }
+  objectmodel::Data<VecDeriv>* write(VecDerivId) { absent(); }
 };
 
-class StiffnessMatrix {
- public:
+struct StiffnessMatrix {
   struct Block {
-    void operator+=(const type::Mat<3, 3, SReal>&) { sofa_standin::absent(); }
+    void operator+=(const type::Mat<3, 3, SReal>&) { absent(); }
   };
   struct Derivative {
-    Derivative& withRespectToPositionsIn(BaseMechanicalState*) { sofa_standin::absent(); }
-    Derivative& withRespectToVelocityIn(BaseMechanicalState*) { sofa_standin::absent(); }
-    Block operator()(int, int) { sofa_standin::absent(); }
+    Derivative& withRespectToPositionsIn(BaseMechanicalState*) { absent(); }
+    Derivative& withRespectToVelocityIn(BaseMechanicalState*) { absent(); }
+    Block operator()(int, int) { absent(); }
   };
   Derivative getForceDerivativeIn(BaseMechanicalState*) { return {}; }
 };
-class DampingMatrix final : public StiffnessMatrix {};
+struct DampingMatrix final : StiffnessMatrix {};
 
-class StateAccessor : public objectmodel::BaseComponent {
- public:
-  const type::vector<BaseMechanicalState*>& getMechanicalStates() const { sofa_standin::absent(); }
+struct StateAccessor : objectmodel::BaseComponent {
+  const type::vector<BaseMechanicalState*>& getMechanicalStates() const { absent(); }
 };
 
-class BaseForceField : public StateAccessor {
- public:
+struct BaseForceField : StateAccessor {
   virtual void buildStiffnessMatrix(StiffnessMatrix*) = 0;
   virtual void buildDampingMatrix(DampingMatrix*) = 0;
   objectmodel::Data<SReal> rayleighStiffness{initData(&rayleighStiffness, 0, "rayleighStiffness", "")};
 };
 
 template <class TDataTypes>
-class ForceField : public BaseForceField {
- public:
+struct ForceField : BaseForceField {
   using DataTypes = TDataTypes;
   using DataVecCoord = objectmodel::Data<typename DataTypes::VecCoord>;
   using DataVecDeriv = objectmodel::Data<typename DataTypes::VecDeriv>;
@@ -837,8 +766,7 @@ class ForceField : public BaseForceField {
 };
 
 template <class Types1, class Types2>
-class MixedInteractionForceField : public BaseForceField {
- public:
+struct MixedInteractionForceField : BaseForceField {
   using DataTypes = Types1;
   using DataVecCoord1 = objectmodel::Data<typename Types1::VecCoord>;
   using DataVecCoord2 = objectmodel::Data<typename Types2::VecCoord>;
@@ -861,10 +789,9 @@ class MixedInteractionForceField : public BaseForceField {
   Link<Types2> mstate2;
 };
 
-class BaseMass {
- public:
+struct BaseMass {
   virtual ~BaseMass() = default;
-  bool isDiagonal() const { sofa_standin::absent(); }
+  bool isDiagonal() const { absent(); }
   objectmodel::Data<SReal> rayleighMass;
 };
 
@@ -873,110 +800,84 @@ class BaseMass {
 
 namespace simulation {
 namespace common {
-
-class MechanicalOperations {
- public:
-  void propagateDxAndResetDf(core::MultiVecDerivId, core::MultiVecDerivId) { sofa_standin::absent(); }
+struct MechanicalOperations {
+  void propagateDxAndResetDf(core::MultiVecDerivId, core::MultiVecDerivId) { absent(); }
   void addMBKdx(core::MultiVecDerivId, core::MatricesFactors::M, core::MatricesFactors::B, core::MatricesFactors::K,
                 bool) {
-    sofa_standin::absent();
+    absent();
   }
-  void projectResponse(core::MultiVecDerivId) { sofa_standin::absent(); }
+  void projectResponse(core::MultiVecDerivId) { absent(); }
 };
-
 }  // namespace common
 namespace mechanicalvisitor {
-
-class MechanicalGetConstraintJacobianVisitor {
- public:
+struct MechanicalGetConstraintJacobianVisitor {
   MechanicalGetConstraintJacobianVisitor(const core::ConstraintParams*, linearalgebra::BaseMatrix*) {}
-  void execute(core::objectmodel::BaseContext*) { sofa_standin::absent(); }
+  void execute(core::objectmodel::BaseContext*) { absent(); }
 };
-
 }  // namespace mechanicalvisitor
 }  // namespace simulation
 
 namespace component::odesolver::backward {
-
-class EulerImplicitSolver : public core::behavior::OdeSolver {
- public:
+struct EulerImplicitSolver : core::behavior::OdeSolver {
   core::objectmodel::Data<bool> d_firstOrder, d_trapezoidalScheme;
   core::objectmodel::Data<SReal> d_rayleighStiffness;
 };
-
 }  // namespace component::odesolver::backward
 
 namespace component::mapping::linear {
-
 template <class From, class To>
-class BarycentricMapping : public core::BaseMapping {};
-
+struct BarycentricMapping : core::BaseMapping {};
 }  // namespace component::mapping::linear
 
 namespace component::mass {
-
 template <class DataTypes>
-class DiagonalMass : public core::behavior::StateAccessor {
- public:
+struct DiagonalMass : core::behavior::StateAccessor {
   core::objectmodel::Data<type::vector<SReal>> d_vertexMass;
-  SReal getMassDensity() const { sofa_standin::absent(); }
+  SReal getMassDensity() const { absent(); }
 };
-
 }  // namespace component::mass
 
 namespace component::constraint::projective {
-
 template <class DataTypes>
-class FixedProjectiveConstraint : public core::behavior::StateAccessor {
- public:
+struct FixedProjectiveConstraint : core::behavior::StateAccessor {
   core::objectmodel::Data<type::vector<Index>> d_indices;
-  void addConstraint(Index) { sofa_standin::absent(); }
+  void addConstraint(Index) { absent(); }
 };
 template <class DataTypes>
-class LinearMovementProjectiveConstraint : public core::behavior::StateAccessor {
- public:
+struct LinearMovementProjectiveConstraint : core::behavior::StateAccessor {
   core::objectmodel::Data<type::vector<Index>> d_indices;
   typename DataTypes::VecCoord x0;
-  void addIndex(Index) { sofa_standin::absent(); }
+  void addIndex(Index) { absent(); }
 };
 template <class DataTypes>
-class PartialLinearMovementProjectiveConstraint : public LinearMovementProjectiveConstraint<DataTypes> {};
-
+struct PartialLinearMovementProjectiveConstraint : LinearMovementProjectiveConstraint<DataTypes> {};
 }  // namespace component::constraint::projective
 
 namespace component::constraint::lagrangian {
 namespace correction {
-
 template <class DataTypes>
-class LinearSolverConstraintCorrection : public core::behavior::BaseConstraintCorrection {};
-
+struct LinearSolverConstraintCorrection : core::behavior::BaseConstraintCorrection {};
 }  // namespace correction
 namespace solver {
-
-class UnbuiltGaussSeidelConstraintSolver : public core::behavior::ConstraintSolver {};
-
+struct UnbuiltGaussSeidelConstraintSolver : core::behavior::ConstraintSolver {};
 }  // namespace solver
 }  // namespace component::constraint::lagrangian
 
 namespace helper::system {
-
-class PluginManager {
- public:
+struct PluginManager {
   static PluginManager& getInstance() {
     static PluginManager one;
     return one;
   }
   bool pluginIsLoaded(const std::string&) const { return true; }
-  bool registerPlugin(const std::string&) { sofa_standin::absent(); }
+  bool registerPlugin(const std::string&) { absent(); }
 };
-
 }  // namespace helper::system
 
 namespace component::linearsolver {
 
-class GraphScatteredVector {
- public:
-  void clear() { sofa_standin::absent(); }
+struct GraphScatteredVector {
+  void clear() { absent(); }
   core::MultiVecDerivId id() const { return {}; }
   operator core::MultiVecDerivId() const { return {}; }
 };
@@ -987,17 +888,16 @@ struct GraphScatteredMatrix {
 
 template <class Matrix, class Vector>
 struct LinearSystem {
-  Matrix* getSystemMatrix() { sofa_standin::absent(); }
-  Vector* getSolutionVector() { sofa_standin::absent(); }
-  Vector* getRHSVector() { sofa_standin::absent(); }
+  Matrix* getSystemMatrix() { absent(); }
+  Vector* getSolutionVector() { absent(); }
+  Vector* getRHSVector() { absent(); }
 };
 
 template <class Matrix, class Vector>
-class MatrixLinearSolver : public core::objectmodel::BaseComponent {
- public:
+struct MatrixLinearSolver : core::objectmodel::BaseComponent {
   struct TempVectorContainer {
     TempVectorContainer(MatrixLinearSolver*, const core::ExecParams*, Matrix&, Vector&, Vector&) {}
-    Vector* createTempVector() { sofa_standin::absent(); }
+    Vector* createTempVector() { absent(); }
   };
   virtual void solve(Matrix&, Vector&, Vector&) = 0;
   virtual void invert(Matrix&) = 0;
@@ -1005,7 +905,7 @@ class MatrixLinearSolver : public core::objectmodel::BaseComponent {
   virtual bool buildComplianceMatrix(const core::ConstraintParams*, linearalgebra::BaseMatrix*, SReal, SReal) = 0;
   virtual void applyConstraintForce(const core::ConstraintParams*, core::MultiVecDerivId,
                                     const linearalgebra::BaseVector*) = 0;
-  LinearSystem<Matrix, Vector>* getLinearSystem() const { sofa_standin::absent(); }
+  LinearSystem<Matrix, Vector>* getLinearSystem() const { absent(); }
 };
 
 }  // namespace component::linearsolver
