@@ -298,9 +298,6 @@ std::string grasp(const std::string& attributes,
   return "<GraspForceField name='grasp' radius='0.08' " + path + " " + attributes + "/>";
 }
 
-/// Of the upper end [m].
-double elongation(scene::Scene& scene) { return nodes(scene).bottomRows(4).col(2).mean() - 0.4; }
-
 TEST(Grasp, HoldsWhatIsNearFromItsTimeToTheOther) {
   scene::Scene scene = read_and_init(four_nodes(
       "<GraspForceField name='grasp' keyTimes='0.5 2' positions='0 0 3.5  0 3 3.5' radius='1.6' graspTime='0.5' "
@@ -368,36 +365,6 @@ TEST(Grasp, ChoosesAmongTheNodesThatCanBeHeld) {
   scene::Scene near = read_and_init(gripped_bar(grasp("indices='12-17'", "keyTimes='0' positions='.05 .05 .38'")));
   near.step();
   EXPECT_EQ(at<scene::Component>(near, "grasp").integers("grasped"), (Numbers{16, 17}));
-}
-
-TEST(Grasp, MayJoinASceneThatIsReady) {
-  const std::string path = "keyTimes='0' positions='.05 .05 .42'";
-  scene::Scene waiting = read_and_init(gripped_bar(grasp("graspTime='0.025' stiffness='900'", path)));
-  scene::Scene joined = read_and_init(gripped_bar(""));
-  run(waiting, 3);
-  run(joined, 3);
-  const auto move = [](scene::Scene& scene) {
-    at<scene::Component>(scene, "grasp").find_data("positions")->set(std::vector<double>{.05, .07, .5}, {});
-    scene.step();
-  };
-
-  std::unique_ptr<scene::Component> hand = factory().make("GraspForceField");
-  const auto set = [&](std::string_view name, scene::Value value) { hand->find_data(name)->set(std::move(value), {}); };
-  set("keyTimes", std::vector<double>{0});
-  set("positions", std::vector<double>{.05, .05, .42});
-  set("radius", 0.08);
-  set("stiffness", 900.0);
-  scene::Node& node = at<scene::Component>(joined, "nodes").node();
-  EXPECT_EQ(joined.add(node, std::move(hand), "grasp").name(), "grasp");
-  for (scene::Scene* scene : {&waiting, &joined}) {
-    scene->step();
-    for (int k = 0; k < 10; ++k) move(*scene);
-  }
-  EXPECT_GT(elongation(joined), 0.001);
-  EXPECT_EQ(nodes(joined), nodes(waiting));
-
-  EXPECT_TRUE(refuses<scene::SceneError>([&] { joined.add(node, factory().make("GraspForceField"), "empty"); },
-                                         {"GraspForceField."}));
 }
 
 }  // namespace

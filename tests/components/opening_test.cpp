@@ -292,23 +292,29 @@ TEST_P(OpenedBar, GoesOnFromACheckpointWithTheSameBits) {
   EXPECT_EQ(hash_of(other), hash_of(scene));
 }
 
+/// The force of a contact, whose bodies may be cut under it: planes across an axis, one for each of them.
+Vec3 force_of_contact(const std::string& text, const std::string& contact, int steps, int axis,
+                      const std::vector<double>& planes) {
+  scene::Scene scene = read_and_init(text);
+  run(scene, steps);
+  for (std::size_t k = 0; k < planes.size(); ++k) {
+    const scene::SceneBody of = scene::bodies_of(scene)[k];
+    scene.open(*of.field, across(*of.field->body(), axis, planes[k]));
+  }
+  run(scene, 2);
+  return at<scene::Component>(scene, contact).vector3("force");
+}
+
 // A ball is pushed along a block: nodes under it that split have the friction and the side of those that they were.
 TEST(OpenedJoints, LeaveContactsWhereTheyAre) {
-  const auto force_after = [](bool opens) {
-    scene::Scene scene = read_and_init(
-        "<Node dt='0.01' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver rayleighMass='.5'/>"
-        "<MultigridCGLinearSolver tolerance='1e-8'/><RegularGridTopology n='7 7 4' max='.06 .06 .03'/>"
-        "<MechanicalObject name='nodes'/><UniformMass totalMass='.1'/><FixedProjectiveConstraint indices='0-48'/>"
-        "<HexahedronElastoplasticFEMForceField name='flesh' youngModulus='5000'/>"
-        "<InstrumentContactForceField name='ball' radius='.01' friction='2' keyTimes='0 .1 .3' "
-        "positions='.03 .03 .041  .03 .03 .036  .034 .03 .036'/></Node>");
-    run(scene, 20);
-    const scene::SceneBody of = scene::bodies_of(scene).front();
-    if (opens) scene.open(*of.field, across(*of.field->body(), 1, 0.1));
-    run(scene, 1);
-    return at<scene::Component>(scene, "ball").vector3("force");
-  };
-  const Vec3 whole = force_after(false), opened = force_after(true);
+  const std::string text =
+      "<Node dt='0.01' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver rayleighMass='.5'/>"
+      "<MultigridCGLinearSolver tolerance='1e-8'/><RegularGridTopology n='7 7 4' max='.06 .06 .03'/>"
+      "<MechanicalObject name='nodes'/><UniformMass totalMass='.1'/><FixedProjectiveConstraint indices='0-48'/>"
+      "<HexahedronElastoplasticFEMForceField name='flesh' youngModulus='5000'/>"
+      "<InstrumentContactForceField name='ball' radius='.01' friction='2' keyTimes='0 .1 .3' "
+      "positions='.03 .03 .041  .03 .03 .036  .034 .03 .036'/></Node>";
+  const Vec3 whole = force_of_contact(text, "ball", 20, 1, {}), opened = force_of_contact(text, "ball", 20, 1, {0.1});
   EXPECT_LT(whole.x(), -0.1 * whole.norm()) << "it sticks";
   EXPECT_LT((opened - whole).norm(), 0.1 * whole.norm());
   EXPECT_NEAR(opened.x(), whole.x(), 0.1 * std::abs(whole.x()));
@@ -316,24 +322,19 @@ TEST(OpenedJoints, LeaveContactsWhereTheyAre) {
 
 // Bodies that lie on each other: the lower one is cut through under the other one.
 TEST(OpenedJoints, LeaveContactsOfTwoBodiesWhereTheyAre) {
-  const auto force_after = [](bool opens) {
-    scene::Scene scene = read_and_init(
-        "<Node dt='0.005' gravity='0 0 -9.81'><DefaultAnimationLoop/><EulerImplicitSolver rayleighMass='.1' "
-        "rayleighStiffness='.01'/><SparseLDLSolver/><TissueContactForceField name='contact' object1='@lower/nodes' "
-        "object2='@upper/nodes' friction='0.5'/><Node name='lower'><RegularGridTopology n='5 5 3' max='.04 .04 .02'/>"
-        "<MechanicalObject name='nodes'/><UniformMass totalMass='.02'/><FixedProjectiveConstraint indices='0-24'/>"
-        "<HexahedronElastoplasticFEMForceField name='flesh' youngModulus='10000'/></Node>"
-        "<Node name='upper'><RegularGridTopology n='3 3 3' min='.0113 .013 .02' max='.0313 .033 .04'/>"
-        "<MechanicalObject name='nodes'/><UniformMass totalMass='.02'/>"
-        "<HexahedronElastoplasticFEMForceField name='flesh' youngModulus='10000'/></Node></Node>");
-    run(scene, 50);
-    if (opens)
-      for (const scene::SceneBody& of : scene::bodies_of(scene))
-        scene.open(*of.field, across(*of.field->body(), 0, of.name == "lower" ? 0.02 : 0.0213));
-    run(scene, 2);
-    return at<scene::Component>(scene, "contact").vector3("force");
+  const auto block = [](const std::string& name, const std::string& grid) {
+    return "<Node name='" + name + "'><RegularGridTopology " + grid +
+           "/><MechanicalObject name='nodes'/><UniformMass totalMass='.02'/>"
+           "<HexahedronElastoplasticFEMForceField name='flesh' youngModulus='10000'/>";
   };
-  const Vec3 whole = force_after(false), opened = force_after(true);
+  const std::string text =
+      "<Node dt='0.005' gravity='0 0 -9.81'><DefaultAnimationLoop/><EulerImplicitSolver rayleighMass='.1' "
+      "rayleighStiffness='.01'/><SparseLDLSolver/><TissueContactForceField name='contact' object1='@lower/nodes' "
+      "object2='@upper/nodes' friction='0.5'/>" +
+      block("lower", "n='5 5 3' max='.04 .04 .02'") + "<FixedProjectiveConstraint indices='0-24'/></Node>" +
+      block("upper", "n='3 3 3' min='.0113 .013 .02' max='.0313 .033 .04'") + "</Node></Node>";
+  const Vec3 whole = force_of_contact(text, "contact", 50, 0, {}),
+             opened = force_of_contact(text, "contact", 50, 0, {0.02, 0.0213});
   EXPECT_NEAR(whole.norm(), 0.02 * 9.81, 0.05);
   EXPECT_LT((opened - whole).norm(), 0.05 * whole.norm());
 }
