@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // No step may allocate: a haptic loop has no time for it. This program counts every call of the allocator.
 #include <dlfcn.h>
-#include <gtest/gtest.h>
 
 #include <atomic>
 #include <cstdlib>
-#include <functional>
-#include <memory>
-#include <vector>
 
-#include "hexaplast/base/parallel.hpp"
-#include "hexaplast/solve/conjugate_gradients.hpp"
+#include "support/core.hpp"
 #include "support/scene.hpp"
-#include "support/shapes.hpp"
-#include "support/simulation.hpp"
 
 namespace {
 
@@ -109,11 +102,11 @@ TEST_P(Allocations, AStepHasNone) {
     settings.fracture = Fracture::kFace;
   }
   if (GetParam().relaxes) settings.relaxation = {0.7, 0.3, 2, 0.02};
-  Body body(support::block({8, 8, 32}, 0.01), {material}, settings);
-  support::SimulationSetup setup;
-  setup.fixed = support::nodes_at(body.mesh(), 2, 0);
+  Body body(block({8, 8, 32}, 0.01), {material}, settings);
+  Motion setup;
+  setup.fixed = nodes_at(body.mesh(), 2, 0);
   setup.load = [](double, ConstPoints, Points f) { f.col(0).array() += 1e-4; };
-  support::Simulation simulation(std::move(body), setup, GetParam().solver());
+  MovingBody simulation(std::move(body), setup, GetParam().solver());
 
   FlowReport flow;
   EXPECT_EQ(allocations_of([&] { flow = simulation.step(); }), 0);
@@ -122,14 +115,14 @@ TEST_P(Allocations, AStepHasNone) {
 }
 
 TEST(Allocations, AStepOfManyBodiesInOneLoopHasNone) {
-  std::vector<std::unique_ptr<support::Simulation>> bodies;
+  std::vector<std::unique_ptr<MovingBody>> bodies;
   for (int k = 0; k < 6; ++k) {
-    Body body(support::block({3, 3, 4 + k}, 0.01),
+    Body body(block({3, 3, 4 + k}, 0.01),
               {{.young_modulus = 5000, .poisson_ratio = 0.45, .yield_stress = 1e-3, .flow_rate = 2, .hardening = 0.2}});
-    support::SimulationSetup setup;
-    setup.fixed = support::nodes_at(body.mesh(), 2, 0);
+    Motion setup;
+    setup.fixed = nodes_at(body.mesh(), 2, 0);
     setup.load = [](double, ConstPoints, Points f) { f.col(0).array() += 1e-4; };
-    bodies.push_back(std::make_unique<support::Simulation>(std::move(body), setup, plain()));
+    bodies.push_back(std::make_unique<MovingBody>(std::move(body), setup, plain()));
   }
   EXPECT_EQ(allocations_of([&] { parallel_for(6, [&](int k) { bodies[static_cast<std::size_t>(k)]->step(); }); }), 0);
 }
@@ -157,8 +150,8 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return std::string(test.param.name); });
 
 TEST(Allocations, KeepingAccountsOfEnergyHasNone) {
-  Body body(support::block({4, 4, 8}, 0.01), {Material{.young_modulus = 5000, .yield_stress = 1e-3, .flow_rate = 2}});
-  LoadedBody system(body, lumped_masses(body, 1000), support::nodes_at(body.mesh(), 2, 0),
+  Body body(block({4, 4, 8}, 0.01), {Material{.young_modulus = 5000, .yield_stress = 1e-3, .flow_rate = 2}});
+  LoadedBody system(body, lumped_masses(body, 1000), nodes_at(body.mesh(), 2, 0),
                     [](double, ConstPoints, Points f) { f.col(0).array() += 1e-4; });
   ImplicitEuler euler({.rayleigh_stiffness = 0.01, .velocity_damping = 0.1});
   euler.measure_energy();
@@ -187,8 +180,8 @@ void PrintTo(const ShippedScene& scene, std::ostream* out) { *out << scene.name;
 class AllocationsOf : public testing::TestWithParam<ShippedScene> {};
 
 TEST_P(AllocationsOf, AShippedSceneHasNoneOfOurs) {
-  scene::Scene scene = scene::read_scene(std::string(HEXAPLAST_SOURCE_DIR "/scenes/") + GetParam().name + ".scn",
-                                         support::factory(), support::plugins());
+  scene::Scene scene =
+      scene::read_scene(std::string(HEXAPLAST_SOURCE_DIR "/scenes/") + GetParam().name + ".scn", factory(), plugins());
   scene.init();
   for (int step = 0; step < GetParam().first; ++step) scene.step();
   for (int step = 0; step < 5; ++step) {
@@ -223,7 +216,7 @@ TEST_P(AllocationsBeside, ABodyAStepHasNone) {
       const std::string body =
           "<HexahedronElastoplasticFEMForceField youngModulus='1e5' poissonRatio='0.45' precision='" + precision +
           "'/>";
-      scene::Scene scene = support::read_and_init(
+      scene::Scene scene = read_and_init(
           "<Node dt='0.01' gravity='0 0 -9.81'><DefaultAnimationLoop/><EulerImplicitSolver rayleighMass='0.1' "
           "rayleighStiffness='0.01'/><MultigridCGLinearSolver tolerance='1e-6' preconditioner='" +
           preconditioner +
@@ -231,7 +224,7 @@ TEST_P(AllocationsBeside, ABodyAStepHasNone) {
           "<MechanicalObject name='nodes'/><DiagonalMass massDensity='1000'/>"
           "<BoxROI name='end' box='-1 -1 -1  1e-6 1 1'/><FixedProjectiveConstraint indices='@end.indices'/>" +
           body + GetParam().lines + "</Node>");
-      support::run(scene, 12);
+      run(scene, 12);
       for (int step = 0; step < 3; ++step) {
         const long before = num_allocations;
         const SolveReport report = scene.step();

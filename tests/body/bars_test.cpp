@@ -1,24 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The six bars from the initial to the settled state: permanent elongation and twist within 2 % of the reference
 // values, volume kept, halves alike.
-#include <cmath>
-
-#include "body_state.hpp"
 #include "hexaplast/geometry/sections.hpp"
 #include "support/bar.hpp"
-#include "support/compare.hpp"
-#include "support/golden.hpp"
-#include "support/shapes.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
 
-using support::BarLoad;
-using support::Json;
-
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-struct BarCase {
+struct Preset {
   const char* name;
   BarLoad load;
   const char* strength;
@@ -27,11 +19,11 @@ struct BarCase {
   double expected;  ///< permanent elongation [-] or twist [degrees] after 5 s
 };
 
-void PrintTo(const BarCase& bar, std::ostream* out) { *out << bar.name; }
+void PrintTo(const Preset& bar, std::ostream* out) { *out << bar.name; }
 
-class Bar : public testing::TestWithParam<BarCase> {
+class Bar : public testing::TestWithParam<Preset> {
  protected:
-  support::Simulation simulation = support::bar(GetParam().load, GetParam().strength);
+  MovingBody simulation = support::bar(GetParam().load, GetParam().strength);
   const HexMesh& mesh = simulation.body.mesh();
   const EndSections ends = end_sections(mesh);
 
@@ -54,7 +46,7 @@ class Bar : public testing::TestWithParam<BarCase> {
 };
 
 TEST_P(Bar, FollowsTheReferenceAndKeepsItsShapeAfterwards) {
-  const Json rows = support::golden(GetParam().golden_file)[GetParam().golden_key]["rows"];
+  const Json rows = golden(GetParam().golden_file)[GetParam().golden_key]["rows"];
   ASSERT_EQ(rows.size(), 20u);
   const auto peak = [&](const char* key) {
     double max = 0;
@@ -63,7 +55,7 @@ TEST_P(Bar, FollowsTheReferenceAndKeepsItsShapeAfterwards) {
   };
 
   for (const Json& row : rows) {
-    for (int k = 0; k < support::kBarSteps / 20; ++k) {
+    for (int k = 0; k < kBarSteps / 20; ++k) {
       const FlowReport report = simulation.step();
       ASSERT_EQ(report.skipped, 0);
       ASSERT_LT(std::abs(volume_error()), 0.01) << "at " << simulation.time() << " s";
@@ -85,8 +77,7 @@ TEST_P(Bar, FollowsTheReferenceAndKeepsItsShapeAfterwards) {
 
   // the load is the same on both sides of the clamp, so the shape is too
   for (int slice = 0; slice <= 5; ++slice) {
-    const std::vector<int> lower = support::nodes_at(mesh, 2, slice * 0.1),
-                           upper = support::nodes_at(mesh, 2, (10 - slice) * 0.1);
+    const std::vector<int> lower = nodes_at(mesh, 2, slice * 0.1), upper = nodes_at(mesh, 2, (10 - slice) * 0.1);
     const double below = section_angle(mesh, lower, 2, plastic_rest()),
                  above = section_angle(mesh, upper, 2, plastic_rest());
     EXPECT_NEAR(above + below, 0, 1e-6 / kDegrees) << "slice " << slice;
@@ -99,12 +90,12 @@ TEST_P(Bar, FollowsTheReferenceAndKeepsItsShapeAfterwards) {
 
 INSTANTIATE_TEST_SUITE_P(
     Presets, Bar,
-    testing::Values(BarCase{"StretchHigh", BarLoad::kStretch, "high", "bar_stretch", "high", 0.6795},
-                    BarCase{"StretchMedium", BarLoad::kStretch, "medium", "bar_stretch", "medium", 0.2301},
-                    BarCase{"StretchLow", BarLoad::kStretch, "low", "bar_stretch", "low", 0.0307},
-                    BarCase{"TwistHigh", BarLoad::kTwist, "high", "bar_twist_objective", "objective-high", 110.5},
-                    BarCase{"TwistMedium", BarLoad::kTwist, "medium", "bar_twist_objective", "objective-medium", 29.2},
-                    BarCase{"TwistLow", BarLoad::kTwist, "low", "bar_twist_objective", "objective-low", 4.5}),
+    testing::Values(Preset{"StretchHigh", BarLoad::kStretch, "high", "bar_stretch", "high", 0.6795},
+                    Preset{"StretchMedium", BarLoad::kStretch, "medium", "bar_stretch", "medium", 0.2301},
+                    Preset{"StretchLow", BarLoad::kStretch, "low", "bar_stretch", "low", 0.0307},
+                    Preset{"TwistHigh", BarLoad::kTwist, "high", "bar_twist_objective", "objective-high", 110.5},
+                    Preset{"TwistMedium", BarLoad::kTwist, "medium", "bar_twist_objective", "objective-medium", 29.2},
+                    Preset{"TwistLow", BarLoad::kTwist, "low", "bar_twist_objective", "objective-low", 4.5}),
     [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace

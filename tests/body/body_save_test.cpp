@@ -1,52 +1,29 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A body's history through a stream, as host applications keep it, and a whole motion.
-#include <array>
-#include <functional>
-#include <memory>
-#include <sstream>
-
-#include "body_state.hpp"
-#include "hexaplast/base/error.hpp"
-#include "hexaplast/body.hpp"
 #include "hexaplast/material/rows.hpp"
-#include "hexaplast/solve/cholesky.hpp"
-#include "hexaplast/solve/conjugate_gradients.hpp"
 #include "support/archive.hpp"
-#include "support/compare.hpp"
-#include "support/materials.hpp"
-#include "support/motion.hpp"
+#include "support/core.hpp"
 #include "support/rows.hpp"
-#include "support/shapes.hpp"
-#include "support/simulation.hpp"
 #include "support/yielding_bar.hpp"
 
 namespace hexaplast {
 namespace {
 
-using support::hash_of;
-using support::kEdge;
-using support::kJoined;
-using support::kStep;
-using support::load;
-using support::pulling;
-using support::saved;
-using support::yielding_bar;
-
 Material breaking(RestShape rest_shape = RestShape::kJoined) {
-  Material material = rest_shape == RestShape::kJoined ? support::yielding(100, 0.01) : support::stretching(100);
+  Material material = rest_shape == RestShape::kJoined ? yielding(100, 0.01) : stretching(100);
   material.fracture_stretch = 1.02;
   return material;
 }
 
 Body make_body(const Settings& settings, std::array<int, 3> cells = {2, 2, 3}) {
-  return Body(support::distorted_block(cells, kEdge, 0.15, 162), {breaking(settings.rest_shape)}, settings);
+  return Body(distorted_block(cells, kEdge, 0.15, 162), {breaking(settings.rest_shape)}, settings);
 }
 
 /// Several plastic steps at positions that wander away from the initial ones.
 void flow(Body& body, int first, int last) {
   body.set_time_step(kStep);
   for (int step = first; step < last; ++step) {
-    support::Random random(100 + step);
+    Random random(100 + step);
     const PointArray& X = body.mesh().positions();
     const PointArray stretched = X * Vec3(1.0 + 0.02 * step, 1, 1).asDiagonal();
     body.flow(stretched + random.field(static_cast<int>(X.rows()), 0.1 * kEdge), kStep);
@@ -111,23 +88,23 @@ TEST(SavedBody, DamageIsFoundAndNothingChanges) {
   EXPECT_EQ(hash_of(body), before);
 }
 
-testing::AssertionResult refuses(Body& body, const std::string& bytes, const char* message) {
-  return support::refuses<InputError>([&] { load(body, bytes); }, {message});
+testing::AssertionResult cannot_load(Body& body, const std::string& bytes, const char* message) {
+  return refuses<InputError>([&] { load(body, bytes); }, {message});
 }
 
 TEST(SavedBody, OfAnotherBodyIsRefused) {
   Body body = make_body(kJoined), other_isolated = make_body({}), shorter = other_isolated;
   const std::string bytes = saved(body);
-  Body other_mesh(support::distorted_block({2, 2, 3}, kEdge, 0.15, 163), {breaking()}, support::kJoined);
+  Body other_mesh(distorted_block({2, 2, 3}, kEdge, 0.15, 163), {breaking()}, kJoined);
   Body other_settings = make_body({.precision = Precision::kMixed});
   for (Body* other : {&other_mesh, &other_settings})
-    EXPECT_TRUE(refuses(*other, bytes, "another mesh or other settings"));
+    EXPECT_TRUE(cannot_load(*other, bytes, "another mesh or other settings"));
   std::string later = bytes;
   later[8] = 99;
-  EXPECT_TRUE(refuses(body, later, "format version 99, must be 9"));
+  EXPECT_TRUE(cannot_load(body, later, "format version 99, must be 9"));
   shorter.state().history.plastic_inverse.pop_back();
   EXPECT_THROW(load(other_isolated, saved(shorter)), InputError);
-  EXPECT_TRUE(refuses(body, "mesh.pvd and other things that are no body", "no saved body"));
+  EXPECT_TRUE(cannot_load(body, "mesh.pvd and other things that are no body", "no saved body"));
 }
 
 // Files that were saved stay readable as long as no member or word is added: then the body is another one, and so is
@@ -142,14 +119,14 @@ TEST(SavedBody, KeepsTheBytesOfItsFormat) {
   settings.yield_stress_measure = YieldStressMeasure::kBiot;
   settings.relaxation = {};
   settings.fracture = Fracture::kCell;
-  const std::string bytes = saved(Body(support::block({1, 1, 1}, kEdge), {material}, settings));
+  const std::string bytes = saved(Body(block({1, 1, 1}, kEdge), {material}, settings));
   StateHash hash;  // of "HXPBODY", version, what identifies the body, size, number of materials, material
   hash.add(bytes.data(), 8 + 4 + 3 * 8 + 8 * material_rows().size());
   EXPECT_EQ(hash.text(), "d45aed8cd54f2910");
 }
 
 TEST(SavedBody, KnowsEveryMember) {
-  const HexMesh mesh = support::distorted_block({1, 1, 1}, kEdge, 0.15, 162);
+  const HexMesh mesh = distorted_block({1, 1, 1}, kEdge, 0.15, 162);
   for (const Row<Settings>& row : settings_rows()) {
     Settings settings, others;
     support::change(row, others);
@@ -159,12 +136,12 @@ TEST(SavedBody, KnowsEveryMember) {
       settings.implementation = others.implementation = Implementation::kPlain;
     }
     Body other(mesh, {{}}, others);
-    EXPECT_TRUE(refuses(other, saved(Body(mesh, {{}}, settings)), "another mesh or other settings")) << row.member;
+    EXPECT_TRUE(cannot_load(other, saved(Body(mesh, {{}}, settings)), "another mesh or other settings")) << row.member;
   }
   for (const Row<Material>& row : material_rows()) {
     Material material;
-    row.at.set(material, support::another(row, row.at.get(material)));
-    Body first(mesh, {material}, support::kJoined), second(mesh, {{}}, support::kJoined);
+    row.at.set(material, another(row, row.at.get(material)));
+    Body first(mesh, {material}, kJoined), second(mesh, {{}}, kJoined);
     load(second, saved(first));
     EXPECT_EQ(row.at.get(second.material(0)), row.at.get(material)) << row.member;
     EXPECT_EQ(saved(second), saved(first)) << row.member;
@@ -274,7 +251,7 @@ TEST(SavedMotion, IsRefusedByOneThatMovesByOtherRules) {
     Motion motion = as_saved;
     change(motion);
     MovingBody moving(yielding_bar(), motion);
-    return !support::refuses<InputError>([&] { load(moving, bytes); }, {"the saved motion has another"});
+    return !refuses<InputError>([&] { load(moving, bytes); }, {"the saved motion has another"});
   };
   EXPECT_TRUE(loads([](Motion&) {}));
   EXPECT_FALSE(loads([](Motion& m) { m.gravity.z() = -2; }));
@@ -349,8 +326,8 @@ TEST(MovingBody, RefusesADamagedOrAnotherMotion) {
   }
   EXPECT_EQ(moving.state_hash(), later);
   EXPECT_EQ(moving.steps(), 5);
-  EXPECT_TRUE(support::refuses<InputError>([&] { load(moving, "a text that is long enough to be a header"); },
-                                           {"no saved motion"}));
+  EXPECT_TRUE(
+      refuses<InputError>([&] { load(moving, "a text that is long enough to be a header"); }, {"no saved motion"}));
   load(moving, bytes);
   EXPECT_EQ(moving.state_hash(), before);
 }

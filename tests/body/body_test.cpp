@@ -1,35 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "hexaplast/body.hpp"
-
 #include <Eigen/Eigenvalues>
-#include <limits>
-#include <sstream>
 
-#include "body_state.hpp"
 #include "element/samples.hpp"
-#include "hexaplast/base/error.hpp"
-#include "mesh/trilinear.hpp"
 #include "plastic/isolated_flow.hpp"
 #include "plastic/point_flow.hpp"
 #include "support/bar.hpp"
-#include "support/compare.hpp"
-#include "support/dense.hpp"
-#include "support/materials.hpp"
-#include "support/motion.hpp"
-#include "support/shapes.hpp"
-#include "support/simulation.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
 
-using support::BarLoad;
-using support::force_at;
-using support::kEdge;
-using support::kJoined;
-using support::kStep;
-using support::Random;
-
-const Material kYielding = support::stretching(100), kTurning = support::yielding(100, 0.01);
+const Material kYielding = stretching(100), kTurning = yielding(100, 0.01);
 
 /// A distorted block that has yielded already, and current positions at which it goes on yielding.
 class YieldingBody : public testing::Test {
@@ -46,10 +27,10 @@ class YieldingBody : public testing::Test {
     body.add_stiffness_product(-1, dx, df);
     return df;
   }
-  std::string history_hash() const { return support::hash_of(body); }
+  std::string history_hash() const { return hash_of(body); }
 
   Random random{161};
-  Body body{support::distorted_block({2, 2, 3}, kEdge, 0.15, 162), {kYielding}};
+  Body body{distorted_block({2, 2, 3}, kEdge, 0.15, 162), {kYielding}};
   PointArray current = body.mesh().positions() + random.field(36, 0.2 * kEdge);
   PointArray elsewhere = body.mesh().positions() + random.field(36, 0.5 * kEdge);
 };
@@ -80,18 +61,18 @@ TEST_F(YieldingBody, AddsToWhatIsThere) {
   PointArray f = elsewhere;
   const PointArray added = force_at(body, current);
   body.add_force(f);
-  EXPECT_LE(support::max_abs(f - elsewhere - added), 1e-12 * support::max_abs(added));
+  EXPECT_LE(max_abs(f - elsewhere - added), 1e-12 * max_abs(added));
 }
 
 TEST_F(YieldingBody, RefusesTimeStepsAndKeepsItsHistory) {
   const std::string before = history_hash();
   for (const double dt : {0.0, -0.01, -1e300, double(NAN), double(INFINITY)})
-    EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(current, dt); }, {"dt = ", "(0, inf)"})) << dt;
+    EXPECT_TRUE(refuses<InputError>([&] { body.flow(current, dt); }, {"dt = ", "(0, inf)"})) << dt;
   EXPECT_EQ(history_hash(), before);
   Body joined(body.mesh(), body.materials(), kJoined);
-  EXPECT_TRUE(support::refuses<InputError>([&] { joined.flow(current, 0.5); }, {"flow_rate", "dt"}));
+  EXPECT_TRUE(refuses<InputError>([&] { joined.flow(current, 0.5); }, {"flow_rate", "dt"}));
   Body restoring(body.mesh(), body.materials(), {.rest_shape = RestShape::kJoined, .volume_restitution = 100});
-  EXPECT_TRUE(support::refuses<InputError>([&] { restoring.flow(current, kStep); }, {"volume_restitution"}));
+  EXPECT_TRUE(refuses<InputError>([&] { restoring.flow(current, kStep); }, {"volume_restitution"}));
 
   Body fresh(body.mesh(), body.materials(), body.settings());
   EXPECT_THROW(fresh.flow(current, 0), InputError) << "also as the first";
@@ -124,15 +105,15 @@ TEST_F(YieldingBody, RefusesHexahedraThatAreNotThere) {
 TEST_F(YieldingBody, RefusesWhatIsNotFiniteAndKeepsItsHistory) {
   Body plain(body.mesh(), body.materials(), {.implementation = Implementation::kPlain});
   for (Body* of : {&body, &plain}) {
-    const std::string before = support::hash_of(*of);
+    const std::string before = hash_of(*of);
     for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
       PointArray spoiled = current;
       spoiled(7, 2) = bad;
-      EXPECT_TRUE(support::refuses<NumericalError>([&] { of->flow(spoiled, kStep); }, {"node 7"}));
+      EXPECT_TRUE(refuses<NumericalError>([&] { of->flow(spoiled, kStep); }, {"node 7"}));
     }
     for (const double scale : {1e155, 1e200, 1e300})
-      EXPECT_TRUE(support::refuses<NumericalError>([&] { of->flow(scale * current, kStep); }, {"not finite"}));
-    EXPECT_EQ(support::hash_of(*of), before);
+      EXPECT_TRUE(refuses<NumericalError>([&] { of->flow(scale * current, kStep); }, {"not finite"}));
+    EXPECT_EQ(hash_of(*of), before);
     EXPECT_GT(of->flow(current, kStep).yielded, 0) << "it goes on as if nothing had been";
   }
 }
@@ -161,7 +142,7 @@ TEST_F(YieldingBody, ShowsWhatItIs) {
 }
 
 TEST(Fields, AreThoseOfEachHexahedronByItself) {
-  const HexMesh mesh = support::distorted_block({5, 4, 3}, 0.01, 0.2, 71);
+  const HexMesh mesh = distorted_block({5, 4, 3}, 0.01, 0.2, 71);
   const PointArray at_flow = mesh.positions() + Random(72).field(mesh.num_nodes(), 0.002),
                    x = mesh.positions() + Random(73).field(mesh.num_nodes(), 0.003);
   const Material elastic{.young_modulus = 1e4, .poisson_ratio = 0.45};
@@ -200,20 +181,11 @@ TEST(Fields, AreThoseOfEachHexahedronByItself) {
 TEST_F(YieldingBody, IsCopiedWithAllThatItIs) {
   Body copy(body), assigned(body.mesh(), {Material{}});
   assigned = copy;
-  EXPECT_EQ(support::hash_of(copy), support::hash_of(body));
+  EXPECT_EQ(hash_of(copy), hash_of(body));
   copy.flow(elsewhere, kStep);
-  EXPECT_NE(support::hash_of(copy), support::hash_of(body)) << "a copy goes on by itself";
-  EXPECT_EQ(support::hash_of(assigned), support::hash_of(body));
+  EXPECT_NE(hash_of(copy), hash_of(body)) << "a copy goes on by itself";
+  EXPECT_EQ(hash_of(assigned), hash_of(body));
   EXPECT_EQ(assigned.material(0).yield_stress, body.material(0).yield_stress);
-}
-
-TEST(Body, HasTheSameBitsForAnyThreadCount) {
-  support::expect_the_same_for_any_threads([] {
-    support::Simulation bar = support::bar(BarLoad::kTwist, "high");
-    bar.run(60);
-    EXPECT_GT(bar.body.dissipated_energy(), 0);
-    return bar.state_hash();
-  });
 }
 
 TEST(Body, WithoutElementsOrWithUnsupportedNodesIsHarmless) {
@@ -225,15 +197,15 @@ TEST(Body, WithoutElementsOrWithUnsupportedNodesIsHarmless) {
   EXPECT_EQ(none.flow(f, kStep).yielded, 0);
 
   PointArray positions(9, 3);
-  positions << PointArray(support::cube(1)), 5, 5, 5;
+  positions << PointArray(cube(1)), 5, 5, 5;
   Body unsupported(HexMesh(positions, {Hexahedron{0, 1, 2, 3, 4, 5, 6, 7}}), {kYielding});
-  PointArray current = support::mapped(positions, Vec3(1.1, 1, 1).asDiagonal());
+  PointArray current = mapped(positions, Vec3(1.1, 1, 1).asDiagonal());
   EXPECT_EQ(unsupported.flow(current, kStep).yielded, 1);
   EXPECT_EQ(unsupported.state().history.plastic_rest_positions.row(8), positions.row(8));
 }
 
 TEST(Body, WithElementsTakenOutIsTheBodyThatNeverHadThem) {
-  const HexMesh whole = support::distorted_block({2, 2, 3}, 0.1, 0.2, 11);
+  const HexMesh whole = distorted_block({2, 2, 3}, 0.1, 0.2, 11);
   const std::vector<int> gone = {1, 7, 7};
   std::vector<Hexahedron> left = whole.hexahedra();
   left.erase(left.begin() + 7);
@@ -244,30 +216,30 @@ TEST(Body, WithElementsTakenOutIsTheBodyThatNeverHadThem) {
   EXPECT_THROW(body.remove(std::vector<int>{12}), InputError);
   EXPECT_THROW(body.remove(std::vector<int>{-1}), InputError);
 
-  const PointArray x = support::stretched_and_twisted(whole, 1.3, 0.4);
+  const PointArray x = stretched_and_twisted(whole, 1.3, 0.4);
   for (int step = 0; step < 5; ++step) {
-    body.flow(x, support::kStep);
-    smaller.flow(x, support::kStep);
+    body.flow(x, kStep);
+    smaller.flow(x, kStep);
   }
-  EXPECT_GT(support::max_abs(body.plastic_rest_positions() - whole.positions()), 1e-4);
-  EXPECT_TRUE(support::agrees(force_at(body, x), force_at(smaller, x), 1e-10));
+  EXPECT_GT(max_abs(body.plastic_rest_positions() - whole.positions()), 1e-4);
+  EXPECT_TRUE(agrees(force_at(body, x), force_at(smaller, x), 1e-10));
   EXPECT_NEAR(body.volume(x), smaller.volume(x), 1e-15);
 }
 
 TEST(Body, OfAnotherMaterialKeepsWhatFlowed) {
-  const HexMesh mesh = support::distorted_block({2, 2, 3}, 0.1, 0.2, 11);
+  const HexMesh mesh = distorted_block({2, 2, 3}, 0.1, 0.2, 11);
   Material soft = kYielding, hard = soft;
   soft.hardening = hard.hardening = 0.5;
   hard.young_modulus *= 3;
   hard.yield_stress += 100;
   Body body(mesh, {soft});
-  const PointArray x = support::stretched_and_twisted(mesh, 1.3, 0.4);
-  for (int step = 0; step < 5; ++step) body.flow(x, support::kStep);
+  const PointArray x = stretched_and_twisted(mesh, 1.3, 0.4);
+  for (int step = 0; step < 5; ++step) body.flow(x, kStep);
   const History before = body.state().history;
   EXPECT_THROW(body.set_materials({soft, hard}), InputError);
   const PointArray f = force_at(body, x);
   body.set_materials({hard});
-  EXPECT_TRUE(support::agrees(force_at(body, x), PointArray(3 * f), 1e-9)) << "the force is linear in E";
+  EXPECT_TRUE(agrees(force_at(body, x), PointArray(3 * f), 1e-9)) << "the force is linear in E";
   EXPECT_EQ(body.state().history.plastic_inverse, before.plastic_inverse);
   EXPECT_EQ(body.state().history.plastic_strain, before.plastic_strain);
   for (int e = 0; e < mesh.num_elements(); ++e)
@@ -276,45 +248,45 @@ TEST(Body, OfAnotherMaterialKeepsWhatFlowed) {
 
   hard.yield_stress = std::numeric_limits<double>::infinity();
   body.set_materials({hard});
-  body.flow(x, support::kStep);
+  body.flow(x, kStep);
   EXPECT_EQ(body.state().history.plastic_inverse, before.plastic_inverse) << "an elastic body does not flow";
 
   body.set_materials({soft});
   EXPECT_EQ(body.state().history.yield_stress[0][0], soft.yield_stress);
-  EXPECT_GT(body.flow(x, support::kStep).yielded, 0);
+  EXPECT_GT(body.flow(x, kStep).yielded, 0);
   body.reset();
   Body fresh(mesh, {soft});
-  fresh.flow(x, support::kStep);
-  body.flow(x, support::kStep);
+  fresh.flow(x, kStep);
+  body.flow(x, kStep);
   EXPECT_EQ(body.state().history.plastic_inverse, fresh.state().history.plastic_inverse);
 
   Body elastic(mesh, {hard});
   EXPECT_TRUE(elastic.state().history.plastic_inverse.empty()) << "nothing is kept for what cannot flow";
-  elastic.flow(x, support::kStep);
+  elastic.flow(x, kStep);
   elastic.set_materials({soft});
-  elastic.flow(x, support::kStep);
-  EXPECT_EQ(support::hash_of(elastic), support::hash_of(fresh));
+  elastic.flow(x, kStep);
+  EXPECT_EQ(hash_of(elastic), hash_of(fresh));
 }
 
 TEST(Body, KeepsThresholdsOfRotationFromTheMaterialThatTurns) {
-  const HexMesh mesh = support::block({2, 2, 3}, 0.1);
+  const HexMesh mesh = block({2, 2, 3}, 0.1);
   Material turning = kTurning, stiff = kTurning;
   turning.hardening = 0.5;
   turning.rotation_yield = 0.02;
   turning.rotation_flow_rate = 4;
   stiff.rotation_flow_rate = 0;
-  const PointArray x = support::stretched_and_twisted(mesh, 1.1, 0.6);
+  const PointArray x = stretched_and_twisted(mesh, 1.1, 0.6);
   Body body(mesh, {stiff}, kJoined);
-  body.flow(x, support::kStep);
+  body.flow(x, kStep);
   EXPECT_TRUE(body.state().history.rotation_yield.empty()) << "nothing is kept for what cannot turn";
 
   body.set_materials({turning});
   EXPECT_EQ(body.state().history.rotation_yield[0][0], 0.02);
-  for (int step = 0; step < 5; ++step) body.flow(x, support::kStep);
+  for (int step = 0; step < 5; ++step) body.flow(x, kStep);
   const std::vector<CornerValues> hardened = body.state().history.rotation_yield;
   EXPECT_GT(hardened[0][0], 0.02);
   body.set_materials({stiff});
-  body.flow(x, support::kStep);
+  body.flow(x, kStep);
   turning.rotation_yield += 0.01;
   body.set_materials({turning});
   for (int e = 0; e < mesh.num_elements(); ++e)
@@ -325,22 +297,22 @@ TEST(Body, KeepsThresholdsOfRotationFromTheMaterialThatTurns) {
   body.reset();
   Body fresh(mesh, {stiff}, kJoined);
   for (int step = 0; step < 3; ++step) {
-    body.flow(x, support::kStep);
-    fresh.flow(x, support::kStep);
+    body.flow(x, kStep);
+    fresh.flow(x, kStep);
   }
-  EXPECT_EQ(support::hash_of(body), support::hash_of(fresh));
+  EXPECT_EQ(hash_of(body), hash_of(fresh));
 }
 
 TEST(Body, RemembersPlasticStretchFromTheMaterialThatBreaksByIt) {
-  const HexMesh mesh = support::block({2, 2, 2}, 0.1);
+  const HexMesh mesh = block({2, 2, 2}, 0.1);
   Material m = kTurning;
   Body body(mesh, {m}, kJoined);
-  const PointArray x = support::stretched_and_twisted(mesh, 1.5, 0);
-  body.flow(x, support::kStep);
+  const PointArray x = stretched_and_twisted(mesh, 1.5, 0);
+  body.flow(x, kStep);
   m.fracture_stretch = 1.001;
   body.set_materials({m});
   EXPECT_TRUE(body.state().history.removed.empty());
-  for (int step = 0; step < 20; ++step) body.flow(x, support::kStep);
+  for (int step = 0; step < 20; ++step) body.flow(x, kStep);
   EXPECT_EQ(body.state().history.removed.size(), 8u);
 }
 

@@ -1,47 +1,30 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What callers owe: order and sizes of calls. Each breach is an InputError that names it, in every build; a view with
 // gaps between its rows gives the same as one without.
-#include <functional>
-#include <sstream>
 #include <type_traits>
 
 #include "geometry/axial_pull.hpp"
 #include "geometry/pick.hpp"
-#include "hexaplast/base/error.hpp"
-#include "hexaplast/base/parallel.hpp"
-#include "hexaplast/body.hpp"
 #include "hexaplast/geometry/embed.hpp"
 #include "hexaplast/geometry/plane_cut.hpp"
-#include "hexaplast/solve/cholesky.hpp"
-#include "hexaplast/solve/conjugate_gradients.hpp"
 #include "hexaplast/solve/grip.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
-#include "loaded_body.hpp"
-#include "mesh/lumped_mass.hpp"
 #include "mesh/selection.hpp"
 #include "solve/contact_loads.hpp"
 #include "solve/loads.hpp"
 #include "support/archive.hpp"
-#include "support/compare.hpp"
-#include "support/materials.hpp"
-#include "support/motion.hpp"
-#include "support/shapes.hpp"
-#include "support/simulation.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
 
-using support::kEdge;
-using support::kStep;
-using support::refuses;
-
-const HexMesh kCalled = support::distorted_block({2, 2, 3}, kEdge, 0.15, 162);
+const HexMesh kCalled = distorted_block({2, 2, 3}, kEdge, 0.15, 162);
 constexpr int kRows = 36;  // its nodes
 
-PointArray called_world() { return support::stretched_and_twisted(kCalled, 1.2, 0.3); }
+PointArray called_world() { return stretched_and_twisted(kCalled, 1.2, 0.3); }
 
 Body called_body(Precision precision = Precision::kDouble) {
-  return Body(kCalled, {support::stretching(100)}, {.precision = precision});
+  return Body(kCalled, {stretching(100)}, {.precision = precision});
 }
 
 struct BodyVerb {
@@ -76,7 +59,7 @@ std::vector<BodyVerb> referring_verbs() {
 std::vector<BodyVerb> ending_verbs() {
   return {{"flow", [](Body& body) { body.flow(called_world(), kStep); }},
           {"remove", [](Body& body) { body.remove(std::vector{3}); }},
-          {"set_materials", [](Body& body) { body.set_materials({support::stretching(200)}); }},
+          {"set_materials", [](Body& body) { body.set_materials({stretching(200)}); }},
           {"reset", [](Body& body) { body.reset(); }},
           {"load",
            [](Body& body) {
@@ -84,7 +67,7 @@ std::vector<BodyVerb> ending_verbs() {
              body.save(stream);
              body.load(stream);
            }},
-          {"serialize", [](Body& body) { support::read_from(support::written(body), body); }}};
+          {"serialize", [](Body& body) { read_from(written(body), body); }}};
 }
 
 TEST(OrderOfCalls, WhatRefersToTheLinearizationNamesWhatIsMissing) {
@@ -197,10 +180,10 @@ TEST_F(SizesOfCalls, OfABody) {
        }},
   });
   PointArray wrong = PointArray::Zero(kRows - 1, 3);
-  const std::string before = support::hash_of(body);
+  const std::string before = hash_of(body);
   EXPECT_THROW(body.flow(wrong, kStep), InputError);
   EXPECT_THROW(body.linearize(wrong), InputError);
-  EXPECT_EQ(support::hash_of(body), before);
+  EXPECT_EQ(hash_of(body), before);
   EXPECT_NO_THROW(body.add_force(f)) << "what was refused has changed nothing";
 }
 
@@ -401,7 +384,7 @@ TEST(Views, OfPointsGiveTheirRowsWhateverLiesBetween) {
   Body with = called_body(), without = called_body();
   with.flow(state.leftCols<3>(), kStep);
   without.flow(x, kStep);
-  EXPECT_EQ(support::hash_of(with), support::hash_of(without));
+  EXPECT_EQ(hash_of(with), hash_of(without));
 }
 
 TEST(Views, OfPointsWithoutGapsAreNotCopied) {

@@ -1,22 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Bodies that tear along faces: the way of the crack, what stays, what it takes.              theory.md section 10
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <memory>
-#include <numeric>
 #include <set>
-#include <sstream>
 
-#include "body_state.hpp"
-#include "hexaplast/base/parallel.hpp"
-#include "hexaplast/moving_body.hpp"
-#include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
-#include "loaded_body.hpp"
-#include "support/shapes.hpp"
-#include "support/simulation.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
@@ -53,9 +40,9 @@ struct Sheet {
 
 /// Slit from y = 0, and pulled apart at its ends along x.
 MovingBody pulled(const Sheet& of, std::shared_ptr<bool> is_let_go = std::make_shared<bool>(false)) {
-  const HexMesh mesh = support::block(of.cells, kFaceCell);
+  const HexMesh mesh = block(of.cells, kFaceCell);
   const double length = of.cells[0] * kFaceCell;
-  const std::vector<int> lower = support::nodes_at(mesh, 0, 0), upper = support::nodes_at(mesh, 0, length);
+  const std::vector<int> lower = nodes_at(mesh, 0, 0), upper = nodes_at(mesh, 0, length);
   Motion motion;
   motion.euler = {.rayleigh_mass = 0, .rayleigh_stiffness = 0.02};
   motion.load = [=](double time, ConstPoints, Points f) {

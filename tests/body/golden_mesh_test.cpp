@@ -1,25 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "body_state.hpp"
-#include "support/compare.hpp"
-#include "support/golden.hpp"
-#include "support/shapes.hpp"
-#include "support/simulation.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
 
-using support::agrees;
-using support::Json;
-using support::matrix;
-
 class GoldenMesh : public testing::TestWithParam<std::string> {
  protected:
   const std::string mode = GetParam();
-  const Json data = support::golden("mesh_" + mode + (mode == "objective" ? "_gn" : ""));
+  const Json data = golden("mesh_" + mode + (mode == "objective" ? "_gn" : ""));
   const Json& params = data["params"];
-  Body body{HexMesh(matrix(data["X"]), support::hexahedra(data["H"])),
-            {support::material(params)},
-            support::settings(params, mode, RotationFrame::kBestFit)};
+  Body body{HexMesh(matrix(data["X"]), hexahedra(data["H"])),
+            {material(params)},
+            settings(params, mode, RotationFrame::kBestFit)};
 
   GoldenMesh() { body.state().model.turns_isolated_shapes = true; }
 };
@@ -54,7 +46,7 @@ TEST_P(GoldenMesh, TwentyDynamicSteps) {
   for (int n = 0; n < body.mesh().num_nodes(); ++n) {
     if (body.mesh().positions()(n, 2) > 0.15) loaded.push_back(n);
   }
-  support::SimulationSetup setup;
+  Motion setup;
   setup.density = params["rho"];
   setup.dt = dynamic["dt"];
   setup.euler = {.rayleigh_mass = params["rayleigh_m"], .rayleigh_stiffness = params["rayleigh_k"]};
@@ -62,7 +54,7 @@ TEST_P(GoldenMesh, TwentyDynamicSteps) {
   setup.load = [&](double, ConstPoints, Points f) {
     for (const int n : loaded) f(n, 2) += 8;
   };
-  support::Simulation simulation(std::move(body), std::move(setup));
+  MovingBody simulation(std::move(body), std::move(setup));
 
   simulation.run(1);
   EXPECT_TRUE(agrees(simulation.positions, matrix(dynamic["xh_step1"]), tolerance));

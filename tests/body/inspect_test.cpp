@@ -3,25 +3,17 @@
 // (runner/study/element_test.cpp), which prints them; here with hand values.
 #include "inspect.hpp"
 
-#include "body_state.hpp"
-#include "hexaplast/base/error.hpp"
-#include "hexaplast/body.hpp"
-#include "support/compare.hpp"
-#include "support/materials.hpp"
-#include "support/shapes.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
 
-using support::kEdge;
-using support::kJoined;
-
-const Material kFlowing = support::yielding(100, 0.001);
+const Material kFlowing = yielding(100, 0.001);
 
 /// A distorted hexahedron whose corners have been moved by up to a tenth of its edge.
 HexahedronState deformed(const Material& material) {
-  HexahedronState state = initial_hexahedron(support::distorted_hexahedron(kEdge, 0.15, 411), material);
-  state.current += support::Random(412).field(kCorners, 0.1 * kEdge);
+  HexahedronState state = initial_hexahedron(distorted_hexahedron(kEdge, 0.15, 411), material);
+  state.current += Random(412).field(kCorners, 0.1 * kEdge);
   return state;
 }
 
@@ -43,7 +35,7 @@ TEST(FollowPath, UniaxialStrainAnswersWithLameConstants) {
   Mat3 stretched = Mat3::Identity();
   stretched(0, 0) = 1.1;
   std::vector<PathResponse> answers;
-  follow_path(support::distorted_hexahedron(kEdge, 0.15, 414), material, published_element(), 0.25,
+  follow_path(distorted_hexahedron(kEdge, 0.15, 414), material, published_element(), 0.25,
               {{1, Mat3::Identity()}, {2, stretched}, {2.1, stretched}},
               [&](const PathResponse& answer) { answers.push_back(answer); });
   ASSERT_EQ(answers.size(), 6u) << "four steps of .25 s and one that is shorter, after the beginning";
@@ -52,7 +44,7 @@ TEST(FollowPath, UniaxialStrainAnswersWithLameConstants) {
   for (const PathResponse& answer : answers) {
     const double strain = answer.F(0, 0) - 1;
     const Mat3 P = Vec3(1200 * strain, 400 * strain, 400 * strain).asDiagonal();
-    EXPECT_LE(support::max_abs(answer.P - P), 1e-9);
+    EXPECT_LE(max_abs(answer.P - P), 1e-9);
     EXPECT_NEAR(answer.stress_norm, 800 * strain, 1e-9);
   }
   EXPECT_NEAR(answers[2].F(0, 0), 1.05, 1e-12);
@@ -70,22 +62,21 @@ TEST(HexahedronStep, RefusesTimeStepsThatAreNone) {
   const std::vector<PathPoint> path{{0, Mat3::Identity()}, {1, Mat3::Identity()}};
   for (const double dt :
        {0., -.01, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-    EXPECT_TRUE(support::refuses<InputError>([&] { inspect_step(state, {}, {}, dt); }, {"dt = ", "(0, inf)"})) << dt;
-    EXPECT_TRUE(support::refuses<InputError>(
-        [&] { follow_path(state.initial, {}, {}, dt, path, [](const PathResponse&) {}); }, {"dt = ", "(0, inf)"}))
+    EXPECT_TRUE(refuses<InputError>([&] { inspect_step(state, {}, {}, dt); }, {"dt = ", "(0, inf)"})) << dt;
+    EXPECT_TRUE(refuses<InputError>([&] { follow_path(state.initial, {}, {}, dt, path, [](const PathResponse&) {}); },
+                                    {"dt = ", "(0, inf)"}))
         << dt;
   }
-  EXPECT_TRUE(support::refuses<InputError>(
-      [&] { follow_path(state.initial, {}, {}, 1e-300, path, [](const PathResponse&) {}); },
-      {"dt = 1e-300", "steps of the path"}));
+  EXPECT_TRUE(refuses<InputError>([&] { follow_path(state.initial, {}, {}, 1e-300, path, [](const PathResponse&) {}); },
+                                  {"dt = 1e-300", "steps of the path"}));
 }
 
 TEST(FollowPath, RefusesNoPathAndTimesThatDoNotAscend) {
   const auto follow = [](const std::vector<PathPoint>& path) {
-    follow_path(support::cube(kEdge), kFlowing, kJoined, 0.01, path, [](const PathResponse&) {});
+    follow_path(cube(kEdge), kFlowing, kJoined, 0.01, path, [](const PathResponse&) {});
   };
-  EXPECT_TRUE(support::refuses<InputError>([&] { follow({}); }, {"at least one point"}));
-  EXPECT_TRUE(support::refuses<InputError>(
+  EXPECT_TRUE(refuses<InputError>([&] { follow({}); }, {"at least one point"}));
+  EXPECT_TRUE(refuses<InputError>(
       [&] {
         follow({{1, Mat3::Identity()}, {1, Mat3::Identity()}});
       },

@@ -5,19 +5,14 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/Cholesky>
-#include <cmath>
-#include <limits>
 
-#include "hexaplast/moving_body.hpp"
-#include "mesh/lumped_mass.hpp"
-#include "support/compare.hpp"
-#include "support/shapes.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
 
 TEST(MeshQuality, IsThatOfTheWorstCorner) {
-  const auto of_cube = [](const Mat3& map) { return scaled_jacobian(support::mapped(support::cube(0.3), map)); };
+  const auto of_cube = [](const Mat3& map) { return scaled_jacobian(mapped(support::cube(0.3), map)); };
   const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   EXPECT_NEAR(of_cube(turn * Vec3(1, 20, 0.1).asDiagonal()), 1, 1e-12) << "a box of any proportions";
   Mat3 shear = Mat3::Identity();
@@ -93,7 +88,7 @@ TEST(ModelCheck, KnowsWhatHandCalculationGives) {
 template <class Divide>
 double fastest_vibration(Body& body, const Divide& divide) {
   body.linearize(body.mesh().positions());
-  support::Random random(11);
+  Random random(11);
   PointArray u = random.field(body.mesh().num_nodes(), 1);
   double eigenvalue = 0;
   for (int k = 0; k < 400; ++k) {
@@ -125,7 +120,7 @@ TEST(ModelCheck, TheHighestFrequencyIsThatOfTheFastestVibrationOrSomewhatMore) {
       const ModelCheck of_cube = check_model(cube, 1, 0.01);
       EXPECT_NEAR(of_cube.highest_frequency / fastest_with_lumped_masses(cube, 1000), 1, 1e-6) << nu;
       for (const double moved : {0.0, 0.1}) {
-        Body block(support::distorted_block({5, 5, 5}, 0.1, moved, 12), {material}, settings);
+        Body block(distorted_block({5, 5, 5}, 0.1, moved, 12), {material}, settings);
         const ModelCheck of_block = check_model(block, 125, 0.01);
         const double ratio = fastest_with_lumped_masses(block, 1000) / of_block.highest_frequency;
         EXPECT_LE(ratio, 1 + 1e-6) << nu << " " << moved;

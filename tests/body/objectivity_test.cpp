@@ -1,37 +1,24 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What must not matter: where the body is, how it is turned, which hand it is seen in, and little its mesh and steps.
-#include <cmath>
-
-#include "body_state.hpp"
-#include "hexaplast/body.hpp"
-#include "support/compare.hpp"
-#include "support/materials.hpp"
-#include "support/motion.hpp"
-#include "support/shapes.hpp"
-#include "support/simulation.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::kEdge;
-using support::kStep;
-using support::mapped;
-using support::Random;
 
 /// A soft bar after it flowed while it was stretched and twisted; `posed` says where the deformed shape of `mesh`
 /// stands in the world at each step.
 template <class Pose>
 Body driven(const HexMesh& initial, const HexMesh& mesh, const Settings& settings, const Pose& posed) {
-  Body body(initial, {support::yielding(100, 0.01)}, settings);
-  const support::HeldTwist twist{.stretch = 1.3, .angle = 1.5, .steps = 120};
+  Body body(initial, {yielding(100, 0.01)}, settings);
+  const HeldTwist twist{.stretch = 1.3, .angle = 1.5, .steps = 120};
   for (int step = 1; step <= twist.steps; ++step) body.flow(posed(step, twist.at(mesh, step)), twist.dt);
   return body;
 }
 
 const auto kStill = [](int, const PointArray& x) { return x; };
 
-double incongruence(const Body& body, const Body& expected) {
-  return support::incongruence(body.plastic_rest_positions(), expected.plastic_rest_positions());
+double difference(const Body& body, const Body& expected) {
+  return incongruence(body.plastic_rest_positions(), expected.plastic_rest_positions());
 }
 
 // Turned, moved and spinning while it flows.
@@ -40,19 +27,16 @@ TEST(Objectivity, ThePoseInTheWorldDoesNotMatter) {
   const Mat3 R = random.rotation();
   const Vec3 shift = random.vector(1), spin = 4 * random.direction();  // [rad/s]
   for (const double distortion : {0.0, 0.05}) {
-    const HexMesh mesh = support::distorted_block({2, 2, 6}, kEdge, distortion, 172);
+    const HexMesh mesh = distorted_block({2, 2, 6}, kEdge, distortion, 172);
     const Body expected = driven(mesh, mesh, support::kJoined, kStill);
-    const auto posed = [&](int k, const PointArray& x) {
-      return mapped(x, support::rotation_exp(k * kStep * spin) * R, shift);
-    };
+    const auto posed = [&](int k, const PointArray& x) { return mapped(x, rotation_exp(k * kStep * spin) * R, shift); };
     const Body body = driven(mesh, mesh, support::kJoined, posed);
-    EXPECT_GT(support::max_abs(expected.plastic_rest_positions() - mesh.positions()), 0.3 * kEdge) << "it has flowed";
-    EXPECT_LE(incongruence(body, expected), 1e-9);
+    EXPECT_GT(max_abs(expected.plastic_rest_positions() - mesh.positions()), 0.3 * kEdge) << "it has flowed";
+    EXPECT_LE(difference(body, expected), 1e-9);
     const History &found = body.state().history, &other = expected.state().history;
     for (int e = 0; e < mesh.num_elements(); ++e) {
-      EXPECT_LE(support::max_abs(found.rest_shape[e] - other.rest_shape[e]), 1e-9);
-      for (int i = 0; i < kCorners; ++i)
-        EXPECT_TRUE(support::agrees(found.yield_stress[e][i], other.yield_stress[e][i], 1e-9));
+      EXPECT_LE(max_abs(found.rest_shape[e] - other.rest_shape[e]), 1e-9);
+      for (int i = 0; i < kCorners; ++i) EXPECT_TRUE(agrees(found.yield_stress[e][i], other.yield_stress[e][i], 1e-9));
     }
   }
 }
@@ -60,7 +44,7 @@ TEST(Objectivity, ThePoseInTheWorldDoesNotMatter) {
 // The paper's modes of rotation are objective against the best fit, and not against the axes of the world.
 TEST(Objectivity, OfThePapersModesDependsOnTheFrame) {
   Random random(214);
-  const HexMesh mesh = support::block({2, 2, 6}, kEdge);
+  const HexMesh mesh = block({2, 2, 6}, kEdge);
   const Mat3 R = random.rotation();
   const Vec3 spin = 4 * random.direction();
   for (const RotationPlasticity mode : {RotationPlasticity::kVertex, RotationPlasticity::kCentre})
@@ -68,11 +52,11 @@ TEST(Objectivity, OfThePapersModesDependsOnTheFrame) {
       const Settings settings{.rest_shape = RestShape::kJoined, .rotation_plasticity = mode, .rotation_frame = frame};
       const Body expected = driven(mesh, mesh, settings, kStill);
       const double posed =
-          incongruence(driven(mesh, mesh, settings, [&](int, const PointArray& x) { return mapped(x, R); }), expected);
-      const double spinning = incongruence(
-          driven(mesh, mesh, settings,
-                 [&](int k, const PointArray& x) { return mapped(x, support::rotation_exp(k * kStep * spin)); }),
-          expected);
+          difference(driven(mesh, mesh, settings, [&](int, const PointArray& x) { return mapped(x, R); }), expected);
+      const double spinning =
+          difference(driven(mesh, mesh, settings,
+                            [&](int k, const PointArray& x) { return mapped(x, rotation_exp(k * kStep * spin)); }),
+                     expected);
       EXPECT_EQ(posed > 1e-9, frame == RotationFrame::kWorld) << posed;
       EXPECT_EQ(spinning > 1e-9, frame == RotationFrame::kWorld) << spinning;
       EXPECT_TRUE(frame == RotationFrame::kBestFit || std::min(posed, spinning) > 1e-2 * kEdge);
@@ -80,7 +64,7 @@ TEST(Objectivity, OfThePapersModesDependsOnTheFrame) {
 }
 
 TEST(Objectivity, TheMirroredSceneHasTheMirroredResult) {
-  const HexMesh mesh = support::block({2, 2, 6}, kEdge);
+  const HexMesh mesh = block({2, 2, 6}, kEdge);
   const Mat3 mirror = Vec3(-1, 1, 1).asDiagonal();
   std::vector<Hexahedron> hexahedra = mesh.hexahedra();
   for (Hexahedron& corners : hexahedra)
@@ -88,25 +72,23 @@ TEST(Objectivity, TheMirroredSceneHasTheMirroredResult) {
   const Body expected = driven(mesh, mesh, support::kJoined, kStill);
   const auto mirrored = [&](int, const PointArray& x) { return mapped(x, mirror); };
   const Body body = driven(HexMesh(mirrored(0, mesh.positions()), hexahedra), mesh, support::kJoined, mirrored);
-  EXPECT_LE(support::incongruence(mapped(body.plastic_rest_positions(), mirror), expected.plastic_rest_positions()),
-            1e-10);
+  EXPECT_LE(incongruence(mapped(body.plastic_rest_positions(), mirror), expected.plastic_rest_positions()), 1e-10);
 }
 
 /// Current positions of a loaded, yielding bar after some steps, the whole scene turned and moved; given back in the
 /// unmoved frame.
 PointArray loaded_bar(RestShape rest_shape, const Mat3& R, const Vec3& shift) {
-  const HexMesh mesh = support::block({2, 2, 5}, kEdge);
-  support::SimulationSetup setup;
+  const HexMesh mesh = block({2, 2, 5}, kEdge);
+  Motion setup;
   setup.euler = {.rayleigh_mass = 0.1, .rayleigh_stiffness = 0.1};
-  setup.fixed = support::nodes_at(mesh, 2, 0);
-  const std::vector<int> loaded = support::nodes_at(mesh, 2, 0.5);
+  setup.fixed = nodes_at(mesh, 2, 0);
+  const std::vector<int> loaded = nodes_at(mesh, 2, 0.5);
   setup.load = [&](double, ConstPoints, Points f) {
     for (const int n : loaded) f.row(n) += (R * Vec3(0.6, 0.2, 2)).transpose();
   };
-  support::Simulation bar(
+  MovingBody bar(
       Body(HexMesh(mapped(mesh.positions(), R, shift), mesh.hexahedra()),
-           {rest_shape == RestShape::kJoined ? support::yielding(100, 0.01) : support::stretching(100)},
-           {.rest_shape = rest_shape}),
+           {rest_shape == RestShape::kJoined ? yielding(100, 0.01) : stretching(100)}, {.rest_shape = rest_shape}),
       std::move(setup));
   bar.run(100);
   EXPECT_GT(bar.body.state().history.dissipated_energy, 0);
@@ -118,9 +100,9 @@ TEST(Trajectory, TurnsAndMovesWithTheScene) {
   const double length = 0.5;
   for (const RestShape rest_shape : {RestShape::kJoined, RestShape::kIsolated}) {
     const PointArray expected = loaded_bar(rest_shape, Mat3::Identity(), Vec3::Zero());
-    EXPECT_LE(support::max_abs(loaded_bar(rest_shape, random.rotation(), Vec3::Zero()) - expected), 1e-8 * length);
+    EXPECT_LE(max_abs(loaded_bar(rest_shape, random.rotation(), Vec3::Zero()) - expected), 1e-8 * length);
     const Vec3 far = 1000 * length * random.direction();
-    EXPECT_LE(support::max_abs(loaded_bar(rest_shape, Mat3::Identity(), far) - expected), 1e-5 * length);
+    EXPECT_LE(max_abs(loaded_bar(rest_shape, Mat3::Identity(), far) - expected), 1e-5 * length);
   }
 }
 
@@ -139,12 +121,12 @@ Permanent permanent_shape(int cells_across, AveragingMethod averaging = Averagin
                    .rotation_yield = 0.02 / cells_across,
                    .rotation_flow_rate = 4,
                    .hardening = 0.2};
-  const HexMesh mesh = support::block({cells_across, cells_across, 5 * cells_across}, 0.2 / cells_across);
+  const HexMesh mesh = block({cells_across, cells_across, 5 * cells_across}, 0.2 / cells_across);
   Settings settings{.rest_shape = RestShape::kJoined};
   settings.averaging = averaging;
   if (averaging == AveragingMethod::kJacobi) settings.implementation = Implementation::kPlain;
   Body body(mesh, {m}, settings);
-  support::HeldTwist{.stretch = 1.3, .angle = 2, .steps = steps, .dt = 1.2 / steps}.flow(body);
+  HeldTwist{.stretch = 1.3, .angle = 2, .steps = steps, .dt = 1.2 / steps}.flow(body);
   const EndSections ends = end_sections(mesh);
   return {elongation(ends, body.plastic_rest_positions()), twist(mesh, ends, body.plastic_rest_positions())};
 }

@@ -1,23 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <algorithm>
-#include <memory>
-#include <numeric>
-#include <sstream>
-
-#include "hexaplast/base/error.hpp"
-#include "hexaplast/base/parallel.hpp"
-#include "hexaplast/moving_body.hpp"
-#include "hexaplast/solve/cholesky.hpp"
-#include "hexaplast/solve/conjugate_gradients.hpp"
-#include "support/compare.hpp"
-#include "support/golden.hpp"
-#include "support/shapes.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::block;
-using support::refuses;
 
 Material soft_and_yielding() {
   Material material;
@@ -75,9 +60,9 @@ TEST_P(OpenedBody, CutThroughMovesAsItsHalvesAlone) {
     std::vector<int> lower;  // nodes of the whole that are the half's, in its order
     for (int n = 0; n < whole.num_nodes(); ++n)
       if (whole.positions()(n, 0) < 0.1 + 1e-9) lower.push_back(n);
-    cut.fix(support::nodes_at(whole, 0, 0));
-    cut.fix(support::nodes_at(whole, 0, 0.2));
-    alone.fix(support::nodes_at(half, 0, 0));
+    cut.fix(nodes_at(whole, 0, 0));
+    cut.fix(nodes_at(whole, 0, 0.2));
+    alone.fix(nodes_at(half, 0, 0));
     const std::vector<int> parents = cut.open(joints_across(cut.body, 0, 0.1));
     ASSERT_EQ(parents.size(), 16u);
     ASSERT_EQ(cut.positions.rows(), whole.num_nodes() + 16);
@@ -89,13 +74,13 @@ TEST_P(OpenedBody, CutThroughMovesAsItsHalvesAlone) {
     }
     EXPECT_GT(yielded, 0);
     // the half of the lower hexahedra keeps the numbers
-    EXPECT_LE(support::max_abs(cut.positions(lower, Eigen::all) - alone.positions), GetParam() == 1 ? 1e-7 : 1e-10);
-    EXPECT_GT(support::max_abs(cut.positions.bottomRows(16) - cut.positions(parents, Eigen::all)), 0.01);
+    EXPECT_LE(max_abs(cut.positions(lower, Eigen::all) - alone.positions), GetParam() == 1 ? 1e-7 : 1e-10);
+    EXPECT_GT(max_abs(cut.positions.bottomRows(16) - cut.positions(parents, Eigen::all)), 0.01);
   }
 }
 
 TEST_P(OpenedBody, AllOpenFallsInParabolas) {
-  const HexMesh mesh = support::distorted_block({3, 3, 3}, 0.02, 0.1, 5);
+  const HexMesh mesh = distorted_block({3, 3, 3}, 0.02, 0.1, 5);
   MovingBody moving(Body(mesh, {soft_and_yielding()}, settings()), {.dt = 0.01, .gravity = {0, 0, -9.81}},
                     solver(true));
   moving.open(all_joints(moving.body));
@@ -118,7 +103,7 @@ TEST_P(OpenedBody, GoesOnWithTheSameBits) {
   const auto made = [&] {
     MovingBody moving(Body(mesh, {soft_and_yielding()}, settings()), kFalling,
                       std::make_unique<PreconditionedConjugateGradients>(1e-6, 500));  // multigrid where there is one
-    moving.fix(support::nodes_at(mesh, 0, 0));
+    moving.fix(nodes_at(mesh, 0, 0));
     return moving;
   };
   MovingBody first = made(), second = made();
@@ -163,8 +148,8 @@ TEST_P(OpenedBody, GoesOnWithTheSameBits) {
 
 // Opening moves nothing, and takes no mass, momentum or energy.
 TEST_P(OpenedBody, KeepsMassMomentumAndEnergy) {
-  support::Random random(11);
-  const HexMesh mesh = support::distorted_block({4, 3, 3}, 0.02, 0.15, 9);
+  Random random(11);
+  const HexMesh mesh = distorted_block({4, 3, 3}, 0.02, 0.15, 9);
   MovingBody moving(Body(mesh, {soft_and_yielding()}, settings()), kFalling);
   moving.positions += random.field(mesh.num_nodes(), 0.002);
   moving.velocities = random.field(mesh.num_nodes(), 0.1);
@@ -219,21 +204,21 @@ TEST_P(OpenedBody, RefusesWhatIsNoJoint) {
 /// tests/data/cutting: the same masses and pieces as those of the reference.
 TEST(Body, OpensAsTheReferenceDoes) {
   for (const std::string name : {"block_random", "corner_contact", "removed", "voxels_random"}) {
-    const support::Json data = support::test_data("cutting", "mesh_" + name);
-    Body body(HexMesh(support::matrix(data["positions"]), support::hexahedra(data["hexahedra"])), {Material{}});
+    const Json data = test_data("cutting", "mesh_" + name);
+    Body body(HexMesh(matrix(data["positions"]), hexahedra(data["hexahedra"])), {Material{}});
     std::vector<int> gone;
     for (int e = 0; e < body.mesh().num_elements(); ++e)
       if (data.contains("alive") && data["alive"][e] == 0) gone.push_back(e);
     body.remove(gone);
-    for (const support::Json& call : data["calls"]) {
+    for (const Json& call : data["calls"]) {
       std::vector<int> joints;
       for (const auto& face : call["open"]["faces"])
         joints.push_back(body.joints().find(Joints::Face{face[0], face[1]}));
       for (const auto& hinge : call["open"]["hinges"])
         joints.push_back(body.joints().find(Joints::Hinge{hinge[0], hinge[1]}));
       body.open(joints);
-      const support::Json& after = call["after"];
-      EXPECT_EQ(body.mesh().hexahedra(), support::hexahedra(after["hexahedra"]));
+      const Json& after = call["after"];
+      EXPECT_EQ(body.mesh().hexahedra(), hexahedra(after["hexahedra"]));
       const Eigen::VectorXd masses = support::vector(after["masses"]);
       const std::vector<double> ours = lumped_masses(body, 1);
       for (int n = 0; n < masses.size(); ++n) EXPECT_NEAR(ours[n], masses[n], 4 * 0x1p-52 * masses[n]);

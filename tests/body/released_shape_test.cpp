@@ -1,30 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Plastic rest positions of isolated rest shapes: the shape of a body that nothing loads and nothing holds.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
-#include "body_state.hpp"
 #include "support/archive.hpp"
-#include "support/compare.hpp"
-#include "support/dense.hpp"
+#include "support/core.hpp"
 #include "support/history.hpp"
-#include "support/materials.hpp"
-#include "support/shapes.hpp"
-#include "support/simulation.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::force_at;
-using support::hash_of;
-using support::incongruence;
-using support::kEdge;
-using support::mapped;
-using support::max_abs;
-using support::Random;
-using support::saved;
 
 constexpr double kModulus = 5000;
 
@@ -48,7 +29,7 @@ class ReleasedShapeOf : public testing::TestWithParam<Implementation> {
   }
   /// A bar that was bent by so much, and has flowed there: ideal plastic, with residual stress.
   static Body bent_bar(double angle) {
-    Body body = made(support::block({16, 2, 3}, kEdge));
+    Body body = made(block({16, 2, 3}, kEdge));
     bend(body, angle);
     return body;
   }
@@ -62,12 +43,12 @@ INSTANTIATE_TEST_SUITE_P(Of, ReleasedShapeOf, testing::Values(Implementation::kP
 
 TEST_P(ReleasedShapeOf, OneDeformationOfAllIsTheMeshThatIsDeformedSo) {
   Random random(701);
-  Body body = made(support::distorted_block({4, 3, 3}, kEdge, 0.15, 702));
+  Body body = made(distorted_block({4, 3, 3}, kEdge, 0.15, 702));
   const Mat3 stretch = Vec3(1.4, 0.9, 1 / (1.4 * 0.9)).asDiagonal(), turn = random.rotation();
   const Mat3 plastic = random.rotation() * turn * stretch * turn.transpose();
   History& history = body.state().history;
   for (CornerTensors& of_element : history.plastic_inverse) of_element.fill(plastic.inverse());
-  support::take_flowed(body);
+  take_flowed(body);
   EXPECT_LE(incongruence(body.plastic_rest_positions(), mapped(body.mesh().positions(), plastic)), 1e-3 * kEdge);
 }
 
@@ -107,7 +88,7 @@ TEST_P(ReleasedShapeOf, IsAskedForWithoutATrace) {
 }
 
 TEST_P(ReleasedShapeOf, IsTheMeshBeforeAnythingHasFlowedAndAfterAReset) {
-  Body body = made(support::distorted_block({3, 2, 2}, kEdge, 0.15, 704));
+  Body body = made(distorted_block({3, 2, 2}, kEdge, 0.15, 704));
   EXPECT_EQ(body.plastic_rest_positions(), body.mesh().positions());
   body.flow(mapped(body.mesh().positions(), Vec3(1.01, 1, 1).asDiagonal()), 1);
   EXPECT_EQ(body.plastic_rest_positions(), body.mesh().positions()) << "elastic";
@@ -118,22 +99,22 @@ TEST_P(ReleasedShapeOf, IsTheMeshBeforeAnythingHasFlowedAndAfterAReset) {
 }
 
 TEST_P(ReleasedShapeOf, HasTheSameBitsForAnyThreadCount) {
-  Body body = made(support::block({24, 4, 4}, kEdge));
+  Body body = made(block({24, 4, 4}, kEdge));
   bend(body, 0.5 * std::numbers::pi);
-  support::expect_the_same_for_any_threads([&] { return Body(body).plastic_rest_positions(); });
+  expect_the_same_for_any_threads([&] { return Body(body).plastic_rest_positions(); });
 }
 
 // Hexahedra in a row, each of eight points that want other shapes: nothing that flow leaves.
 TEST_P(ReleasedShapeOf, SaysWhereItsIterationsDidNotConverge) {
   Random random(705);
-  Body body = made(support::distorted_block({40, 1, 1}, kEdge, 0.1, 706));
+  Body body = made(distorted_block({40, 1, 1}, kEdge, 0.1, 706));
   History& history = body.state().history;
   for (CornerTensors& of_element : history.plastic_inverse)
     for (Mat3& G : of_element) {
       const Mat3 turn = random.rotation();
       G = turn * Vec3(1.6, 1, 1 / 1.6).asDiagonal() * turn.transpose();
     }
-  support::take_flowed(body);
+  take_flowed(body);
   EXPECT_FALSE(body.plastic_rest_has_converged());
   EXPECT_LT(body.energy(body.plastic_rest_positions()), body.energy(body.mesh().positions())) << "the best of them";
   EXPECT_TRUE(bent_bar(1).plastic_rest_has_converged());

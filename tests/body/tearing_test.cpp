@@ -1,31 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What holds while a body is torn to pieces: surface, volume, forces, solvability, momentum, and the way a crack goes.
 //                                                                                              theory.md section 5.7
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
 #include <map>
-#include <numeric>
 #include <set>
 
-#include "body_state.hpp"
-#include "hexaplast/body.hpp"
-#include "hexaplast/solve/cholesky.hpp"
-#include "hexaplast/solve/conjugate_gradients.hpp"
-#include "loaded_body.hpp"
-#include "mesh/trilinear.hpp"
-#include "support/compare.hpp"
-#include "support/materials.hpp"
-#include "support/motion.hpp"
-#include "support/shapes.hpp"
-#include "support/simulation.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::kStep;
-using support::Random;
 
 using SurfaceFaces = std::vector<std::array<int, 4>>;
 
@@ -58,8 +40,8 @@ bool is_closed(const SurfaceFaces& surface) {
 // Many small bodies, each until nothing is left of it: scripts/soak repeats it with memory and arithmetic watched.
 TEST(Tearing, KeepsSurfaceVolumeAndBalanceOverTenThousandRemovals) {
   Random random(301);
-  const HexMesh mesh = support::distorted_block({3, 3, 2}, support::kEdge, 0.1, 302);
-  const PointArray current = support::stretched_and_twisted(mesh, 1.4, 0.5);
+  const HexMesh mesh = distorted_block({3, 3, 2}, kEdge, 0.1, 302);
+  const PointArray current = stretched_and_twisted(mesh, 1.4, 0.5);
   std::vector<double> volume_of(mesh.num_elements());
   for (int e = 0; e < mesh.num_elements(); ++e) volume_of[e] = volume(gather(current, mesh.hexahedra()[e]));
 
@@ -107,7 +89,7 @@ TEST(Tearing, KeepsSurfaceVolumeAndBalanceOverTenThousandRemovals) {
       ASSERT_LE(f.colwise().sum().norm(), 1e-12 * std::max(1.0, f.cwiseAbs().sum()));
       ImplicitEuler({}).step(system, solver, 0, kStep, x, v);
       ImplicitEuler({}).step(system, iterative, 0, kStep, x_iterated, v_iterated);
-      ASSERT_LE(support::max_abs(v - v_iterated), 1e-8 * std::max(1e-6, support::max_abs(v)));
+      ASSERT_LE(max_abs(v - v_iterated), 1e-8 * std::max(1e-6, max_abs(v)));
       Vec3 momentum = Vec3::Zero();
       const std::vector<int> part_of_node = connected_parts(mesh, history.alive).part_of_node;
       for (int n = 0; n < mesh.num_nodes(); ++n) {
@@ -116,7 +98,7 @@ TEST(Tearing, KeepsSurfaceVolumeAndBalanceOverTenThousandRemovals) {
         ASSERT_EQ(v.row(n).norm() + f.row(n).norm(), 0) << "node " << n;
       }
       ASSERT_LE(momentum.norm(), 1e-10);
-      ASSERT_LE(support::max_abs(x - current), 0.5 * support::kEdge);
+      ASSERT_LE(max_abs(x - current), 0.5 * kEdge);
       ASSERT_TRUE(history.plastic_rest_positions.allFinite());
     }
     ASSERT_EQ(history.removed.size(), volume_of.size());
@@ -133,7 +115,7 @@ constexpr int kNotch = 3;                       // rows that the notch takes
 
 /// A sheet notched from one side to three eighths of its width; every node moved by up to `fraction` of an edge.
 HexMesh notched_sheet(double fraction) {
-  const HexMesh whole = support::distorted_block(kSheet, kCell, fraction, 303);
+  const HexMesh whole = distorted_block(kSheet, kCell, fraction, 303);
   std::vector<Hexahedron> hexahedra;
   for (int e = 0; e < whole.num_elements(); ++e)
     if (e % kSheet[0] != kMiddle || e / kSheet[0] >= kNotch) hexahedra.push_back(whole.hexahedra()[e]);
@@ -141,10 +123,10 @@ HexMesh notched_sheet(double fraction) {
 }
 
 /// The sheet, free and at rest, pulled apart at its ends along x by `pull` [N] until it is in two pieces.
-support::Simulation pulled_sheet(const HexMesh& mesh, double pull, const bool& is_pulled) {
-  const std::vector<int> lower = support::nodes_at(mesh, 0, 0, 0.2 * kCell),
-                         upper = support::nodes_at(mesh, 0, kSheet[0] * kCell, 0.2 * kCell);
-  support::SimulationSetup setup;
+MovingBody pulled_sheet(const HexMesh& mesh, double pull, const bool& is_pulled) {
+  const std::vector<int> lower = nodes_at(mesh, 0, 0, 0.2 * kCell),
+                         upper = nodes_at(mesh, 0, kSheet[0] * kCell, 0.2 * kCell);
+  Motion setup;
   setup.euler = {.rayleigh_mass = 0, .rayleigh_stiffness = 0.02};
   setup.load = [=, &is_pulled](double time, ConstPoints, Points f) {
     if (!is_pulled) return;
@@ -161,7 +143,7 @@ using Crack = std::set<std::array<int, 2>>;  // hexahedra by column and row
 Crack crack_of(double fraction, double pull) {
   const HexMesh mesh = notched_sheet(fraction);
   bool is_pulled = true;
-  support::Simulation sheet = pulled_sheet(mesh, pull, is_pulled);
+  MovingBody sheet = pulled_sheet(mesh, pull, is_pulled);
   const History& history = sheet.body.state().history;
   for (int k = 0; k < 200; ++k) {
     if (sheet.step().removed == 0 || connected_parts(mesh, history.alive).count == 1) continue;
@@ -194,7 +176,7 @@ TEST(Tearing, ContinuesTheNotchAndTakesTheSameWayAfterASmallChange) {
 TEST(Tearing, LeavesEachPieceItsMomentum) {
   const HexMesh mesh = notched_sheet(0.05);
   bool is_pulled = true;
-  support::Simulation sheet = pulled_sheet(mesh, 0.16, is_pulled);
+  MovingBody sheet = pulled_sheet(mesh, 0.16, is_pulled);
   ConnectedParts parts{{}, 1};
   const auto momenta = [&] {
     std::vector<Vec3> of_part(parts.count + 1, Vec3::Zero());  // the last one: nodes without hexahedron

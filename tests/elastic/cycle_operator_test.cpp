@@ -1,23 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "elastic/cycle_operator.hpp"
 
-#include <gtest/gtest.h>
-
-#include "body_state.hpp"
 #include "elastic/cell_operator.hpp"
-#include "hexaplast/body.hpp"
 #include "kinematics/gradients.hpp"
 #include "kinematics/polar.hpp"
-#include "support/compare.hpp"
-#include "support/materials.hpp"
-#include "support/random.hpp"
-#include "support/shapes.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::kEdge;
-using support::Random;
 
 /// The numbers of nodes, of those in slots to which the chunks have added.
 PointArray from_slots(const Partition& partition, AlignedVector<float>& slots) {
@@ -46,7 +36,7 @@ PointArray diagonal_of(const ChunkedOperator<float>& op) {
 /// Largest difference from the product of the body's own stiffness, over the size of that.
 double difference(const HexMesh& mesh, const Settings& settings, const Mat3& F) {
   Body body(mesh, {Material{.young_modulus = 1e4, .poisson_ratio = 0.45}}, settings);
-  const PointArray x = support::mapped(mesh.positions(), F);
+  const PointArray x = mapped(mesh.positions(), F);
   if (settings.num_branches() > 0) body.set_time_step(0.1);
   body.linearize(x);
   CycleOperator cycle(body.state().model);
@@ -55,12 +45,12 @@ double difference(const HexMesh& mesh, const Settings& settings, const Mat3& F) 
   const PointArray p = random.field(mesh.num_nodes(), kEdge);
   PointArray own = PointArray::Zero(p.rows(), 3);
   body.add_stiffness_product(-1, p, own);
-  return support::max_abs(product(cycle, p) - own) / support::max_abs(own);
+  return max_abs(product(cycle, p) - own) / max_abs(own);
 }
 
 TEST(CycleOperator, IsTheStiffnessOfTurnedCubes) {
   Random random(6);
-  const HexMesh cubes = support::block({5, 4, 3}, kEdge);
+  const HexMesh cubes = block({5, 4, 3}, kEdge);
   for (const Precision precision : {Precision::kDouble, Precision::kMixed})
     for (const std::vector<double>& relaxation : {std::vector<double>{}, {1.5, 0.3, 3, 0.1}})
       EXPECT_LE(difference(cubes, {.relaxation = relaxation, .precision = precision}, random.rotation()), 2e-3);
@@ -68,7 +58,7 @@ TEST(CycleOperator, IsTheStiffnessOfTurnedCubes) {
 
 TEST(CycleOperator, IsNearTheStiffnessOfStretchedAndDistortedElements) {
   const Mat3 F = Vec3(1.5, 0.8, 0.9).asDiagonal();
-  const HexMesh mesh = support::distorted_block({5, 4, 3}, kEdge, 0.05, 7);
+  const HexMesh mesh = distorted_block({5, 4, 3}, kEdge, 0.05, 7);
   for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
     const double found = difference(mesh, {.precision = precision}, F);
     EXPECT_LE(found, 0.3);
@@ -78,7 +68,7 @@ TEST(CycleOperator, IsNearTheStiffnessOfStretchedAndDistortedElements) {
 
 // All blocks have an element that is no parallelepiped by far, and so their own coefficients.
 TEST(CycleOperator, IsTheStiffnessItselfOfElementsWithFlatCorners) {
-  const HexMesh mesh = support::distorted_block({5, 4, 3}, kEdge, 0.25, 8);
+  const HexMesh mesh = distorted_block({5, 4, 3}, kEdge, 0.25, 8);
   for (const Precision precision : {Precision::kDouble, Precision::kMixed})
     EXPECT_LE(difference(mesh, {.precision = precision}, Mat3::Identity()),
               precision == Precision::kDouble ? 1e-5 : 1e-6);
@@ -86,7 +76,7 @@ TEST(CycleOperator, IsTheStiffnessItselfOfElementsWithFlatCorners) {
 
 // Thin cells beside thick ones: their coefficients do not fit half precision.
 TEST(CycleOperator, IsTheStiffnessItselfOfThinElementsBesideOthers) {
-  HexMesh mesh = support::block({3, 3, 3}, kEdge);
+  HexMesh mesh = block({3, 3, 3}, kEdge);
   PointArray x = mesh.positions();
   for (int n = 0; n < x.rows(); ++n)
     if (x(n, 2) > 2.5 * kEdge) x(n, 2) = (2 + 1e-5) * kEdge;
@@ -105,7 +95,7 @@ struct Cells {
   Cells() {
     Random random(12);
     const Mat3 F = random.rotation() * (Mat3::Identity() + random.matrix(0.2));
-    x = support::mapped(mesh.positions(), F) + random.field(mesh.num_nodes(), 0.05 * kEdge);
+    x = mapped(mesh.positions(), F) + random.field(mesh.num_nodes(), 0.05 * kEdge);
     for (std::array<Child, kCorners>& cell : children)
       for (Child& child : cell) {
         Mat3 Gm = Mat3::Identity() + random.matrix(0.2);
@@ -161,7 +151,7 @@ struct Cells {
   }
 
   static constexpr double kLength = 2 * kEdge;  // any unit
-  HexMesh mesh = support::distorted_block({5, 3, 2}, kEdge, 0.1, 9);
+  HexMesh mesh = distorted_block({5, 3, 2}, kEdge, 0.1, 9);
   PointArray X = mesh.positions(), x;
   std::vector<std::array<Child, kCorners>> children{static_cast<std::size_t>(mesh.num_elements())};
 };
@@ -179,8 +169,8 @@ TEST(CellOperator, IsTheSumOverSamplesThatStandForChildren) {
         expected.row(n) += p.row(entry.column) * entry.block.transpose();
         if (entry.column == n) diagonal.row(n) = entry.block.diagonal().transpose();
       }
-    EXPECT_LE(support::max_abs(product(op, p) - expected), 2e-6 * support::max_abs(expected));
-    EXPECT_LE(support::max_abs(diagonal_of(op) - diagonal), 2e-6 * support::max_abs(diagonal));
+    EXPECT_LE(max_abs(product(op, p) - expected), 2e-6 * max_abs(expected));
+    EXPECT_LE(max_abs(diagonal_of(op) - diagonal), 2e-6 * max_abs(diagonal));
   }
 }
 

@@ -1,27 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The kernels on every instruction set of this machine; tests/plain compares all options.
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "base/simd.hpp"
-#include "body_state.hpp"
-#include "hexaplast/base/error.hpp"
-#include "hexaplast/body.hpp"
-#include "hexaplast/solve/conjugate_gradients.hpp"
 #include "kinematics/polar.hpp"
 #include "plain/plain.hpp"
-#include "support/compare.hpp"
+#include "support/core.hpp"
 #include "support/history.hpp"
-#include "support/materials.hpp"
-#include "support/shapes.hpp"
-#include "support/simulation.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::kEdge;
-using support::Random;
 
 /// Restores the choice of the instruction set.
 class OnEverySet : public testing::TestWithParam<std::string> {
@@ -36,19 +22,19 @@ TEST_P(OnEverySet, RotationsAreThoseOfTheSingularValueDecomposition) {
   const int count = GetParam() == simd_targets().front() ? 1000000 : 40000;
   Random random(96);
   std::vector<Mat3> F(count), R(count);
-  for (int k = 0; k < count; ++k) F[k] = support::gradient_of_kind(k % 8, random);
+  for (int k = 0; k < count; ++k) F[k] = gradient_of_kind(k % 8, random);
   rotations(F, R);
   double orthogonal = 0, determinant = 0, different = 0;
   int num_unique = 0;
   for (int k = 0; k < count; ++k) {
     ASSERT_TRUE(R[k].allFinite()) << F[k];
-    orthogonal = std::max(orthogonal, support::max_abs(R[k].transpose() * R[k] - Mat3::Identity()));
+    orthogonal = std::max(orthogonal, max_abs(R[k].transpose() * R[k] - Mat3::Identity()));
     determinant = std::max(determinant, std::abs(R[k].determinant() - 1));
     if (count > 100000 && k % 10 > 0) continue;  // the comparison is the slow part
     const SignedSvd svd = signed_svd(F[k]);
     if (!(svd.d[1] + svd.d[2] > 1e-3 * svd.d[0])) continue;  // not unique, or barely
     ++num_unique;
-    different = std::max(different, support::max_abs(R[k] - polar(svd).R));
+    different = std::max(different, max_abs(R[k] - polar(svd).R));
   }
   EXPECT_LE(orthogonal, 1e-12);
   EXPECT_LE(determinant, 1e-12);
@@ -59,7 +45,7 @@ TEST_P(OnEverySet, RotationsAreThoseOfTheSingularValueDecomposition) {
 /// A body whose every corner yields at displacements of this size, in edges.
 Body yielding_body(std::array<int, 3> cells, double distortion, double size, Settings settings) {
   const Material material{.yield_stress = 500 * size, .flow_rate = 5, .hardening = 0.3};
-  return Body(support::distorted_block(cells, kEdge, distortion, 93), {material}, settings);
+  return Body(distorted_block(cells, kEdge, distortion, 93), {material}, settings);
 }
 PointArray displaced(const Body& body, double size) {
   return body.mesh().positions() + Random(94).field(body.mesh().num_nodes(), size * kEdge);
@@ -76,8 +62,8 @@ void expect_the_flow_of_the_elements(Body body, const PointArray& x) {
   ASSERT_EQ(plain::flow(model, x, 0.01, solver, expected).yielded, body.mesh().num_elements());
   body.flow(x, 0.01);
   for (int e = 0; e < model.mesh.num_elements(); ++e)
-    support::expect_same_history(body.state().history.element(model, e), expected.element(model, e), model.lame[e],
-                                 kEdge, rounding_of_flow(model.settings.precision));
+    expect_same_history(body.state().history.element(model, e), expected.element(model, e), model.lame[e], kEdge,
+                        rounding_of_flow(model.settings.precision));
 }
 
 TEST_P(OnEverySet, FlowIsThatOfTheElements) {
@@ -90,7 +76,7 @@ TEST_P(OnEverySet, FlowIsThatOfTheElements) {
   for (const double stretch : {0.35, 0.6, 1.6, 2.5, 3.8, 7.0}) {
     const Body body = yielding_body({4, 4, 2}, 0.1, 0.02, {});
     const Mat3 F = Random(96).rotation() * Vec3(stretch, 1 / std::sqrt(stretch), 1 / std::sqrt(stretch)).asDiagonal();
-    expect_the_flow_of_the_elements(body, support::mapped(body.mesh().positions(), F));
+    expect_the_flow_of_the_elements(body, mapped(body.mesh().positions(), F));
   }
 }
 
@@ -101,12 +87,12 @@ std::vector<double> strains_beside(int pushed, Precision precision) {
   std::vector<Hexahedron> cubes(16);
   for (int e = 0; e < 16; ++e) {
     const Vec3 stretch = e == pushed ? Vec3(1, 1, -0.5) : e % 2 ? Vec3(3, 1, 1) : Vec3(5, 0.6, 0.6);
-    const PointArray cube = support::block({1, 1, 1}, 1).positions();
+    const PointArray cube = block({1, 1, 1}, 1).positions();
     for (int a = 0; a < kCorners; ++a) {
       const int n = kCorners * e + a;
       X.row(n) = cube.row(a) + Vec3(3 * e, 0, 0).transpose();
       x.row(n) = cube.row(a) * stretch.asDiagonal() + Vec3(10 * e, 0, 0).transpose();
-      cubes[e][a] = kCorners * e + support::block({1, 1, 1}, 1).hexahedra()[0][a];
+      cubes[e][a] = kCorners * e + block({1, 1, 1}, 1).hexahedra()[0][a];
     }
   }
   Body body(HexMesh(X, cubes), {{.young_modulus = 1000, .poisson_ratio = 0.3, .yield_stress = 1, .flow_rate = 50}},
@@ -131,16 +117,16 @@ TEST_P(OnEverySet, LanesAreAsAccurateBesideOneThatFails) {
 }
 
 TEST_P(OnEverySet, GiveTheSameBitsForAnyThreadCount) {
-  support::expect_the_same_for_any_threads([] {
+  expect_the_same_for_any_threads([] {
     Body body = yielding_body({17, 16, 15}, 0.1, 0.1, {});  // several chunks
     body.flow(displaced(body, 0.1), 0.01);
-    return support::hash_of(body);
+    return hash_of(body);
   });
 }
 
 TEST(Simd, NamesItsSetsAndRefusesOthers) {
   EXPECT_EQ(simd_target(), simd_targets().front());
-  EXPECT_TRUE(support::refuses<InputError>([] { set_simd_target("ABACUS"); }, {"ABACUS", simd_targets().front()}));
+  EXPECT_TRUE(refuses<InputError>([] { set_simd_target("ABACUS"); }, {"ABACUS", simd_targets().front()}));
 }
 
 }  // namespace

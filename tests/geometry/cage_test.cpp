@@ -1,21 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/geometry/cage.hpp"
 
-#include <numbers>
-
-#include "hexaplast/base/error.hpp"
 #include "hexaplast/geometry/embed.hpp"
 #include "hexaplast/mesh/faces.hpp"
-#include "mesh/trilinear.hpp"
-#include "support/compare.hpp"
-#include "support/random.hpp"
-#include "support/shapes.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::max_abs;
-using support::refuses;
 
 struct Surface {
   PointArray x;
@@ -46,7 +37,7 @@ Surface box(const Vec3& min, const Vec3& max) {
   return {mesh.positions(), {}, faces_of(mesh.hexahedra())};
 }
 
-Surface joined(const Surface& a, const Surface& b) {
+Surface side_by_side(const Surface& a, const Surface& b) {
   Surface both = a;
   const int first = static_cast<int>(a.x.rows());
   both.x.conservativeResize(first + b.x.rows(), 3);
@@ -109,7 +100,7 @@ TEST(Cage, IsOneConformingMeshAroundTheSurface) {
   const Surface surface = sphere(Vec3(1, 2, 3), 0.2, 40);
   const Cage cage = cage_of(surface, cubes_around(surface.x, 7));
   const PointArray& x = cage.mesh.positions();
-  const double enclosed = support::enclosed_volume(x, cage.mesh.boundary_faces());
+  const double enclosed = enclosed_volume(x, cage.mesh.boundary_faces());
   EXPECT_NEAR(enclosed, volume_of(cage.mesh), 1e-12);
   EXPECT_GT(enclosed, 4 * std::numbers::pi / 3 * 0.008);
   EXPECT_EQ(Embedding(x, cage.mesh.hexahedra(), surface.x).num_outside(), 0);
@@ -119,7 +110,7 @@ TEST(Cage, IsOneConformingMeshAroundTheSurface) {
 // The lines of a triangle without any direction of the grid, sampled densely: what holds a sample is touched, and what
 // is touched is as near to a sample as the samples are to each other.
 TEST(Cage, TouchedAreTheCellsOfATriangle) {
-  support::Random random(61);
+  Random random(61);
   for (int trial = 0; trial < 20; ++trial) {
     const PointArray x = random.field(3, 1);
     const CageGrid grid{.cells = {7, 6, 5}, .min = Vec3::Constant(-1), .max = Vec3::Ones()};
@@ -184,7 +175,9 @@ TEST(Cage, CubesCoverTheBoxAroundTheSurface) {
 TEST(Cage, CountsPartsAndHinges) {
   const CageGrid grid{.cells = {5, 5, 5}, .min = Vec3::Zero(), .max = Vec3::Constant(5)};
   const Surface first = box(Vec3(0.2, 0.2, 0.2), Vec3(1.8, 1.8, 1.8));
-  const auto with = [&](const Vec3& min) { return cage_of(joined(first, box(min, min + Vec3::Constant(0.6))), grid); };
+  const auto with = [&](const Vec3& min) {
+    return cage_of(side_by_side(first, box(min, min + Vec3::Constant(0.6))), grid);
+  };
   EXPECT_EQ(with(Vec3(3.2, 3.2, 3.2)).num_parts, 2);  // far away
   EXPECT_EQ(with(Vec3(3.2, 3.2, 3.2)).num_hinges, 0);
   EXPECT_EQ(with(Vec3(2.2, 2.2, 0.2)).num_parts, 2);  // at an edge, which has two nodes
@@ -220,7 +213,8 @@ TEST(Cage, AHoleIsSeenHoweverOftenFacesAreThere) {
   Surface turned = once;
   for (Quad& quad : turned.quads) std::swap(quad[1], quad[3]);
   for (const Surface& other : {once, turned})
-    EXPECT_TRUE(refuses<InputError>([&] { cage_of(joined(once, other), grid); }, {"4 edges belong to one face alone"}));
+    EXPECT_TRUE(
+        refuses<InputError>([&] { cage_of(side_by_side(once, other), grid); }, {"4 edges belong to one face alone"}));
 }
 
 // A pinhole in a sphere: as long as no cell passes through it, the cage is that of the whole sphere.
@@ -263,7 +257,7 @@ TEST(Cage, AnOpenSurfaceWithoutInsideIsNoMistake) {
   Surface lower{ball.x, {}, {ball.quads.begin() + 20 * 80, ball.quads.end()}};
   const Mat3 turn = Eigen::AngleAxisd(1e-3, Vec3::UnitZ()).toRotationMatrix();
   lower.x = lower.x * turn.transpose();
-  const Cage whole = cage_of(ball, grid), halves = cage_of(joined(upper, lower), grid);
+  const Cage whole = cage_of(ball, grid), halves = cage_of(side_by_side(upper, lower), grid);
   EXPECT_EQ(halves.mesh.num_elements(), whole.mesh.num_elements());
   EXPECT_GT(halves.mesh.num_elements(), halves.num_touched);
 }

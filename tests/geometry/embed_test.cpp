@@ -1,25 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/geometry/embed.hpp"
 
-#include <limits>
-
-#include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/faces.hpp"
-#include "mesh/trilinear.hpp"
-#include "support/compare.hpp"
-#include "support/dense.hpp"
-#include "support/random.hpp"
-#include "support/shapes.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
 
-using support::max_abs;
-
-const HexMesh kMesh = support::distorted_block({3, 2, 4}, 0.5, 0.15, 41);  // no two edges parallel
+const HexMesh kMesh = distorted_block({3, 2, 4}, 0.5, 0.15, 41);  // no two edges parallel
 
 PointArray points_inside(int count) {
-  support::Random random(43);
+  Random random(43);
   PointArray points(count, 3);
   for (int n = 0; n < count; ++n)
     points.row(n) << random.uniform(0.2, 1.3), random.uniform(0.2, 0.8), random.uniform(0.2, 1.8);
@@ -28,10 +19,10 @@ PointArray points_inside(int count) {
 
 // In hexahedra that are just not inside out too: corners moved by up to a third of an edge.
 TEST(Embedding, FindsPlacesInTheWorstSoundHexahedra) {
-  support::Random random(61);
+  Random random(61);
   int num_sound = 0;
   for (int trial = 0; trial < 300; ++trial) {
-    const ElementPoints corners = support::distorted_hexahedron(1, 0.3, 1000 + trial);
+    const ElementPoints corners = distorted_hexahedron(1, 0.3, 1000 + trial);
     bool is_sound = true;
     for (int a = 0; a < kCorners; ++a) is_sound = is_sound && corner_jacobian(corners, a).determinant() > 0.005;
     if (!is_sound) continue;
@@ -48,11 +39,11 @@ TEST(Embedding, FindsPlacesInTheWorstSoundHexahedra) {
       }
       points.row(n) = p.transpose();
     }
-    const HexMesh mesh = support::single_element(corners);
+    const HexMesh mesh = single_element(corners);
     const Embedding embedding(mesh.positions(), mesh.hexahedra(), points);
     ASSERT_EQ(embedding.num_outside(), 0) << trial;
     PointArray found(40, 3);
-    embedding.apply(PointArray(support::cube(2)), found);
+    embedding.apply(PointArray(cube(2)), found);
     for (int n = 0; n < 40; ++n) ASSERT_LE(max_abs(Vec3(found.row(n).transpose()) - places[n]), 1e-9) << trial;
   }
   EXPECT_GT(num_sound, 100);
@@ -69,7 +60,7 @@ TEST(Embedding, ContinuesFromTheNearestPlace) {
         const auto corner = [&](int k) -> Vec3 { return kMesh.positions().row(face[k]).transpose(); };
         samples.push_back((1 - v) * ((1 - u) * corner(0) + u * corner(1)) + v * ((1 - u) * corner(3) + u * corner(2)));
       }
-  support::Random random(63);
+  Random random(63);
   for (int trial = 0; trial < 60; ++trial) {
     const Vec3 p = Vec3(0.75, 0.5, 1) + 2 * random.direction();
     const Embedding embedding(kMesh.positions(), kMesh.hexahedra(), PointArray(p.transpose()));
@@ -80,32 +71,11 @@ TEST(Embedding, ContinuesFromTheNearestPlace) {
   }
 }
 
-// A surface of many points over many hexahedra, half of them outside: looking at all hexahedra for each would take
-// minutes.
-TEST(Embedding, ManyPointsAreFoundQuickly) {
-  const HexMesh mesh = support::distorted_block({24, 24, 24}, 0.1, 0.15, 65);
-  support::Random random(67);
-  PointArray points = random.field(40000, 1.6);
-  points.array() += 1.2;
-  const Embedding embedding(mesh.positions(), mesh.hexahedra(), points);
-  EXPECT_GT(embedding.num_outside(), 10000);
-  EXPECT_LT(embedding.num_outside(), 30000);
-  PointArray found(points.rows(), 3);
-  embedding.apply(mesh.positions(), found);
-  EXPECT_LE(max_abs(found - points), 1e-11);
-  for (int n = 0; n < 40000; n += 101) {
-    const ElementPoints corners = gather(mesh.positions(), mesh.hexahedra()[embedding.hexahedron_of(n)]);
-    const Eigen::AlignedBox3d box(Vec3(corners.colwise().minCoeff().transpose()),
-                                  Vec3(corners.colwise().maxCoeff().transpose()));
-    EXPECT_LE(box.exteriorDistance(Vec3(points.row(n).transpose())), embedding.greatest_distance());
-  }
-}
-
 // Nodes, centres of faces and edges belong to several hexahedra: any of them will do.
 TEST(Embedding, PlacesOnBordersCountAsInside) {
   const Embedding nodes(kMesh.positions(), kMesh.hexahedra(), kMesh.positions());
   EXPECT_EQ(nodes.num_outside(), 0);
-  support::Random random(51);
+  Random random(51);
   const PointArray field = random.field(kMesh.num_nodes(), 1);
   PointArray found(kMesh.num_nodes(), 3);
   nodes.apply(field, found);
@@ -114,7 +84,7 @@ TEST(Embedding, PlacesOnBordersCountAsInside) {
 
 // Outside they go on to first order: exactly for affine motions, however far.
 TEST(Embedding, ContinuesFromTheNearestHexahedron) {
-  support::Random random(53);
+  Random random(53);
   PointArray points = random.field(200, 5);
   const Embedding embedding(kMesh.positions(), kMesh.hexahedra(), points);
   EXPECT_GT(embedding.num_outside(), 150);
@@ -125,8 +95,8 @@ TEST(Embedding, ContinuesFromTheNearestHexahedron) {
 
   const Mat3 A = Mat3::Identity() + random.matrix(0.3);
   const Vec3 b(1, 2, 3);
-  embedding.apply(support::mapped(kMesh.positions(), A, b), found);
-  EXPECT_LE(max_abs(found - support::mapped(points, A, b)), 1e-11);
+  embedding.apply(mapped(kMesh.positions(), A, b), found);
+  EXPECT_LE(max_abs(found - mapped(points, A, b)), 1e-11);
 
   // the nearest hexahedron carries a point just above the far end, and no other
   const PointArray above = (PointArray(1, 3) << 0.25, 0.25, 2.3).finished();
@@ -141,7 +111,7 @@ TEST(Embedding, ContinuesFromTheNearestHexahedron) {
 }
 
 TEST(Embedding, TransposedKeepsForceAndMoment) {
-  support::Random random(57);
+  Random random(57);
   PointArray points = points_inside(60);
   points.bottomRows(10).array() += 3;  // some outside
   const Embedding embedding(kMesh.positions(), kMesh.hexahedra(), points);
@@ -157,12 +127,12 @@ TEST(Embedding, TransposedKeepsForceAndMoment) {
   embedding.apply(dx, dp);
   EXPECT_NEAR(nodal.cwiseProduct(dx).sum(), f.cwiseProduct(dp).sum(), 1e-12);
 
-  EXPECT_LE(max_abs(support::moment(x, nodal) - support::moment(p, f)), 1e-11);
+  EXPECT_LE(max_abs(moment(x, nodal) - moment(p, f)), 1e-11);
 }
 
 // J^T B J by blocks against the product J^T (B (J dx)).
 TEST(Embedding, BlocksAgreeWithTheProduct) {
-  support::Random random(59);
+  Random random(59);
   const Embedding embedding(kMesh.positions(), kMesh.hexahedra(), points_inside(7));
   BlockMatrix B(7), A(kMesh.num_nodes());
   for (int i = 0; i < 7; ++i)
@@ -173,15 +143,15 @@ TEST(Embedding, BlocksAgreeWithTheProduct) {
   const PointArray dx = random.field(kMesh.num_nodes(), 1);
   PointArray dp(7, 3), expected = PointArray::Zero(kMesh.num_nodes(), 3);
   embedding.apply(dx, dp);
-  embedding.add_transposed(support::unstacked(support::dense(B) * support::stacked(dp)), expected);
-  const PointArray product = support::unstacked(support::dense(A) * support::stacked(dx));
-  EXPECT_TRUE(support::agrees(product, expected, 1e-13));
+  embedding.add_transposed(unstacked(dense(B) * stacked(dp)), expected);
+  const PointArray product = unstacked(dense(A) * stacked(dx));
+  EXPECT_TRUE(agrees(product, expected, 1e-13));
 }
 
 // Small triangles about points: left as long as the hexahedron is that each lies in.
 TEST(Embedding, CellsGoWithTheirHexahedra) {
   constexpr int kTriangles = 300;
-  support::Random random(71);
+  Random random(71);
   PointArray points(3 * kTriangles, 3);
   const PointArray centres = points_inside(kTriangles);
   for (int n = 0; n < 3 * kTriangles; ++n) points.row(n) = centres.row(n / 3) + 1e-3 * random.field(1, 1);

@@ -1,24 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/geometry/offset.hpp"
 
-#include <gtest/gtest.h>
-
-#include <functional>
 #include <map>
-#include <numbers>
 
-#include "hexaplast/base/error.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
 #include "hexaplast/mesh/faces.hpp"
 #include "layout/charts.hpp"
-#include "support/compare.hpp"
-#include "support/shapes.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
 
 using std::numbers::pi;
-using support::refuses;
 using Parts = std::initializer_list<std::string>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -53,7 +46,7 @@ QuadSurface prism(int around, int along, double radius, double length) {
 
 /// The closed surface of a block of cubes, every vertex moved to place(vertex).
 QuadSurface box(std::array<int, 3> cells, const std::function<Vec3(const Vec3&)>& place) {
-  const HexMesh mesh = support::block(cells, 1);
+  const HexMesh mesh = block(cells, 1);
   std::map<int, int> number;
   std::vector<Quad> quads = mesh.boundary_faces();
   for (Quad& quad : quads)
@@ -150,37 +143,9 @@ TEST(Offset, OfAPrismKeepsItsThicknessExactly) {
   }
 }
 
-// The exact volume of the tube and sphere that the surfaces approach, with an error of the second order.
-TEST(Offset, ConvergesToCylindersAndSpheres) {
-  const auto tube_error = [](int around) {
-    const Shell shell = offset(prism(around, 2, 1, 1), {0.3, 0.2, 2});
-    return std::abs(shell.quality.volume / (pi * (1.2 * 1.2 - 0.7 * 0.7)) - 1);
-  };
-  EXPECT_LT(tube_error(24), 0.012);
-  EXPECT_NEAR(std::log2(tube_error(24) / tube_error(48)), 2, 0.05);
-
-  const auto ball_error = [](int n, double inward, double outward) {
-    const Shell shell = offset(sphere(n, 1), {inward, outward, 2});
-    const double outer = 1 + outward, inner = 1 - inward;
-    EXPECT_EQ(num_free_faces(shell.mesh), 2 * 6 * n * n) << "closed";
-    return std::abs(shell.quality.volume / (4 * pi / 3 * (std::pow(outer, 3) - std::pow(inner, 3))) - 1);
-  };
-  for (const auto& [inward, outward] : {std::pair(0., 0.3), std::pair(0.3, 0.), std::pair(0.1, 0.1)}) {
-    EXPECT_LT(ball_error(16, inward, outward), 0.012);
-    EXPECT_NEAR(std::log2(ball_error(8, inward, outward) / ball_error(16, inward, outward)), 2, 0.15);
-  }
-  // the nodes' distance from the centre, also at the eight corners of three quads
-  const auto thickness_error = [](int n) {
-    const auto [min, max] = radii(offset(sphere(n, 1), {0, 0.3, 1}), 1, 1, 3);
-    return std::max(std::abs(min - 1.3), std::abs(max - 1.3));
-  };
-  EXPECT_LT(thickness_error(16), 0.005);
-  EXPECT_GT(thickness_error(8) / thickness_error(16), 3);
-}
-
 // However the sphere is cut into quads.
 TEST(Offset, LeadsAlongTheRadiusOfASphere) {
-  support::Random random(17);
+  Random random(17);
   const QuadSurface ball = box(
       {7, 8, 9}, [&](const Vec3& p) { return Vec3((p - Vec3(3.5, 4, 4.5) + random.vector(0.1)).normalized() * 0.7); });
   const PointArray u = offset_directions(ball);

@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "geometry/pick.hpp"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <limits>
-
-#include "support/compare.hpp"
-#include "support/shapes.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
@@ -15,12 +9,12 @@ namespace {
 // A block of 3 x 2 x 1 cells of 0.5 m, seen along a slanted line that enters through the top and would leave through
 // the side: the line is that of two given points, so that the place is known beforehand.
 TEST(Pick, MeetsTheFirstOfTheFacesAtTheKnownPlace) {
-  const HexMesh mesh = support::block({3, 2, 1}, 0.5);
+  const HexMesh mesh = block({3, 2, 1}, 0.5);
   const std::vector<Quad> faces = mesh.boundary_faces();
   const Vec3 enters(1.1, 0.3, 0.5), from(1.5, -0.2, 2);
   const std::optional<Hit> hit = first_hit({from, 7 * (enters - from)}, mesh.positions(), faces);
   ASSERT_TRUE(hit);
-  EXPECT_TRUE(support::agrees(hit->place, enters, 1e-14));
+  EXPECT_TRUE(agrees(hit->place, enters, 1e-14));
   EXPECT_NEAR(hit->distance, (enters - from).norm(), 1e-14);
   for (const int node : faces[hit->face]) {
     EXPECT_EQ(mesh.positions()(node, 2), 0.5);
@@ -32,19 +26,19 @@ TEST(Pick, MeetsTheFirstOfTheFacesAtTheKnownPlace) {
   // from within, the faces are met from behind
   const std::optional<Hit> above = first_hit({Vec3(0.7, 0.6, 0.2), Vec3(0, 0, 1)}, mesh.positions(), faces);
   ASSERT_TRUE(above);
-  EXPECT_TRUE(support::agrees(above->place, Vec3(0.7, 0.6, 0.5), 1e-14));
+  EXPECT_TRUE(agrees(above->place, Vec3(0.7, 0.6, 0.5), 1e-14));
 }
 
 // Against a dense solve for every triangle: o + t d = a + r (b - a) + s (c - a).
 TEST(Pick, NothingStandsBeforeWhatIsMet) {
-  const HexMesh mesh = support::distorted_block({3, 3, 3}, 1, 0.25, 17);
+  const HexMesh mesh = distorted_block({3, 3, 3}, 1, 0.25, 17);
   const PointArray& x = mesh.positions();
   std::vector<Triangle> triangles;
   for (const auto& [a, b, c, d] : mesh.boundary_faces()) {
     triangles.push_back({a, b, c});
     triangles.push_back({a, c, d});
   }
-  support::Random random(5);
+  Random random(5);
   int met = 0, missed = 0;
   for (int trial = 0; trial < 60; ++trial) {
     const Vec3 middle(1.5, 1.5, 1.5), origin = middle + 6 * random.vector(1).normalized();
@@ -62,7 +56,7 @@ TEST(Pick, NothingStandsBeforeWhatIsMet) {
     ++(hit ? met : missed);
     if (!hit) continue;
     EXPECT_NEAR(hit->distance, nearest, 1e-11);
-    EXPECT_TRUE(support::agrees(hit->place, Vec3(origin + nearest * direction.normalized()), 1e-11));
+    EXPECT_TRUE(agrees(hit->place, Vec3(origin + nearest * direction.normalized()), 1e-11));
     const auto& [a, b, c] = triangles[hit->face];
     const Vec3 normal = Vec3((x.row(b) - x.row(a)).transpose()).cross(Vec3((x.row(c) - x.row(a)).transpose()));
     EXPECT_NEAR(normal.normalized().dot(hit->place - x.row(a).transpose()), 0, 1e-11);
@@ -85,7 +79,7 @@ TEST(Pick, AWarpedQuadBendsAtItsFirstDiagonal) {
 }
 
 TEST(Pick, TakesWhatIsNearAndAtLeastSoMany) {
-  const HexMesh mesh = support::block({4, 1, 1}, 1);
+  const HexMesh mesh = block({4, 1, 1}, 1);
   std::vector<int> lower;  // the five nodes of an edge, from the far end
   for (int i = 4; i >= 0; --i) lower.push_back(i);
   const auto nodes = [&](double radius, int min) {

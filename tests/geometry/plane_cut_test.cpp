@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/geometry/plane_cut.hpp"
 
-#include <algorithm>
-#include <cmath>
-
-#include "mesh/trilinear.hpp"
-#include "support/compare.hpp"
-#include "support/shapes.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
@@ -31,7 +26,7 @@ double length(const std::vector<Edge>& lines, const PointArray& points) {
 }
 
 TEST(PlaneCut, AreasOfManyHexahedraAddUpToThatOfTheBlock) {
-  const HexMesh mesh = support::block({3, 4, 5}, 0.1);
+  const HexMesh mesh = block({3, 4, 5}, 0.1);
   const PlaneCut aslant = cut(mesh, {Vec3(3, 0, 4) / 5, 0.33});
   // through x = 0 at z = 0.4125 and through x = 0.3 at z = 0.1875
   EXPECT_NEAR(aslant.area(), 0.4 * std::hypot(0.3, 0.225), 1e-15);
@@ -43,8 +38,8 @@ TEST(PlaneCut, AreasOfManyHexahedraAddUpToThatOfTheBlock) {
 TEST(PlaneCut, OfAParallelepipedIsExact) {
   Mat3 A;
   A << 1.2, 0.3, -0.1, 0.2, 0.9, 0.4, -0.3, 0.1, 1.5;
-  const HexMesh cube = support::block({2, 2, 2}, 0.5);
-  const HexMesh mesh(support::mapped(cube.positions(), A), cube.hexahedra());
+  const HexMesh cube = block({2, 2, 2}, 0.5);
+  const HexMesh mesh(mapped(cube.positions(), A), cube.hexahedra());
   const Vec3 normal = (A.transpose().inverse() * Vec3(1, 1, 1)).normalized();  // so that A^T normal is diagonal
   const double size = (A.transpose() * normal).norm();
   const PlaneCut image = cut(mesh, {normal, size * std::sqrt(3.0) / 2});
@@ -54,8 +49,8 @@ TEST(PlaneCut, OfAParallelepipedIsExact) {
 // Areas along a line add up to the volume. Between two heights of corners or of their means the area is a quadratic, so
 // that Simpson's rule is exact.
 TEST(PlaneCut, AreasOfAWarpedHexahedronAddUpToItsExactVolume) {
-  const ElementPoints x = support::distorted_hexahedron(1, 0.2, 7);
-  const HexMesh mesh = support::single_element(x);
+  const ElementPoints x = distorted_hexahedron(1, 0.2, 7);
+  const HexMesh mesh = single_element(x);
   const Vec3 normal = Vec3(0.3, -0.5, 0.8).normalized();
   std::vector<double> heights;
   const auto add_mean = [&](std::span<const int> corners) {
@@ -80,14 +75,14 @@ TEST(PlaneCut, AreasOfAWarpedHexahedronAddUpToItsExactVolume) {
 }
 
 TEST(PlaneCut, OfAWarpedHexahedronIsBetterInMoreParts) {
-  const HexMesh mesh = support::single_element(support::distorted_hexahedron(1, 0.3, 9));
+  const HexMesh mesh = single_element(distorted_hexahedron(1, 0.3, 9));
   const Plane plane{Vec3(1, 2, 3).normalized(), 0.05};
   const auto area = [&](int parts) { return PlaneCut(mesh.positions(), mesh.hexahedra(), plane, {}, parts).area(); };
   const double best = area(32), one = std::abs(area(1) - best), four = std::abs(area(4) - best);
   EXPECT_GT(one, 1e-4);
   EXPECT_LT(four, one / 8);
 
-  const HexMesh flat = support::block({2, 2, 2}, 0.5);
+  const HexMesh flat = block({2, 2, 2}, 0.5);
   const PlaneCut parted(flat.positions(), flat.hexahedra(), {kDiagonal, std::sqrt(3.0) / 2}, {}, 3);
   EXPECT_NEAR(parted.area(), kHexagon, 1e-14);
   EXPECT_NEAR(length(parted.outline(), points_of(parted, flat.positions())), 3 * std::sqrt(2.0), 1e-13);
@@ -95,7 +90,7 @@ TEST(PlaneCut, OfAWarpedHexahedronIsBetterInMoreParts) {
 }
 
 TEST(PlaneCut, PointsLieInThePlaneAndCarryFields) {
-  const HexMesh mesh = support::distorted_block({3, 2, 4}, 0.5, 0.15, 41);
+  const HexMesh mesh = distorted_block({3, 2, 4}, 0.5, 0.15, 41);
   const Plane plane{Vec3(1, 2, 3).normalized(), 1.1};
   const PlaneCut warped = cut(mesh, plane);
   ASSERT_GT(warped.num_points(), 20);
@@ -104,8 +99,8 @@ TEST(PlaneCut, PointsLieInThePlaneAndCarryFields) {
 
   Mat3 A;
   A << 2, 1, 0, -1, 3, 1, 0.5, 0, -2;
-  const PointArray field = support::mapped(mesh.positions(), A, Vec3(1, 2, 3));
-  EXPECT_LE(support::max_abs(points_of(warped, field) - support::mapped(points, A, Vec3(1, 2, 3))), 1e-13);
+  const PointArray field = mapped(mesh.positions(), A, Vec3(1, 2, 3));
+  EXPECT_LE(max_abs(points_of(warped, field) - mapped(points, A, Vec3(1, 2, 3))), 1e-13);
 
   for (const auto& [a, b, c] : warped.triangles()) {
     const Vec3 normal = (points.row(b) - points.row(a)).cross(points.row(c) - points.row(a)).transpose();
@@ -115,7 +110,7 @@ TEST(PlaneCut, PointsLieInThePlaneAndCarryFields) {
 
 // Every place of the outline has one line that comes and one that goes: there is no gap between neighbours.
 TEST(PlaneCut, OutlineOfAWarpedBlockIsClosed) {
-  const HexMesh mesh = support::distorted_block({3, 2, 4}, 0.5, 0.15, 43);
+  const HexMesh mesh = distorted_block({3, 2, 4}, 0.5, 0.15, 43);
   const PlaneCut warped(mesh.positions(), mesh.hexahedra(), {Vec3(1, 2, 3).normalized(), 1.1}, {}, 2);
   const PointArray points = points_of(warped, mesh.positions());
   const auto lines_at = [&](int point) {
@@ -132,7 +127,7 @@ TEST(PlaneCut, OutlineOfAWarpedBlockIsClosed) {
 }
 
 TEST(PlaneCut, AlongFacesBelongsToWhatIsBelow) {
-  const HexMesh mesh = support::block({2, 2, 3}, 1);
+  const HexMesh mesh = block({2, 2, 3}, 1);
   const std::vector<unsigned char> upper{0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
   EXPECT_DOUBLE_EQ(cut(mesh, {Vec3::UnitZ(), 1}).area(), 4);
   EXPECT_DOUBLE_EQ(cut(mesh, {Vec3::UnitZ(), 3}).area(), 4);
@@ -144,9 +139,9 @@ TEST(PlaneCut, AlongFacesBelongsToWhatIsBelow) {
 // Planes through the nodes, and through the divisions of hexahedra, of a block that stands aslant: all heights there
 // are ones of rounding, of either sign.
 TEST(PlaneCut, HasNoHolesWhereRoundingDecides) {
-  const HexMesh upright = support::block({3, 4, 7}, 0.1);
+  const HexMesh upright = block({3, 4, 7}, 0.1);
   const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
-  const HexMesh mesh(support::mapped(upright.positions(), turn, Vec3(0.3, 0.1, -0.2)), upright.hexahedra());
+  const HexMesh mesh(mapped(upright.positions(), turn, Vec3(0.3, 0.1, -0.2)), upright.hexahedra());
   const Vec3 normal = turn.col(2);
   for (const double place : {0.1, 0.3, 0.325, 0.35, 0.4, 0.6})
     for (const int parts : {1, 2, 4}) {
@@ -160,9 +155,9 @@ TEST(PlaneCut, HasNoHolesWhereRoundingDecides) {
 // is cut are the faces of the layer, and what is drawn are their edges.
 TEST(PlaneCut, AlmostAlongALayerOfFacesShowsTheirEdges) {
   constexpr double kCell = 0.1, kOff = 1e-7;
-  const HexMesh even = support::block({4, 3, 5}, kCell);
+  const HexMesh even = block({4, 3, 5}, kCell);
   PointArray x = even.positions();
-  support::Random random(17);
+  Random random(17);
   for (Eigen::Index n = 0; n < x.rows(); ++n)
     if (std::abs(x(n, 0) - 2 * kCell) < kCell / 2) x(n, 0) += kOff * random.uniform(-1, 1);
   const HexMesh mesh(x, even.hexahedra());
@@ -193,7 +188,7 @@ TEST(PlaneCut, AlmostAlongALayerOfFacesShowsTheirEdges) {
 }
 
 TEST(PlaneCut, LeavesOutWhatIsRemoved) {
-  const HexMesh mesh = support::block({2, 2, 1}, 1);
+  const HexMesh mesh = block({2, 2, 1}, 1);
   const std::vector<unsigned char> alive{1, 0, 1, 1};
   const PlaneCut rest = cut(mesh, {Vec3::UnitZ(), 0.5}, alive);
   EXPECT_DOUBLE_EQ(rest.area(), 3);
@@ -203,7 +198,7 @@ TEST(PlaneCut, LeavesOutWhatIsRemoved) {
 }
 
 TEST(PlaneCut, MeetsHexahedraWithinTheirExtent) {
-  const HexMesh mesh = support::block({2, 1, 1}, 1);
+  const HexMesh mesh = block({2, 1, 1}, 1);
   const Vec3 normal = Vec3(3, 0, -4) / 5;
   const auto [min, max] = extent_along(normal, mesh.positions(), mesh.hexahedra());
   EXPECT_DOUBLE_EQ(min, -0.8);

@@ -1,22 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/geometry/shapes.hpp"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <numbers>
-
-#include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/quality.hpp"
 #include "layout/charts.hpp"
-#include "support/compare.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
 
 using std::numbers::pi;
-using support::refuses;
 
 TEST(Sheet, IsABoxUnlessItIsBent) {
   const HexMesh flat = sheet({4, 3, 2}, {0.4, 0.6}, 0.01);

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/geometry/voxels.hpp"
 
-#include <limits>
 #include <map>
 
-#include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/quality.hpp"
-#include "support/compare.hpp"
-#include "support/shapes.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::refuses;
 
 using Voxel = std::array<int, 3>;
 
@@ -43,8 +38,8 @@ TEST(Voxels, BecomeHexahedraAroundTheirCentres) {
   const VoxelMesh made = mesh_of_voxels(volume, {});
   ASSERT_EQ(made.mesh.num_elements(), 1);
   EXPECT_EQ(made.labels, std::vector<int>{9});
-  EXPECT_TRUE(support::agrees(centre_of(made.mesh, 0), Vec3(0.012, 0.026, 0.034), 1e-15));
-  EXPECT_TRUE(support::agrees(Vec3(made.mesh.positions().row(0).transpose()), Vec3(0.0115, 0.025, 0.032), 1e-15));
+  EXPECT_TRUE(agrees(centre_of(made.mesh, 0), Vec3(0.012, 0.026, 0.034), 1e-15));
+  EXPECT_TRUE(agrees(Vec3(made.mesh.positions().row(0).transpose()), Vec3(0.0115, 0.025, 0.032), 1e-15));
   EXPECT_NEAR(quality(made.mesh).volume, 8e-9, 1e-22);
   const VoxelMesh in_mm = mesh_of_voxels(volume, {.mm_per_length = 1});
   EXPECT_EQ(centre_of(in_mm.mesh, 0), Vec3(12, 26, 34));
@@ -75,7 +70,7 @@ TEST(Voxels, LeftHandedAxesGivePositiveVolumes) {
   const VoxelMesh made = mesh_of_voxels(volume, {});
   EXPECT_NEAR(quality(made.mesh).volume, 2 * 8e-9, 1e-22);
   EXPECT_EQ(made.labels, (std::vector<int>{2, 1}));
-  EXPECT_TRUE(support::agrees(centre_of(made.mesh, 1), Vec3(0.008, 0.022, 0.030), 1e-15));
+  EXPECT_TRUE(agrees(centre_of(made.mesh, 1), Vec3(0.008, 0.022, 0.030), 1e-15));
 }
 
 // Cells of 2 x 2 x 2 voxels: the first is half full, the second less, the third has two labels that are equally
@@ -152,7 +147,7 @@ TEST(Voxels, NamesWhatIsWrong) {
       {"more than 255 different labels"}));
 }
 
-double volume_of(const VoxelSurface& surface) { return support::enclosed_volume(surface.positions, surface.quads); }
+double volume_of(const VoxelSurface& surface) { return enclosed_volume(surface.positions, surface.quads); }
 
 /// Every edge is run through once in each direction: the surface is closed, oriented and a manifold.
 void expect_closed(const VoxelSurface& surface) {

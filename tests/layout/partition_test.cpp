@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "layout/partition.hpp"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
-#include "support/shapes.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
@@ -121,7 +117,7 @@ TEST(Partition, TurnedElementsAreInNobodysRun) {
   const HexMesh mesh = support::block({4, 5, 6}, 0.1);
   constexpr std::array<std::array<int, kCorners>, 3> kTurns{
       {{0, 1, 2, 3, 4, 5, 6, 7}, {1, 2, 3, 0, 5, 6, 7, 4}, {0, 3, 7, 4, 1, 2, 6, 5}}};
-  support::Random random(7);
+  Random random(7);
   std::vector<Hexahedron> hexahedra = mesh.hexahedra();
   for (Hexahedron& hexahedron : hexahedra) {
     const Hexahedron before = hexahedron;

@@ -3,21 +3,14 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <limits>
 #include <set>
 
-#include "hexaplast/base/error.hpp"
-#include "hexaplast/body.hpp"
 #include "hexaplast/material/rows.hpp"
-#include "support/compare.hpp"
+#include "support/core.hpp"
 #include "support/rows.hpp"
-#include "support/shapes.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::refuses;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -78,10 +71,10 @@ TEST(Lame, HasTheHandValues) {
 TEST(Material, IsOneOrOnePerElement) {
   EXPECT_TRUE(refuses<InputError>(
       [] {
-        Body(support::block({2, 2, 2}, 0.1), std::vector<Material>(3));
+        Body(block({2, 2, 2}, 0.1), std::vector<Material>(3));
       },
       {"3 materials", "8 hexahedra"}));
-  EXPECT_NO_THROW(Body(support::block({2, 2, 2}, 0.1), std::vector<Material>(8)));
+  EXPECT_NO_THROW(Body(block({2, 2, 2}, 0.1), std::vector<Material>(8)));
 }
 
 TEST(Settings, RefuseWhatIsNoEnumeratorAndNumbersOfStepsOutOfRange) {
@@ -242,7 +235,7 @@ void expect_a_row_for_each_member(std::span<const Row<Options>> rows) {
     for (const double value : row.values({})) EXPECT_TRUE(row.admits(value)) << "the default";
 
     Options options;
-    support::change(row, options);
+    change(row, options);
     for (const Row<Options>& other : rows)
       EXPECT_EQ(other.values(options) == other.values({}), &other != &row) << other.member;
   }

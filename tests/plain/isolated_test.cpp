@@ -1,36 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Isolated rest shapes against numbers of an independent program, and against what must hold of them.
-#include <gtest/gtest.h>
-
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
-#include <cmath>
 
-#include "body_state.hpp"
-#include "loaded_body.hpp"
-#include "mesh/trilinear.hpp"
 #include "plain/plain.hpp"
 #include "plastic/isolated_flow.hpp"
-#include "support/compare.hpp"
-#include "support/dense.hpp"
+#include "support/core.hpp"
 #include "support/elastic_laws.hpp"
-#include "support/golden.hpp"
 #include "support/history.hpp"
-#include "support/materials.hpp"
-#include "support/shapes.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::agrees;
-using support::force_at;
-using support::Json;
-using support::kEdge;
-using support::mapped;
-using support::matrix;
-using support::max_abs;
-using support::Random;
-using support::stiffness_at;
 
 Settings isolated(YieldStressMeasure measure = YieldStressMeasure::kBiot) {
   return {.recovery = RecoveryMode::kNone,
@@ -62,18 +42,18 @@ CornerValues corner_values(const Json& values) {
 }
 
 /// All of the eight in one matrix, so that errors are relative to the greatest entry of them.
-Eigen::Matrix<double, 24, 3> stacked(const CornerTensors& all) {
+Eigen::Matrix<double, 24, 3> in_rows(const CornerTensors& all) {
   Eigen::Matrix<double, 24, 3> rows;
   for (int i = 0; i < kCorners; ++i) rows.block<3, 3>(3 * i, 0) = all[i];
   return rows;
 }
-Eigen::Map<const Eigen::Matrix<double, kCorners, 1>> stacked(const CornerValues& all) {
+Eigen::Map<const Eigen::Matrix<double, kCorners, 1>> in_rows(const CornerValues& all) {
   return Eigen::Map<const Eigen::Matrix<double, kCorners, 1>>(all.data());
 }
 
 TEST(IsolatedRestShapes, AreThoseOfAnIndependentProgram) {
   constexpr double kTolerance = 1e-10;
-  const Json data = support::test_data("isolated", "golden_isolated_hexahedron");
+  const Json data = test_data("isolated", "golden_isolated_hexahedron");
   const Lame k = lame(data["youngModulus"], data["poissonRatio"]);
   int num_cases = 0;
   for (const auto& [name, one] : data["cases"].items()) {
@@ -87,20 +67,20 @@ TEST(IsolatedRestShapes, AreThoseOfAnIndependentProgram) {
     EXPECT_TRUE(agrees(element.energy(), elastic["energy"].get<double>(), kTolerance));
     EXPECT_TRUE(agrees(element.force(), matrix(elastic["force"]), kTolerance));
     EXPECT_TRUE(agrees(element.force_increment(matrix(one["dx"])), matrix(elastic["tangent_product"]), kTolerance));
-    EXPECT_TRUE(agrees(stacked(element.samples().F), stacked(tensors(elastic["Fe"])), kTolerance));
+    EXPECT_TRUE(agrees(in_rows(element.samples().F), in_rows(tensors(elastic["Fe"])), kTolerance));
     const IsolatedStress stress = isolated_stress(initial, G, element.samples(), settings.yield_stress_measure);
-    EXPECT_TRUE(agrees(stacked(stress.relieved), stacked(tensors(flow["sigma_hat"])), kTolerance));
+    EXPECT_TRUE(agrees(in_rows(stress.relieved), in_rows(tensors(flow["sigma_hat"])), kTolerance));
 
     const Material material{.flow_rate = one["parameters"]["flow"], .hardening = one["parameters"]["hardening"]};
     const IsolatedStep step = isolated_flow(element.samples(), stress, G, k.mu, material, settings.yield_norm,
                                             corner_values(one["tau"]), one["parameters"]["dt"]);
     EXPECT_TRUE(step.yielded);
-    EXPECT_TRUE(agrees(stacked(step.norm), stacked(corner_values(flow["norm"])), kTolerance));
-    EXPECT_TRUE(agrees(stacked(step.fraction), stacked(corner_values(flow["gamma"])), kTolerance));
-    EXPECT_TRUE(agrees(stacked(step.log_stretch), stacked(tensors(flow["M"])), kTolerance));
-    EXPECT_TRUE(agrees(stacked(step.plastic_inverse), stacked(tensors(flow["G_new"])), kTolerance));
-    EXPECT_TRUE(agrees(stacked(step.yield_stress), stacked(corner_values(flow["tau_new"])), kTolerance));
-    EXPECT_TRUE(agrees(stacked(step.strain), stacked(corner_values(flow["plastic_strain"])), kTolerance));
+    EXPECT_TRUE(agrees(in_rows(step.norm), in_rows(corner_values(flow["norm"])), kTolerance));
+    EXPECT_TRUE(agrees(in_rows(step.fraction), in_rows(corner_values(flow["gamma"])), kTolerance));
+    EXPECT_TRUE(agrees(in_rows(step.log_stretch), in_rows(tensors(flow["M"])), kTolerance));
+    EXPECT_TRUE(agrees(in_rows(step.plastic_inverse), in_rows(tensors(flow["G_new"])), kTolerance));
+    EXPECT_TRUE(agrees(in_rows(step.yield_stress), in_rows(corner_values(flow["tau_new"])), kTolerance));
+    EXPECT_TRUE(agrees(in_rows(step.strain), in_rows(corner_values(flow["plastic_strain"])), kTolerance));
     EXPECT_TRUE(agrees(step.dissipated, flow["dissipation"].get<double>(), kTolerance));
 
     const plain::Element after(initial, current, k, settings, &step.plastic_inverse);
@@ -112,13 +92,13 @@ TEST(IsolatedRestShapes, AreThoseOfAnIndependentProgram) {
 
 TEST(IsolatedRestShapes, MoveAndFlowAsInAnIndependentProgram) {
   constexpr double kTolerance = 1e-8;
-  const Json data = support::test_data("isolated", "golden_isolated_mesh");
+  const Json data = test_data("isolated", "golden_isolated_mesh");
   const Material material{.young_modulus = data["youngModulus"],
                           .poisson_ratio = data["poissonRatio"],
                           .yield_stress = data["yieldStress"],
                           .flow_rate = data["flow"],
                           .hardening = data["hardening"]};
-  const HexMesh mesh(matrix(data["material"]), support::hexahedra(data["hexahedra"]));
+  const HexMesh mesh(matrix(data["material"]), hexahedra(data["hexahedra"]));
   const PointArray load = matrix(data["node_force"]);
   int num_states = 0;
   const auto follow = [&](const std::string& name, const Json& run, const Settings& settings) {
@@ -137,8 +117,8 @@ TEST(IsolatedRestShapes, MoveAndFlowAsInAnIndependentProgram) {
       EXPECT_NEAR(moving.body.dissipated_energy(), state["dissipation"], kTolerance * state["energy"].get<double>());
       for (int e = 0; e < mesh.num_elements(); ++e) {
         const History& history = moving.body.state().history;
-        EXPECT_TRUE(agrees(stacked(history.yield_stress[e]), stacked(corner_values(state["tau"][e])), kTolerance));
-        EXPECT_LE(max_abs(stacked(history.plastic_strain[e]) - stacked(corner_values(state["plastic_strain"][e]))),
+        EXPECT_TRUE(agrees(in_rows(history.yield_stress[e]), in_rows(corner_values(state["tau"][e])), kTolerance));
+        EXPECT_LE(max_abs(in_rows(history.plastic_strain[e]) - in_rows(corner_values(state["plastic_strain"][e]))),
                   kTolerance);
         for (int i = 0; i < kCorners; ++i) {
           const Mat3 B = history.plastic_inverse[e][i] * history.plastic_inverse[e][i].transpose();
@@ -189,14 +169,14 @@ std::vector<Form> flowed_forms() {
 class FlowedSamples : public testing::TestWithParam<Form> {
  protected:
   Random random{501};
-  HexMesh mesh = support::distorted_block({2, 2, 2}, kEdge, GetParam().distortion, 502);
+  HexMesh mesh = distorted_block({2, 2, 2}, kEdge, GetParam().distortion, 502);
   Body body{mesh, {Material{.yield_stress = 100, .flow_rate = 8, .hardening = 0.2}}, GetParam().settings};
   std::vector<CornerTensors>& G = body.state().history.plastic_inverse;
 
   FlowedSamples() {
     for (CornerTensors& of_element : G)
       for (Mat3& one : of_element) one = isochoric(symmetric(random, 0.3)) * random.rotation();
-    support::take_flowed(body);
+    take_flowed(body);
   }
   PointArray placed(double size = 0.15) {
     return mapped(PointArray(mesh.positions() + random.field(mesh.num_nodes(), size * kEdge)), random.rotation(),
@@ -206,7 +186,7 @@ class FlowedSamples : public testing::TestWithParam<Form> {
 INSTANTIATE_TEST_SUITE_P(Plain, FlowedSamples, testing::ValuesIn(flowed_forms()),
                          [](const auto& test) { return test.param.name; });
 
-TEST_P(FlowedSamples, HaveAnEnergyBalanceAndAStiffness) { support::expect_elastic_laws(body, placed(), random); }
+TEST_P(FlowedSamples, HaveAnEnergyBalanceAndAStiffness) { expect_elastic_laws(body, placed(), random); }
 
 // Only G G^T acts: rotations of the intermediate configuration, and of the world, change nothing.
 TEST_P(FlowedSamples, FlowAndForcesDependOnTheMetricAlone) {
@@ -214,7 +194,7 @@ TEST_P(FlowedSamples, FlowAndForcesDependOnTheMetricAlone) {
   Body turned = body;
   for (CornerTensors& of_element : turned.state().history.plastic_inverse)
     for (Mat3& one : of_element) one *= random.rotation();
-  support::take_flowed(turned);
+  take_flowed(turned);
   EXPECT_TRUE(agrees(force_at(turned, x), f, 1e-12));
   EXPECT_TRUE(agrees(turned.energy(x), body.energy(x), 1e-12));
   EXPECT_GT(body.flow(x, 0.01).yielded, 0);
@@ -232,7 +212,7 @@ TEST_P(FlowedSamples, FlowAndForcesDependOnTheMetricAlone) {
 TEST_P(FlowedSamples, OneDeformationOfAllIsThatOfTheRestShape) {
   const Mat3 deformation = random.rotation() * isochoric(symmetric(random, 0.4));
   for (CornerTensors& of_element : G) of_element.fill(deformation.inverse());
-  support::take_flowed(body);
+  take_flowed(body);
   Settings joined = GetParam().settings;
   joined.rest_shape = RestShape::kJoined;
   Body affine(HexMesh(mapped(mesh.positions(), deformation), mesh.hexahedra()), body.materials(), joined);
@@ -244,7 +224,7 @@ TEST_P(FlowedSamples, OneDeformationOfAllIsThatOfTheRestShape) {
   // nor does the gauge matter to what is assumed
   for (CornerTensors& of_element : G)
     for (Mat3& one : of_element) one *= random.rotation();
-  support::take_flowed(body);
+  take_flowed(body);
   EXPECT_TRUE(agrees(force_at(body, x), force_at(affine, x), 1e-12));
 }
 
@@ -264,7 +244,7 @@ TEST_P(FlowedSamples, FlowLowersTheEnergyAndKeepsTheVolume) {
     body.state().history.version = version;
     for (int e = 0; e < mesh.num_elements(); ++e)
       for (Mat3& one : G[e]) one = isochoric(symmetric(random, random.uniform(0, 0.4)));
-    support::take_flowed(body);
+    take_flowed(body);
     const PointArray x = placed(random.uniform(0, 0.2));
     std::vector<double> volumes;
     for (int e = 0; e < mesh.num_elements(); ++e) volumes.push_back(log_volume(e));
@@ -279,7 +259,7 @@ TEST_P(FlowedSamples, FlowLowersTheEnergyAndKeepsTheVolume) {
 // An affine history leaves a distorted mesh uniform, without forces inside.
 TEST(IsolatedRestShapes, PassThePatchTestOfFlow) {
   Random random(503);
-  const HexMesh mesh = support::distorted_block({3, 3, 3}, kEdge, 0.15, 504);
+  const HexMesh mesh = distorted_block({3, 3, 3}, kEdge, 0.15, 504);
   Body body(mesh, {Material{.yield_stress = 100, .flow_rate = 5, .hardening = 0.2}},
             isolated(YieldStressMeasure::kCauchy));
   const Mat3 rate = random.matrix(0.4);
@@ -302,10 +282,10 @@ TEST(IsolatedRestShapes, PassThePatchTestOfFlow) {
 // Multigrid cycles know what has flowed: a mesh that is as long where every hexahedron has flowed in its own way takes
 // not much less.
 TEST(IsolatedRestShapes, TakeAboutAsManyIterationsAsTheShapesThatTheyStandFor) {
-  const HexMesh mesh = support::block({8, 8, 16}, kEdge);
+  const HexMesh mesh = block({8, 8, 16}, kEdge);
   const Material material{.yield_stress = 100, .flow_rate = 1};
   const auto iterations = [&](Body& body, const PointArray& x) {
-    LoadedBody system(body, std::vector<double>(mesh.num_nodes(), 1e-3), support::nodes_at(mesh, 2, 0),
+    LoadedBody system(body, std::vector<double>(mesh.num_nodes(), 1e-3), nodes_at(mesh, 2, 0),
                       [](double, ConstPoints, Points f) { f.col(0).array() += 1e-4; });
     PreconditionedConjugateGradients solver(1e-8, 500, Preconditioner::kMultigrid);
     PointArray positions = x, velocities = PointArray::Zero(x.rows(), 3);
@@ -318,7 +298,7 @@ TEST(IsolatedRestShapes, TakeAboutAsManyIterationsAsTheShapesThatTheyStandFor) {
     const double at = gather(mesh.positions(), mesh.hexahedra()[e]).col(2).mean() / length;
     flowed.state().history.plastic_inverse[e].fill(Vec3(1, 1 + at, 1 / (1 + at)).asDiagonal());
   }
-  support::take_flowed(flowed);
+  take_flowed(flowed);
   for (int n = 0; n < mesh.num_nodes(); ++n) {
     const double at = stretched(n, 2) / length;
     stretched(n, 1) /= 1 + at;
@@ -351,7 +331,7 @@ TEST(IsolatedRestShapes, KeepWhatHasFlowedFarFromTheOrigin) {
 
 /// A body that flows and tears, and a step at positions that stretch it more and more.
 Body tearing_body(double fracture_stretch) {
-  return Body(support::distorted_block({2, 2, 3}, kEdge, 0.15, 505),
+  return Body(distorted_block({2, 2, 3}, kEdge, 0.15, 505),
               {Material{.yield_stress = 100, .flow_rate = 20, .hardening = 0.2, .fracture_stretch = fracture_stretch}},
               {.recovery = RecoveryMode::kNone});
 }

@@ -3,35 +3,14 @@
 // elements, whose logarithms and rotations are found otherwise, for every option. On every instruction set.
 #include "plain/plain.hpp"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <sstream>
-
 #include "base/simd.hpp"
-#include "body_state.hpp"
-#include "hexaplast/base/error.hpp"
-#include "hexaplast/body.hpp"
 #include "hexaplast/material/rows.hpp"
-#include "hexaplast/moving_body.hpp"
-#include "hexaplast/solve/conjugate_gradients.hpp"
 #include "plastic/rest_shape.hpp"
-#include "support/compare.hpp"
-#include "support/dense.hpp"
+#include "support/core.hpp"
 #include "support/history.hpp"
-#include "support/materials.hpp"
-#include "support/shapes.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::agrees;
-using support::force_at;
-using support::kEdge;
-using support::kStep;
-using support::mapped;
-using support::max_abs;
-using support::Random;
 
 constexpr double kRounding = 1e-11;  // relative
 
@@ -141,7 +120,7 @@ FlowReport flow_both(Body& body, const PointArray& x) {
   EXPECT_EQ(found.alive, expected.alive);
   EXPECT_NEAR(found.dissipated_energy, expected.dissipated_energy, kRounding * expected.dissipated_energy);
   for (int e = 0; e < model.mesh.num_elements(); ++e)
-    support::expect_same_history(found.element(model, e), expected.element(model, e), model.lame[e], kEdge, kRounding);
+    expect_same_history(found.element(model, e), expected.element(model, e), model.lame[e], kEdge, kRounding);
   const auto agree = [](const std::vector<CornerSymmetric>& some, const std::vector<CornerSymmetric>& others) {
     ASSERT_EQ(some.size(), others.size());
     for (std::size_t k = 0; k < some.size(); ++k)
@@ -195,7 +174,7 @@ class EveryOption : public testing::TestWithParam<Options> {
 
   /// A body in two pieces and another beside it, which have flown before, and positions of it.
   void make(double distortion) {
-    const HexMesh mesh = support::two_copies(support::distorted_block({5, 2, 2}, kEdge, distortion, 401), 1);
+    const HexMesh mesh = two_copies(distorted_block({5, 2, 2}, kEdge, distortion, 401), 1);
     Random random(402);
     const Settings settings = GetParam().settings();
     body.emplace(mesh, materials_of(mesh.num_elements(), random, settings), settings);
@@ -280,7 +259,7 @@ void compare_elasticity_with_elements(const Model& model, const History& history
 TEST_P(EveryPlainOption, LanesAreTheElements) {
   Settings settings = GetParam().settings();
   settings.recovery = RecoveryMode::kNone;
-  const HexMesh mesh = support::distorted_block({5, 3, 1}, kEdge, 0.15, 401);
+  const HexMesh mesh = distorted_block({5, 3, 1}, kEdge, 0.15, 401);
   Random random(402);
   const Model model(mesh, materials_of(mesh.num_elements(), random, settings), settings);
   PreconditionedConjugateGradients solver(1e-12, 10000);
@@ -311,8 +290,7 @@ TEST_P(EveryPlainOption, LanesAreTheElements) {
         EXPECT_NEAR(outcomes[e].volume_error, alone.volume_error, kRounding);
         EXPECT_NEAR(outcomes[e].dissipated, alone.dissipated, kRounding * alone.dissipated);
         yielded += alone.yielded;
-        support::expect_same_history(found.element(model, e), expected.element(model, e), model.lame[e], kEdge,
-                                     kRounding);
+        expect_same_history(found.element(model, e), expected.element(model, e), model.lame[e], kEdge, kRounding);
       }
       plain::flow(model, x, kStep, solver, history);  // on which the next step follows
     }
@@ -322,7 +300,7 @@ TEST_P(EveryPlainOption, LanesAreTheElements) {
 
 /// A hexahedron whose branches hold something.
 Body held_hexahedron(std::vector<double> relaxation, double distortion, Random& random) {
-  Body body(support::distorted_block({1, 1, 1}, kEdge, distortion, 409), {Material{.poisson_ratio = 0.45}},
+  Body body(distorted_block({1, 1, 1}, kEdge, distortion, 409), {Material{.poisson_ratio = 0.45}},
             {.relaxation = std::move(relaxation), .recovery = RecoveryMode::kNone, .rest_shape = RestShape::kJoined});
   History& history = body.state().history;
   for (auto* tensors : {&history.branch_strain, &history.branch_stretch})
@@ -359,8 +337,8 @@ TEST(Plain, BranchesAreThoseOfTheKernels) {
 
 // A body of a scene may ask for it: with every kind of solver it moves as a fast one does.
 TEST(Plain, ABodyMovesAsAFastOne) {
-  const HexMesh mesh = support::distorted_block({2, 2, 5}, kEdge, 0.1, 407);
-  const Motion motion{.gravity = {0, 30, 0}, .fixed = support::nodes_at(mesh, 2, 0, 0.3 * kEdge)};
+  const HexMesh mesh = distorted_block({2, 2, 5}, kEdge, 0.1, 407);
+  const Motion motion{.gravity = {0, 30, 0}, .fixed = nodes_at(mesh, 2, 0, 0.3 * kEdge)};
   const auto swung = [&](Implementation implementation, std::unique_ptr<LinearSolver> solver, bool relaxes) {
     Settings settings{.implementation = implementation};
     if (relaxes) settings.relaxation = {0.7, 0.3, 2, 0.02};
@@ -398,7 +376,7 @@ TEST(Plain, IsTheKernelsForThrownBodiesToo) {
   FlowReport sum;
   int num_recovering = 0;
   for (int round = 0; round < 24; ++round) {
-    const HexMesh mesh = support::distorted_block({4, 2, 2}, kEdge, round % 8 == 0 ? 0 : 0.1, 404 + round);
+    const HexMesh mesh = distorted_block({4, 2, 2}, kEdge, round % 8 == 0 ? 0 : 0.1, 404 + round);
     Settings settings;
     settings.inversion_threshold = round % 4 < 2 ? 0.1 : 0.5;
     if (round % 2) settings.relaxation = {0.7, 0.3, 2, 0.02};
@@ -412,7 +390,7 @@ TEST(Plain, IsTheKernelsForThrownBodiesToo) {
       }
     for (CornerTensors& G : history.plastic_inverse)
       for (Mat3& one : G) one += random.matrix(0.3);
-    support::take_flowed(body);
+    take_flowed(body);
     const PointArray x = mesh.positions() + random.field(mesh.num_nodes(), random.uniform(0.2, 0.9) * kEdge);
 
     const Body::State& state = body.state();
@@ -446,7 +424,7 @@ TEST(Plain, JoinsRestShapesThatFitNoMesh) {
   for (int round = 0; round < 30; ++round) {
     Settings settings = support::kJoined;
     settings.inversion_threshold = round % 4 < 2 ? 0.1 : 0.5;
-    Body body(support::distorted_block({3, 2, 2}, kEdge, 0.1, 406 + round), {support::kSoft}, settings);
+    Body body(distorted_block({3, 2, 2}, kEdge, 0.1, 406 + round), {kSoft}, settings);
     History& history = body.state().history;
     for (ElementPoints& y : history.rest_shape)
       y = about_mean(y + random.uniform(0, 1) * ElementPoints(random.field(kCorners, kEdge)));

@@ -2,37 +2,15 @@
 // Viscoelastic branches against closed forms, and against what must hold of them.
 #include "support/relaxation.hpp"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
-#include <cmath>
-#include <functional>
-#include <limits>
-#include <numbers>
 
-#include "hexaplast/base/error.hpp"
-#include "hexaplast/solve/cholesky.hpp"
-#include "hexaplast/solve/conjugate_gradients.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
-#include "loaded_body.hpp"
-#include "support/compare.hpp"
-#include "support/dense.hpp"
+#include "support/core.hpp"
 #include "support/elastic_laws.hpp"
-#include "support/materials.hpp"
-#include "support/shapes.hpp"
-#include "support/simulation.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::agrees;
-using support::force_at;
-using support::kEdge;
-using support::mapped;
-using support::max_abs;
-using support::Random;
-using support::stiffness_at;
 
 constexpr double kEquilibrium = std::numeric_limits<double>::infinity();
 
@@ -57,7 +35,7 @@ Mat3 deviator(const Mat3& S) { return S - S.trace() / 3 * Mat3::Identity(); }
 // P = P of slow deformation + sum 2 g mu e^(-t/T) R dev S, whatever the steps.
 TEST(Relaxation, AfterAJumpIsExponentialForAnySteps) {
   const std::vector<double> relaxation{0.7, 0.3, 2, 0.05};
-  const HexMesh mesh = support::distorted_block({2, 2, 2}, kEdge, 0.15, 701);
+  const HexMesh mesh = distorted_block({2, 2, 2}, kEdge, 0.15, 701);
   const Material material{.young_modulus = 4000, .poisson_ratio = 0.4};
   Body body(mesh, {material}, relaxing(relaxation)), slow(mesh, {material});
   Mat3 F = Mat3::Identity();
@@ -84,7 +62,7 @@ TEST(Relaxation, AfterAJumpIsExponentialForAnySteps) {
 }
 
 TEST(Relaxation, ASuddenChangeMeetsAllModuliAndAnEquilibriumTheSlowOnes) {
-  const HexMesh mesh = support::distorted_block({2, 2, 2}, kEdge, 0.15, 702);
+  const HexMesh mesh = distorted_block({2, 2, 2}, kEdge, 0.15, 702);
   const double E = 4000, nu = 0.4, g = 1.5;
   Body body(mesh, {{.young_modulus = E, .poisson_ratio = nu}}, relaxing({g, 0.3})),
       slow(mesh, {{.young_modulus = E, .poisson_ratio = nu}});
@@ -99,7 +77,7 @@ TEST(Relaxation, ASuddenChangeMeetsAllModuliAndAnEquilibriumTheSlowOnes) {
 
   // all modes of small displacements, those inside a cell too
   const Mat3 shear = (Mat3() << 1, 0.3, 0.1, 0, 1.2, -0.2, 0, 0, 0.7).finished();
-  const HexMesh cubes = support::block({2, 1, 1}, kEdge), cells(mapped(cubes.positions(), shear), cubes.hexahedra());
+  const HexMesh cubes = block({2, 1, 1}, kEdge), cells(mapped(cubes.positions(), shear), cubes.hexahedra());
   const Lame k = lame(E, nu);
   const double mu = k.mu * (1 + g), bulk = k.lambda + 2 * k.mu / 3;
   Body relaxing_cells(cells, {{.young_modulus = E, .poisson_ratio = nu}}, relaxing({1, 0.3, g - 1, 7})),
@@ -124,7 +102,7 @@ TEST(Relaxation, ASuddenChangeMeetsAllModuliAndAnEquilibriumTheSlowOnes) {
 }
 
 TEST(Relaxation, WhatHasRelaxedStaysSoWhenTheMaterialChanges) {
-  const HexMesh mesh = support::distorted_block({2, 1, 1}, kEdge, 0.1, 711);
+  const HexMesh mesh = distorted_block({2, 1, 1}, kEdge, 0.1, 711);
   const Material stiffer{.young_modulus = 9000, .poisson_ratio = 0.45};
   Body body(mesh, {{.young_modulus = 5000, .poisson_ratio = 0.3}}, relaxing({1.5, 0.01})), slow(mesh, {stiffer});
   const PointArray bent = mesh.positions() + Random(712).field(mesh.num_nodes(), 0.1 * kEdge);
@@ -132,52 +110,6 @@ TEST(Relaxation, WhatHasRelaxedStaysSoWhenTheMaterialChanges) {
   step(body, bent, 10);
   body.set_materials({stiffer});
   EXPECT_TRUE(agrees(force_now(body, bent), force_at(slow, bent), 1e-12));
-}
-
-// Uniaxial stress on a cube: strain = stress (1/(9 K) + (1 - g/(1 + g) e^(-t/(T (1 + g))))/(3 mu)).
-TEST(Relaxation, CreepIsOfSecondOrder) {
-  const double E = 1000, nu = 0.3, g = 1, T = 0.5, end = 2, stress = 1e-4;
-  const Lame k = lame(E, nu);
-  const auto strain_at = [&](double time) {
-    const double bulk = k.lambda + 2 * k.mu / 3;
-    return stress * (1 / (9 * bulk) + (1 - g / (1 + g) * std::exp(-time / (T * (1 + g)))) / (3 * k.mu));
-  };
-  const HexMesh mesh = support::block({1, 1, 1}, 1);
-  const PointArray& X = mesh.positions();
-  const auto error = [&](double h) {
-    Body body(mesh, {{.young_modulus = E, .poisson_ratio = nu}}, relaxing({g, T}));
-    PointArray x = X;
-    const auto equilibrate = [&](double dt) {
-      body.set_time_step(dt);
-      for (int iteration = 0; iteration < 3; ++iteration) {
-        Eigen::MatrixXd K = stiffness_at(body, x);
-        PointArray f = force_at(body, x);
-        for (int n = 0; n < 8; ++n) {
-          if (X(n, 0) > 0.5) f(n, 0) += stress / 4;
-          for (int axis = 0; axis < 3; ++axis)  // each axis is held in its plane through the origin
-            if (X(n, axis) == 0) {
-              f(n, axis) = 0;
-              K.row(3 * n + axis).setZero();
-              K(3 * n + axis, 3 * n + axis) = 1;
-            }
-        }
-        x += support::unstacked(K.partialPivLu().solve(support::stacked(f)));
-      }
-      body.flow(x, dt);
-    };
-    equilibrate(1e-13);
-    double worst = std::abs(x.col(0).maxCoeff() - 1 - strain_at(0));
-    EXPECT_LE(worst, 1e-6 * stress / E);
-    for (int n = 1; n <= std::lround(end / h); ++n) {
-      equilibrate(h);
-      worst = std::max(worst, std::abs(x.col(0).maxCoeff() - 1 - strain_at(n * h)));
-    }
-    return worst / strain_at(end);
-  };
-  const double coarse = error(0.2), middle = error(0.1), fine = error(0.05);
-  EXPECT_LE(coarse, 1e-3);
-  EXPECT_NEAR(coarse / middle, 4, 0.15);
-  EXPECT_NEAR(middle / fine, 4, 0.1);
 }
 
 /// A block whose branches hold what a random path has left in them; true: and whose samples have flowed.
@@ -192,7 +124,7 @@ class HeldBody : public testing::TestWithParam<bool> {
                   random.vector(1));
   }
   Random random{704};
-  HexMesh mesh = support::distorted_block({2, 2, 2}, kEdge, 0.15, 705);
+  HexMesh mesh = distorted_block({2, 2, 2}, kEdge, 0.15, 705);
   Body body{mesh,
             {GetParam() ? Material{.yield_stress = 100, .flow_rate = 8, .hardening = 0.2}
                         : Material{.poisson_ratio = 0.1}},  // where w is at its bound
@@ -201,7 +133,7 @@ class HeldBody : public testing::TestWithParam<bool> {
 INSTANTIATE_TEST_SUITE_P(That, HeldBody, testing::Bool(),
                          [](const auto& test) { return test.param ? "flows" : "is_elastic"; });
 
-TEST_P(HeldBody, HasAnEnergyBalanceAndAStiffness) { support::expect_elastic_laws(body, placed(), random); }
+TEST_P(HeldBody, HasAnEnergyBalanceAndAStiffness) { expect_elastic_laws(body, placed(), random); }
 
 // What is dissipated by relaxation, and what the energy loses when it is accounted for.
 TEST_P(HeldBody, DissipatesInEveryStepOfARandomPath) {
@@ -217,7 +149,7 @@ TEST_P(HeldBody, DissipatesInEveryStepOfARandomPath) {
 }
 
 TEST(Relaxation, WorkOnAClosedPathIsStoredAndDissipated) {
-  const HexMesh mesh = support::distorted_block({2, 1, 1}, kEdge, 0.15, 706);
+  const HexMesh mesh = distorted_block({2, 1, 1}, kEdge, 0.15, 706);
   Random random(707);
   const PointArray u = random.field(mesh.num_nodes(), 0.3 * kEdge), w = random.field(mesh.num_nodes(), 0.3 * kEdge);
   const auto defect = [&](int steps) {
@@ -243,7 +175,7 @@ TEST(Relaxation, WorkOnAClosedPathIsStoredAndDissipated) {
 // Branches carry more than yield stress while stretch grows, and none of it for ever.
 TEST(Relaxation, StressAfterAHoldIsTheYieldStress) {
   const double tau = 100;
-  const HexMesh mesh = support::block({1, 1, 1}, kEdge);
+  const HexMesh mesh = block({1, 1, 1}, kEdge);
   Body body(mesh, {{.young_modulus = 5000, .poisson_ratio = 0.3, .yield_stress = tau, .flow_rate = 4}},
             relaxing({1, 0.2}, RestShape::kIsolated));
   const auto stretched = [&](double stretch) {
@@ -269,7 +201,7 @@ TEST(Relaxation, StressAfterAHoldIsTheYieldStress) {
 // However stiff the branches are: more flow than that would take the stress below it, or turn it round.
 TEST(Relaxation, PlasticityWithoutARateReturnsToTheYieldStress) {
   const double tau = 100, h = 0.01;
-  const HexMesh mesh = support::block({1, 1, 1}, kEdge);
+  const HexMesh mesh = block({1, 1, 1}, kEdge);
   Body body(mesh, {{.young_modulus = 5000, .poisson_ratio = 0.3, .yield_stress = tau, .flow_rate = 500}},
             relaxing({4, 100}, RestShape::kIsolated));
   const PointArray x = mapped(mesh.positions(), Vec3(1.01, 1 / std::sqrt(1.01), 1 / std::sqrt(1.01)).asDiagonal());
@@ -279,7 +211,7 @@ TEST(Relaxation, PlasticityWithoutARateReturnsToTheYieldStress) {
 
 // Pairs of opposite stretches have no rotation, and the moment that balances a stress no bound.
 TEST(Relaxation, ForcesOfInvertedSamplesAreBoundedAndInBalance) {
-  const HexMesh mesh = support::block({1, 1, 1}, kEdge);
+  const HexMesh mesh = block({1, 1, 1}, kEdge);
   Body body(mesh, {{}}, relaxing({1, 0.2}));
   Mat3 F = Mat3::Identity();
   F(0, 1) = F(2, 1) = 0.3;
@@ -289,26 +221,26 @@ TEST(Relaxation, ForcesOfInvertedSamplesAreBoundedAndInBalance) {
   for (const double least : {-0.3, -0.5 + 1e-3, -0.5 + 1e-6, -0.5 + 1e-9, -0.5 + 1e-15}) {
     const PointArray x = mapped(mesh.positions(), Vec3(1.1, 0.5, least).asDiagonal()), f = force_at(body, x);
     EXPECT_LE(max_abs(f), 100 * size) << least;
-    EXPECT_LE(support::moment(x, f).norm(), 1e-12 * f.cwiseAbs().sum() * kEdge) << least;
+    EXPECT_LE(moment(x, f).norm(), 1e-12 * f.cwiseAbs().sum() * kEdge) << least;
   }
 }
 
 /// A bar that bends by its weight; with isolated rest shapes it yields.
 MovingBody bending_bar(std::vector<double> relaxation, RestShape rest_shape, Precision precision) {
-  const HexMesh mesh = support::distorted_block({6, 6, 24}, kEdge, 0.1, 709);
+  const HexMesh mesh = distorted_block({6, 6, 24}, kEdge, 0.1, 709);
   Settings settings = relaxing(std::move(relaxation), rest_shape);
   settings.precision = precision;
   Material material{.young_modulus = 1e5, .poisson_ratio = 0.3};
   if (rest_shape == RestShape::kIsolated) material.yield_stress = 600, material.flow_rate = 4;
   return {Body(mesh, {material}, settings),
-          {.dt = 0.01, .gravity = {0, -9.81, 0}, .fixed = support::nodes_at(mesh, 2, 0, 0.2 * kEdge)},
+          {.dt = 0.01, .gravity = {0, -9.81, 0}, .fixed = nodes_at(mesh, 2, 0, 0.2 * kEdge)},
           std::make_unique<PreconditionedConjugateGradients>(1e-6, 500, Preconditioner::kMultigrid)};
 }
 
 TEST(RelaxingBody, HasTheSameBitsForAnyThreads) {
   for (const RestShape rest_shape : {RestShape::kJoined, RestShape::kIsolated})
     for (const Precision precision : {Precision::kDouble, Precision::kMixed})
-      support::expect_the_same_for_any_threads([&] {
+      expect_the_same_for_any_threads([&] {
         MovingBody bar = bending_bar({0.7, 0.3, 2, 0.02}, rest_shape, precision);
         EXPECT_EQ(bar.run(6).flow.yielded > 0, rest_shape == RestShape::kIsolated);
         return bar.state_hash();
@@ -336,10 +268,10 @@ TEST(RelaxingBody, TakesAboutAsManyIterationsOfMultigrid) {
 
 // A time integrator says how long its step is, a static analysis that it is for ever.
 TEST(Relaxation, StaticAnalysisFindsTheEquilibriumOfSlowDeformation) {
-  const HexMesh mesh = support::block({4, 1, 1}, kEdge);
+  const HexMesh mesh = block({4, 1, 1}, kEdge);
   const auto deflection = [&](Settings settings) {
     Body body(mesh, {{}}, std::move(settings));
-    LoadedBody system(body, lumped_masses(body, 1000), support::nodes_at(mesh, 0, 0),
+    LoadedBody system(body, lumped_masses(body, 1000), nodes_at(mesh, 0, 0),
                       [](double, ConstPoints, Points f) { f.col(1).array() -= 1e-4; });
     CholeskySolver solver;
     PointArray x = mesh.positions();
@@ -355,26 +287,26 @@ TEST(RelaxingBody, RelaxesAndCreepsAsTheorySays) {
   for (const auto& [name, band] :
        {std::pair("held bar", 1e-4), std::pair("held shear", 1e-4), std::pair("loaded bar", 1e-4),
         std::pair("loaded beam", 0.01), std::pair("loaded thin beam", 0.015)}) {
-    const std::vector<double> ours = support::relax(name, times), exact = support::relax_in_theory(name, times);
+    const std::vector<double> ours = relax(name, times), exact = relax_in_theory(name, times);
     for (std::size_t n = 0; n < times.size(); ++n)
       EXPECT_NEAR(ours[n], exact[n], band * exact[n]) << name << ", " << times[n] << " s";
   }
 }
 
 TEST(RelaxingBody, NeedsItsTimeStepBeforeOtherCalls) {
-  const HexMesh mesh = support::block({1, 1, 1}, kEdge);
+  const HexMesh mesh = block({1, 1, 1}, kEdge);
   Body body(mesh, {{}}, relaxing({1, 0.2}));
   const PointArray& x = mesh.positions();
   for (const auto& call : std::vector<std::function<void()>>{[&] { body.linearize(x); }, [&] { body.energy(x); },
                                                              [&] { body.flow(x, 0.1); }})
-    EXPECT_TRUE(support::refuses<InputError>(call, {"set_time_step must be called first"}));
-  EXPECT_TRUE(support::refuses<InputError>([&] { body.set_time_step(-1); }, {"dt = -1 s: must lie in [0, inf]"}));
+    EXPECT_TRUE(refuses<InputError>(call, {"set_time_step must be called first"}));
+  EXPECT_TRUE(refuses<InputError>([&] { body.set_time_step(-1); }, {"dt = -1 s: must lie in [0, inf]"}));
   body.set_time_step(0.1);
-  EXPECT_TRUE(support::refuses<InputError>([&] { body.flow(x, 0.2); }, {"must be the time step", "0.1 s"}));
+  EXPECT_TRUE(refuses<InputError>([&] { body.flow(x, 0.2); }, {"must be the time step", "0.1 s"}));
   body.linearize(x);
   body.set_time_step(0.2);
   PointArray f = PointArray::Zero(x.rows(), 3);
-  EXPECT_TRUE(support::refuses<InputError>([&] { body.add_force(f); }, {"since set_time_step"}));
+  EXPECT_TRUE(refuses<InputError>([&] { body.add_force(f); }, {"since set_time_step"}));
 }
 
 }  // namespace

@@ -1,29 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-
-#include "body_state.hpp"
-#include "hexaplast/body.hpp"
-#include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/geometry/sections.hpp"
-#include "hexaplast/solve/cholesky.hpp"
-#include "hexaplast/solve/conjugate_gradients.hpp"
 #include "plain/plain.hpp"
 #include "plastic/rest_shape.hpp"
-#include "support/compare.hpp"
-#include "support/materials.hpp"
-#include "support/motion.hpp"
-#include "support/shapes.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::kEdge;
-using support::kJoined;
-using support::mapped;
 
 Model elastic_model(HexMesh mesh) {
   return Model(
@@ -47,10 +29,10 @@ double misfit(const Model& model, const History& history) {
 
 // Rest shapes that fit no mesh: Gauss-Newton steps overshoot, and are replaced. They come to a minimum all the same.
 TEST(Averaging, NeverRaisesTheMisfitAndArrives) {
-  support::Random random(405);
+  Random random(405);
   int num_fell_back = 0;
   for (int round = 0; round < 30; ++round) {
-    const Model model = elastic_model(support::distorted_block({3, 2, 2}, kEdge, 0.1, 406 + round));
+    const Model model = elastic_model(distorted_block({3, 2, 2}, kEdge, 0.1, 406 + round));
     History history(model);
     for (ElementPoints& y : history.rest_shape)
       y = about_mean(std::exp(random.uniform(-3, 3)) * ElementPoints(random.field(kCorners, kEdge)));
@@ -67,14 +49,14 @@ TEST(Averaging, NeverRaisesTheMisfitAndArrives) {
       num_fell_back += join(model, solver, history).fell_back;
       EXPECT_LE(misfit(model, history), misfit_before * (1 + 1e-9)) << round;
     }
-    EXPECT_TRUE(round > 0 || support::max_abs(history.plastic_rest_positions - before) < 1e-6 * kEdge);
+    EXPECT_TRUE(round > 0 || max_abs(history.plastic_rest_positions - before) < 1e-6 * kEdge);
   }
   EXPECT_GT(num_fell_back, 0);
 }
 
 /// Rest shapes cut from the mesh in other positions, each in a frame of its own.
 History cut_from(const Model& model, const PointArray& positions) {
-  support::Random random(147);
+  Random random(147);
   History history(model);
   for (int e = 0; e < model.mesh.num_elements(); ++e)
     history.rest_shape[e] = mapped(about_mean(gather(positions, model.mesh.hexahedra()[e])), random.rotation());
@@ -83,9 +65,9 @@ History cut_from(const Model& model, const PointArray& positions) {
 
 TEST(Averaging, JoinsPiecesOfATwistedBarWhateverTheSize) {
   for (const int refine : {1, 2, 4}) {
-    const Model model(support::block({3 * refine, 2 * refine, 8 * refine}, kEdge / refine), {Material{}},
+    const Model model(block({3 * refine, 2 * refine, 8 * refine}, kEdge / refine), {Material{}},
                       {.rest_shape = RestShape::kJoined, .implementation = Implementation::kPlain});
-    History history = cut_from(model, support::stretched_and_twisted(model.mesh, 1.2, 1.0));
+    History history = cut_from(model, stretched_and_twisted(model.mesh, 1.2, 1.0));
     PreconditionedConjugateGradients solver = averaging_solver(model);
     for (int k = 0; k < 12; ++k) EXPECT_TRUE(join(model, solver, history).converged);
     const EndSections ends = end_sections(model.mesh);
@@ -95,15 +77,15 @@ TEST(Averaging, JoinsPiecesOfATwistedBarWhateverTheSize) {
 }
 
 TEST(Averaging, LeavesConnectedPartsThatDoNotFlowBitForBit) {
-  const HexMesh one = support::block({2, 2, 10}, kEdge);
-  const HexMesh mesh = support::two_copies(one, 1);
+  const HexMesh one = block({2, 2, 10}, kEdge);
+  const HexMesh mesh = two_copies(one, 1);
   const Material soft{.yield_stress = 50, .flow_rate = 2};
   std::vector<Material> materials(mesh.num_elements(), soft);
   for (int e = one.num_elements(); e < mesh.num_elements(); ++e) materials[e].yield_stress = 1e9;
   const Settings settings{.rest_shape = RestShape::kJoined, .averaging_tolerance = 1e-9};  // of all parts together
   Body body(mesh, materials, settings), alone(one, {soft}, settings);
   for (int k = 1; k <= 10; ++k) {
-    const PointArray bent = support::stretched_and_twisted(one, 1 + 0.02 * k, 0.1 * k);
+    const PointArray bent = stretched_and_twisted(one, 1 + 0.02 * k, 0.1 * k);
     PointArray current(mesh.num_nodes(), 3);
     current << bent, mapped(bent, Mat3::Identity(), Vec3(1, 0, 0));
     EXPECT_GT(body.flow(current, 0.01).yielded, 0);
@@ -112,13 +94,13 @@ TEST(Averaging, LeavesConnectedPartsThatDoNotFlowBitForBit) {
   EXPECT_EQ(body.state().history.plastic_rest_positions.bottomRows(one.num_nodes()),
             mesh.positions().bottomRows(one.num_nodes()));
   const PointArray flowed = body.state().history.plastic_rest_positions.topRows(one.num_nodes());
-  EXPECT_LE(support::max_abs(flowed - alone.state().history.plastic_rest_positions), 1e-6 * kEdge);
-  EXPECT_GT(support::max_abs(flowed - one.positions()), 1e-2 * kEdge);
+  EXPECT_LE(max_abs(flowed - alone.state().history.plastic_rest_positions), 1e-6 * kEdge);
+  EXPECT_GT(max_abs(flowed - one.positions()), 1e-2 * kEdge);
 }
 
 TEST(Averaging, ByMultigridAgreesWithTheDirectSolverOnTornBodiesAndKeepsTheMeanOfEachPart) {
-  const Model model = elastic_model(support::distorted_block({4, 5, 8}, kEdge, 0.1, 148));
-  support::Random random(149);
+  const Model model = elastic_model(distorted_block({4, 5, 8}, kEdge, 0.1, 148));
+  Random random(149);
   History torn(model);
   for (ElementPoints& y : torn.rest_shape) y = about_mean(mapped(y, Mat3::Identity() + random.matrix(0.2)));
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
@@ -135,8 +117,8 @@ TEST(Averaging, ByMultigridAgreesWithTheDirectSolverOnTornBodiesAndKeepsTheMeanO
   CholeskySolver cholesky;
   join(model, multigrid, iterated);
   join(model, cholesky, exact);
-  EXPECT_GT(support::max_abs(exact.plastic_rest_positions - torn.plastic_rest_positions), 1e-2 * kEdge);
-  EXPECT_LE(support::max_abs(iterated.plastic_rest_positions - exact.plastic_rest_positions), 1e-6 * kEdge);
+  EXPECT_GT(max_abs(exact.plastic_rest_positions - torn.plastic_rest_positions), 1e-2 * kEdge);
+  EXPECT_LE(max_abs(iterated.plastic_rest_positions - exact.plastic_rest_positions), 1e-6 * kEdge);
   std::array<Vec3, 2> shift{Vec3::Zero(), Vec3::Zero()};
   for (int n = 0; n < model.mesh.num_nodes(); ++n)
     if (parts.part_of_node[n] >= 0)
@@ -145,8 +127,8 @@ TEST(Averaging, ByMultigridAgreesWithTheDirectSolverOnTornBodiesAndKeepsTheMeanO
 }
 
 TEST(Averaging, LeavesShapesThatFitUntouched) {
-  support::Random random(145);
-  const Model model = elastic_model(support::distorted_block({2, 2, 3}, kEdge, 0.15, 146));
+  Random random(145);
+  const Model model = elastic_model(distorted_block({2, 2, 3}, kEdge, 0.15, 146));
   History history(model);
   for (ElementPoints& y : history.rest_shape) y = mapped(y, random.rotation());  // each in a frame of its own
   PreconditionedConjugateGradients solver(1e-12, 10000);
@@ -162,8 +144,8 @@ Material twistable(double rotation_yield) {
 // What is left of one step is taken up by the next, and nothing grows; on a mesh without symmetry, of which no solver
 // could take advantage.
 TEST(Averaging, OfABodyFollowsATightSolutionOverManyStepsByOneStepEach) {
-  const HexMesh mesh = support::distorted_block({8, 8, 20}, kEdge / 2, 0.1, 150);
-  const support::HeldTwist twist{.stretch = 1.3, .angle = 2, .steps = 60};
+  const HexMesh mesh = distorted_block({8, 8, 20}, kEdge / 2, 0.1, 150);
+  const HeldTwist twist{.stretch = 1.3, .angle = 2, .steps = 60};
   Body body(mesh, {twistable(0.0025)}, kJoined),
       more_steps(mesh, {twistable(0.0025)}, {.rest_shape = RestShape::kJoined, .averaging_steps = 4});
   twist.flow(more_steps);
@@ -175,7 +157,7 @@ TEST(Averaging, OfABodyFollowsATightSolutionOverManyStepsByOneStepEach) {
     plain::flow(model, twist.at(mesh, step), twist.dt, exact, history);
   }
   const PointArray& x = body.plastic_rest_positions();
-  EXPECT_LE(support::max_abs(x - history.plastic_rest_positions), 1e-6 * kEdge);
+  EXPECT_LE(max_abs(x - history.plastic_rest_positions), 1e-6 * kEdge);
   const EndSections ends = end_sections(mesh);
   EXPECT_GT(hexaplast::twist(mesh, ends, x), 0.1);
   EXPECT_NEAR(hexaplast::twist(mesh, ends, more_steps.plastic_rest_positions()) / hexaplast::twist(mesh, ends, x), 1,
@@ -184,9 +166,9 @@ TEST(Averaging, OfABodyFollowsATightSolutionOverManyStepsByOneStepEach) {
 
 /// Angle between the original and the plastic rest shape of a distorted bar after it was stretched and twisted [rad].
 double tilt_after_a_twist(bool turns_isolated_shapes) {
-  Body body(support::distorted_block({2, 2, 6}, kEdge, 0.2, 151), {twistable(0.005)}, kJoined);
+  Body body(distorted_block({2, 2, 6}, kEdge, 0.2, 151), {twistable(0.005)}, kJoined);
   body.state().model.turns_isolated_shapes = turns_isolated_shapes;
-  support::HeldTwist{.stretch = 1.3, .angle = 1.5, .steps = 60}.flow(body);
+  HeldTwist{.stretch = 1.3, .angle = 1.5, .steps = 60}.flow(body);
   const PointArray before = body.mesh().positions(), after = body.plastic_rest_positions();
   const Mat3 covariance =
       (after.rowwise() - after.colwise().mean()).transpose() * (before.rowwise() - before.colwise().mean());

@@ -1,28 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Elements that break: when they go, and that nothing else notices.                           theory.md section 5.7
-#include <algorithm>
-#include <cmath>
-#include <numeric>
-
-#include "body_state.hpp"
-#include "hexaplast/body.hpp"
-#include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
-#include "loaded_body.hpp"
 #include "support/bar.hpp"
-#include "support/compare.hpp"
-#include "support/materials.hpp"
-#include "support/motion.hpp"
-#include "support/shapes.hpp"
-#include "support/simulation.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::kEdge;
-using support::kStep;
-using support::mapped;
-using support::Random;
 
 Material hardening() { return {.yield_stress = 300, .flow_rate = 4, .hardening = 0.3}; }
 
@@ -30,13 +13,13 @@ double greatest(const CornerValues& values) { return *std::max_element(values.be
 
 // A body that never breaks flows beside one that does: until the step in which tau passes the limit they are the same.
 TEST(Fracture, TakesAnElementInTheStepInWhichItsYieldStressPassesTheLimit) {
-  const HexMesh mesh = support::distorted_block({1, 1, 1}, kEdge, 0.1, 201);
+  const HexMesh mesh = distorted_block({1, 1, 1}, kEdge, 0.1, 201);
   for (const double limit : {320.0, 400.0, 500.0}) {
     Material brittle = hardening();
     brittle.fracture_stress = limit;
     Body whole(mesh, {hardening()}), body(mesh, {brittle});
     for (int k = 1; k <= 200; ++k) {
-      const PointArray current = support::stretched_and_twisted(mesh, 1 + 0.002 * k, 0);
+      const PointArray current = stretched_and_twisted(mesh, 1 + 0.002 * k, 0);
       whole.flow(current, kStep);
       const FlowReport report = body.flow(current, kStep);
       const double tau = greatest(whole.state().history.yield_stress[0]);
@@ -50,8 +33,8 @@ TEST(Fracture, TakesAnElementInTheStepInWhichItsYieldStressPassesTheLimit) {
 
 // Rotation flows below the yield stress, and without one. The threshold of stretch does not grow by it.
 TEST(Fracture, ByStressTakesNoElementThatOnlyTurns) {
-  const HexMesh mesh = support::block({1, 1, 4}, kEdge);
-  const PointArray twisted = support::stretched_and_twisted(mesh, 1, 2);
+  const HexMesh mesh = block({1, 1, 4}, kEdge);
+  const PointArray twisted = stretched_and_twisted(mesh, 1, 2);
   for (const RotationPlasticity mode :
        {RotationPlasticity::kObjective, RotationPlasticity::kVertex, RotationPlasticity::kCentre}) {
     for (const double yield_stress : {std::numeric_limits<double>::infinity(), 1e9}) {
@@ -61,13 +44,13 @@ TEST(Fracture, ByStressTakesNoElementThatOnlyTurns) {
       std::vector<Material> materials(4, turning);
       materials[3].fracture_stress = yield_stress;  // one may be torn by stress, or the limit would be refused
       for (int e = 0; e < 3; ++e) materials[e].fracture_stress = 600;
-      Settings settings = support::kJoined;
+      Settings settings = kJoined;
       settings.rotation_plasticity = mode;
       if (mode != RotationPlasticity::kObjective) settings.implementation = Implementation::kPlain;
       Body body(mesh, materials, settings);
       for (int k = 0; k < 50; ++k) ASSERT_EQ(body.flow(twisted, kStep).removed, 0) << "step " << k;
       EXPECT_TRUE(body.state().history.removed.empty());
-      EXPECT_GT(support::max_abs(body.state().history.plastic_rest_positions - mesh.positions()), 0.01 * kEdge)
+      EXPECT_GT(max_abs(body.state().history.plastic_rest_positions - mesh.positions()), 0.01 * kEdge)
           << "nothing flowed";
     }
   }
@@ -75,21 +58,21 @@ TEST(Fracture, ByStressTakesNoElementThatOnlyTurns) {
 
 // What begins beyond the limit, as some of a body may, goes in the step in which it hardens.
 TEST(Fracture, TakesWhatBeginsBeyondTheLimitWhenItFlows) {
-  const HexMesh mesh = support::block({1, 1, 2}, kEdge);
+  const HexMesh mesh = block({1, 1, 2}, kEdge);
   std::vector<Material> materials(2, hardening());
   materials[0].fracture_stress = 200;
   materials[1].fracture_stress = 1e9;
   Body body(mesh, materials);
-  EXPECT_EQ(body.flow(support::stretched_and_twisted(mesh, 1.02, 0), kStep).removed, 0);  // 100 Pa
-  EXPECT_EQ(body.flow(support::stretched_and_twisted(mesh, 1.2, 0), kStep).removed, 1);
+  EXPECT_EQ(body.flow(stretched_and_twisted(mesh, 1.02, 0), kStep).removed, 0);  // 100 Pa
+  EXPECT_EQ(body.flow(stretched_and_twisted(mesh, 1.2, 0), kStep).removed, 1);
   EXPECT_EQ(body.state().history.removed, std::vector<int>{0});
 }
 
 TEST(Fracture, TakesAnElementInTheStepInWhichItsPlasticStretchPassesTheLimit) {
-  const HexMesh mesh = support::block({1, 1, 1}, kEdge);
+  const HexMesh mesh = block({1, 1, 1}, kEdge);
   Material brittle = hardening();
   brittle.fracture_stretch = 1.1;
-  Body whole(mesh, {hardening()}, support::kJoined), body(mesh, {brittle}, support::kJoined);
+  Body whole(mesh, {hardening()}, kJoined), body(mesh, {brittle}, kJoined);
   const EndSections ends = end_sections(mesh);
   const PointArray current = mapped(mesh.positions(), Vec3(1.3, 1 / std::sqrt(1.3), 1 / std::sqrt(1.3)).asDiagonal());
   for (int k = 1; k <= 200; ++k) {
@@ -106,7 +89,7 @@ TEST(Fracture, TakesAnElementInTheStepInWhichItsPlasticStretchPassesTheLimit) {
 // implementation; the order is the physics: next to the load and the clamp.
 TEST(Fracture, OfABarUnderASymmetricLoadIsSymmetric) {
   for (const auto& [limit, expected_time] : {std::pair{900.0, 0.66}, std::pair{1500.0, 1.04}}) {
-    support::Simulation bar = support::bar(support::BarLoad::kStretch, "high", limit);
+    MovingBody bar = support::bar(BarLoad::kStretch, "high", limit);
     const std::vector<double> mass = bar.mass();
     double first = 0;
     for (int k = 0; k < 130; ++k) {
@@ -125,14 +108,13 @@ TEST(Fracture, OfABarUnderASymmetricLoadIsSymmetric) {
 
 // A beam under its own weight whose end is gone rests as a beam that never had it; the nodes of the end stay.
 TEST(Fracture, LeavesAStaticEquilibriumThatIgnoresNodesWithoutElement) {
-  const HexMesh shorter = support::block({4, 2, 2}, kEdge), longer = support::block({6, 2, 2}, kEdge);
+  const HexMesh shorter = block({4, 2, 2}, kEdge), longer = block({6, 2, 2}, kEdge);
   Body broken(longer, {Material{}}), whole(shorter, {Material{}});
   for (int e = 0; e < longer.num_elements(); ++e)
     if (e % 6 > 3) broken.remove(std::array{e});
   const auto weight = [](double, ConstPoints, Points f) { f.col(2).array() -= 0.04; };
   const auto rest = [&](Body& body, LinearSolver& solver) {
-    LoadedBody system(body, std::vector<double>(body.mesh().num_nodes(), 0), support::nodes_at(body.mesh(), 0, 0),
-                      weight);
+    LoadedBody system(body, std::vector<double>(body.mesh().num_nodes(), 0), nodes_at(body.mesh(), 0, 0), weight);
     PointArray x = body.mesh().positions();
     NewtonRaphson newton({.iterations = 50,
                           .relative_successive = 0,
@@ -158,7 +140,7 @@ TEST(Fracture, LeavesAStaticEquilibriumThatIgnoresNodesWithoutElement) {
 
 // Ten thousand removals, one by one: the parts found are those that a plain flood over the live elements finds.
 TEST(ConnectedParts, AreRightAfterEachOfTenThousandRandomRemovals) {
-  const HexMesh mesh = support::block({5, 5, 4}, 1);
+  const HexMesh mesh = block({5, 5, 4}, 1);
   const int num_elements = mesh.num_elements();
   Random random(205);
   for (int round = 0; round < 100; ++round) {

@@ -2,31 +2,20 @@
 // W = J A^-1 J^T of frictional contacts against the same by a factorisation of A.
 #include "hexaplast/solve/compliance.hpp"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
-#include <array>
-#include <vector>
 
 #include "hexaplast/base/block_matrix.hpp"
-#include "hexaplast/base/error.hpp"
-#include "hexaplast/base/parallel.hpp"
-#include "hexaplast/solve/cholesky.hpp"
 #include "solve/column_products.hpp"
-#include "support/compare.hpp"
-#include "support/random.hpp"
+#include "support/core.hpp"
 #include "support/slab.hpp"
 
 namespace hexaplast {
 namespace {
 
-using support::Slab;
-using support::slab_of_one_body;
-
 /// Contacts in faces of the top, moved by a fraction of an edge: a normal and two tangents each, over four nodes.
 std::vector<ConstraintRow> contacts(const Slab& slab, int count, double fraction, unsigned seed = 3) {
-  support::Random random(seed);
+  Random random(seed);
   std::vector<ConstraintRow> rows;
   for (int k = 0; k < count; ++k) {
     const int i = 3 + (k * 5) % 12, j = 1 + (k * 3) % 14;
@@ -129,7 +118,7 @@ TEST(Compliance, BeginsTheMotionOfMultipliersNearIt) {
   const std::vector<ConstraintRow> rows = contacts(slab, 20, 0.2);
   Compliance compliance;
   const Eigen::MatrixXd W = compliance.find(slab, rows);
-  support::Random random(5);
+  Random random(5);
   const Eigen::VectorXd lambda = random.matrix(static_cast<int>(W.rows()), 1).cwiseAbs();
   PointArray b = transposed(slab, rows, lambda), x(slab.num_nodes(), 3), expected = x;
   ASSERT_TRUE(compliance.start(b, x));
@@ -165,7 +154,7 @@ TEST(Compliance, HasTheSameBitsForAnyNumberOfThreads) {
 // As points of a mesh against several triangles each: more rows at a node than it has directions, nearly alike.
 TEST(Compliance, OfRowsThatDependOnOneAnotherIsPositive) {
   const Slab slab = slab_of_one_body(2e5, Precision::kMixed);
-  support::Random random(9);
+  Random random(9);
   Compliance compliance;
   std::vector<ConstraintRow> rows;
   for (int k = 0; k < 40; ++k)
@@ -200,7 +189,7 @@ TEST(Compliance, RowsMayBeManyNoneDependentOrHeld) {
 }
 
 TEST(ColumnProducts, AreThoseOfEigen) {
-  support::Random random(5);
+  Random random(5);
   for (const auto& [rows, first, second] :
        std::vector<std::array<int, 3>>{{1, 1, 1}, {7, 4, 2}, {517, 6, 3}, {1030, 9, 1}}) {
     const Eigen::MatrixXd X = random.matrix(rows, first), R = random.matrix(rows, second);

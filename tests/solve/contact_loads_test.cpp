@@ -2,14 +2,10 @@
 #include "solve/contact_loads.hpp"
 
 #include "hexaplast/mesh/faces.hpp"
-#include "support/compare.hpp"
-#include "support/random.hpp"
-#include "support/shapes.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::max_abs;
 
 // A unit pressure on the unit square in the plane z = 0 makes a unit force along +z.
 TEST(Pressure, ActsAlongTheNormalOfAFaceAndGrowsWithItsArea) {
@@ -29,7 +25,7 @@ TEST(Pressure, ActsAlongTheNormalOfAFaceAndGrowsWithItsArea) {
 
 // On a closed surface the force is the gradient of pressure times enclosed volume, and has neither sum nor moment.
 TEST(Pressure, OnAClosedSurfaceIsTheGradientOfTheVolume) {
-  const HexMesh mesh = support::distorted_block({1, 1, 1}, 0.4, 0.2, 7);
+  const HexMesh mesh = distorted_block({1, 1, 1}, 0.4, 0.2, 7);
   const std::vector<Quad> faces = faces_of(mesh.hexahedra());
   const PointArray x = mesh.positions();
   PointArray f = PointArray::Zero(8, 3);
@@ -37,17 +33,17 @@ TEST(Pressure, OnAClosedSurfaceIsTheGradientOfTheVolume) {
 
   for (int n = 0; n < 8; ++n)
     for (int i = 0; i < 3; ++i) {
-      const double slope = support::central_difference(
+      const double slope = central_difference(
           [&](double h) {
             PointArray nudged = x;
             nudged(n, i) += h;
-            return 300 * support::enclosed_volume(nudged, faces);
+            return 300 * enclosed_volume(nudged, faces);
           },
           1e-6);
       EXPECT_NEAR(f(n, i), slope, 1e-7);
     }
   EXPECT_LE(max_abs(f.colwise().sum()), 1e-13);
-  EXPECT_LE(max_abs(support::moment(x, f)), 1e-13);
+  EXPECT_LE(max_abs(moment(x, f)), 1e-13);
 }
 
 TEST(Obstacle, PushesBackWhatIsBehindItAndNothingElse) {
@@ -83,7 +79,7 @@ TEST(Obstacle, LimitsItsForceAndMayActOnBothSides) {
 
 TEST(Obstacle, StiffnessIsTheSlopeOfItsForceAndEqualToItsBlocks) {
   const Obstacle wall{.normal = Vec3(0.6, 0, 0.8), .distance = 1, .stiffness = 200, .damping = 0};
-  support::Random random(3);
+  Random random(3);
   const PointArray x = random.field(4, 0.3), dx = random.field(4, 1), v = PointArray::Zero(4, 3);  // all are behind
   std::vector<int> touching;
   wall.touching_at(x, touching);
@@ -93,13 +89,13 @@ TEST(Obstacle, StiffnessIsTheSlopeOfItsForceAndEqualToItsBlocks) {
   wall.add_stiffness_product(touching, 2, dx, df);
   wall.add_force(x + 1e-3 * dx, v, ahead);
   wall.add_force(x - 1e-3 * dx, v, behind);
-  EXPECT_TRUE(support::agrees(df, 2 * (ahead - behind) / 2e-3, 1e-10));
+  EXPECT_TRUE(agrees(df, 2 * (ahead - behind) / 2e-3, 1e-10));
 
   BlockMatrix A(4);
   wall.add_stiffness_blocks(touching, 2, A);
   for (int n = 0; n < 4; ++n) {
     ASSERT_EQ(A.row(n).size(), 1u);
-    EXPECT_TRUE(support::agrees(A.row(n)[0].block * dx.row(n).transpose(), df.row(n).transpose(), 1e-14));
+    EXPECT_TRUE(agrees(A.row(n)[0].block * dx.row(n).transpose(), df.row(n).transpose(), 1e-14));
   }
 }
 

@@ -1,20 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/solve/energy_balance.hpp"
 
-#include <cmath>
-
-#include "body_state.hpp"
-#include "hexaplast/solve/cholesky.hpp"
-#include "loaded_body.hpp"
-#include "support/compare.hpp"
-#include "support/materials.hpp"
-#include "support/shapes.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::kEdge;
-using support::kStep;
 
 constexpr double kDensity = 1000, kYoungModulus = 5000;
 
@@ -32,7 +22,7 @@ struct Measured {
 
   Measured(std::array<int, 3> cells, Material material, EulerSettings settings, std::vector<int> fixed = {},
            NodalLoad load = {}, double step = kStep)
-      : body(support::block(cells, kEdge), {material}, published_element()),
+      : body(block(cells, kEdge), {material}, published_element()),
         system(body, mass, std::move(fixed), std::move(load)),
         euler(settings),
         dt(step) {
@@ -59,41 +49,21 @@ Material elastic() {
   return material;
 }
 
-// One hexahedron of mass m: v_n = n h g after n steps, fallen by h^2 g n (n + 1) / 2. What the scheme takes is
-// m (h g)^2 / 2 a step.
-TEST(EnergyBalance, OfAFallingHexahedronIsTheHandValue) {
-  const Vec3 gravity(0, -9.81, 1);
-  const double h = kStep, g_squared = gravity.squaredNorm(), m = kDensity * kEdge * kEdge * kEdge;
-  Measured hexahedron({1, 1, 1}, elastic(), {}, {},
-                      [&](double, ConstPoints, Points f) { f.rowwise() += m / 8 * gravity.transpose(); });
-  hexahedron.begin();
-  for (int n = 1; n <= 40; ++n) {
-    hexahedron.step();
-    const double fallen = h * h * n * (n + 1) / 2;  // over g
-    ASSERT_NEAR(hexahedron.balance.load_work, m * g_squared * fallen, 1e-10);
-    ASSERT_NEAR(hexahedron.balance.numerical_loss, n * m * h * h * g_squared / 2, 1e-10);
-    ASSERT_NEAR(hexahedron.balance.kinetic, m * g_squared * n * n * h * h / 2, 1e-10);
-  }
-  EXPECT_NEAR(hexahedron.balance.damping_loss, 0, 1e-10);
-  EXPECT_NEAR(hexahedron.balance.support_work, 0, 1e-10);
-  EXPECT_NEAR(hexahedron.balance.error(), 0, 1e-9);
-}
-
 // A cube on a fixed face is a spring k = E A / L with the mass m of four nodes. The scalar recursion gives every term.
 TEST(EnergyBalance, OfAReleasedSpringIsThatOfTheScalarScheme) {
   const double k = kYoungModulus * kEdge, m = 4 * kDensity * kEdge * kEdge * kEdge / 8, rM = 0.3, rK = 0.02, d = 0.5,
                h = kStep;
   for (const bool first_order : {true, false}) {
     for (const bool trapezoidal : {true, false}) {
-      const HexMesh mesh = support::block({1, 1, 1}, kEdge);
+      const HexMesh mesh = block({1, 1, 1}, kEdge);
       Measured cube({1, 1, 1}, elastic(),
                     {.rayleigh_mass = rM,
                      .rayleigh_stiffness = rK,
                      .velocity_damping = d,
                      .first_order = first_order,
                      .trapezoidal = trapezoidal},
-                    support::nodes_at(mesh, 2, 0));
-      const std::vector<int> top = support::nodes_at(mesh, 2, kEdge);
+                    nodes_at(mesh, 2, 0));
+      const std::vector<int> top = nodes_at(mesh, 2, kEdge);
       double u = 0.02, v = 0, damped = 0, numerical = 0;
       for (const int n : top) cube.x(n, 2) += u;
       cube.begin();
@@ -136,9 +106,9 @@ TEST(EnergyBalance, OfAReleasedSpringIsThatOfTheScalarScheme) {
 // way.
 TEST(EnergyBalance, SupportsThatMoveDoTheWorkOfTheirReactions) {
   const double k = kYoungModulus * kEdge, w = 0.05, h = kStep;
-  const HexMesh mesh = support::block({1, 1, 1}, kEdge);
-  std::vector<int> fixed = support::nodes_at(mesh, 2, 0);
-  const std::vector<int> top = support::nodes_at(mesh, 2, kEdge);
+  const HexMesh mesh = block({1, 1, 1}, kEdge);
+  std::vector<int> fixed = nodes_at(mesh, 2, 0);
+  const std::vector<int> top = nodes_at(mesh, 2, kEdge);
   fixed.insert(fixed.end(), top.begin(), top.end());
   Measured cube({1, 1, 1}, elastic(), {}, fixed);
   for (const int n : top) cube.v(n, 2) = w;
@@ -155,10 +125,10 @@ TEST(EnergyBalance, SupportsThatMoveDoTheWorkOfTheirReactions) {
 
 /// A bar on one end under its weight, turned out of its rest: it swings far, so that rotations count.
 EnergyBalance swung(double dt, Material material) {
-  const HexMesh mesh = support::block({6, 2, 2}, kEdge);
+  const HexMesh mesh = block({6, 2, 2}, kEdge);
   const double m = kDensity * kEdge * kEdge * kEdge / 8;
   Measured bar(
-      {6, 2, 2}, material, {}, support::nodes_at(mesh, 0, 0),
+      {6, 2, 2}, material, {}, nodes_at(mesh, 0, 0),
       [&](double, ConstPoints, Points f) {
         for (const Hexahedron& corners : mesh.hexahedra())
           for (const int n : corners) f(n, 2) -= m * 9.81;
@@ -183,12 +153,12 @@ TEST(EnergyBalance, ClosesWithTheTimeStep) {
 
 // The law of flow says what it dissipates; what the plastic steps took from the elastic energy knows nothing of it.
 TEST(EnergyBalance, FlowTakesWhatItDissipates) {
-  Material material = support::yielding(200, 3);
+  Material material = yielding(200, 3);
   material.young_modulus = kYoungModulus;
-  const HexMesh mesh = support::block({4, 1, 1}, kEdge);
-  const std::vector<int> end = support::nodes_at(mesh, 0, 4 * kEdge);
+  const HexMesh mesh = block({4, 1, 1}, kEdge);
+  const std::vector<int> end = nodes_at(mesh, 0, 4 * kEdge);
   Measured bar(
-      {4, 1, 1}, material, {.rayleigh_mass = 2, .rayleigh_stiffness = 0.02}, support::nodes_at(mesh, 0, 0),
+      {4, 1, 1}, material, {.rayleigh_mass = 2, .rayleigh_stiffness = 0.02}, nodes_at(mesh, 0, 0),
       [&](double time, ConstPoints, Points f) {
         const double pull = 1.5 * std::sin(2 * 3.14159 * time);  // there, back, and beyond
         for (const int n : end) f(n, 0) += pull;
@@ -203,16 +173,16 @@ TEST(EnergyBalance, FlowTakesWhatItDissipates) {
 }
 
 TEST(EnergyBalance, MeasuringChangesNoBit) {
-  const Material material = support::yielding(20, 3);
-  const HexMesh mesh = support::block({3, 1, 1}, kEdge);
-  const std::vector<int> end = support::nodes_at(mesh, 0, 3 * kEdge);
+  const Material material = yielding(20, 3);
+  const HexMesh mesh = block({3, 1, 1}, kEdge);
+  const std::vector<int> end = nodes_at(mesh, 0, 3 * kEdge);
   const NodalLoad load = [&](double, ConstPoints, Points f) {
     for (const int n : end) f(n, 0) += 1;
   };
   const Motion motion{.density = kDensity,
                       .dt = kStep,
                       .euler = {.rayleigh_stiffness = 0.01},
-                      .fixed = support::nodes_at(mesh, 0, 0),
+                      .fixed = nodes_at(mesh, 0, 0),
                       .load = load};
   MovingBody silent(Body(mesh, {material}, published_element()), motion);
   Measured measured({3, 1, 1}, material, motion.euler, motion.fixed, load);

@@ -1,20 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/solve/implicit_euler.hpp"
 
-#include <limits>
-
-#include "hexaplast/base/error.hpp"
-#include "hexaplast/solve/cholesky.hpp"
-#include "hexaplast/solve/conjugate_gradients.hpp"
-#include "support/compare.hpp"
-#include "support/materials.hpp"
-#include "support/shapes.hpp"
-#include "support/simulation.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::kStep;
 
 std::unique_ptr<LinearSolver> exact_conjugate_gradients() {
   return std::make_unique<ConjugateGradients>(
@@ -84,19 +74,18 @@ TEST(ImplicitEuler, TheTrapezoidalSchemeHasHalfTheNumericalDamping) {
 }
 
 TEST(ImplicitEuler, NamesTheNodeThatLeavesTheFiniteNumbersAndKeepsTheState) {
-  support::SimulationSetup setup;
+  Motion setup;
   bool spoiled = false;
   setup.load = [&](double, ConstPoints, Points f) {
     if (spoiled) f(5, 1) = std::numeric_limits<double>::quiet_NaN();
   };
   // fixing all but node 5 keeps the trouble at its place
   setup.fixed = {0, 1, 2, 3, 4, 6, 7};
-  support::Simulation body(Body(support::block({1, 1, 1}, 0.1), {Material{}}), std::move(setup),
-                           exact_conjugate_gradients());
+  MovingBody body(Body(block({1, 1, 1}, 0.1), {Material{}}), std::move(setup), exact_conjugate_gradients());
   body.run(2);
   const PointArray x = body.positions, v = body.velocities;
   spoiled = true;
-  EXPECT_TRUE(support::refuses<NumericalError>([&] { body.step(); }, {"node 5"}));
+  EXPECT_TRUE(refuses<NumericalError>([&] { body.step(); }, {"node 5"}));
   EXPECT_EQ(body.positions, x);
   EXPECT_EQ(body.velocities, v);
 }

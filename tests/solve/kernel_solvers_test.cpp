@@ -1,27 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <cmath>
-#include <memory>
 #include <optional>
 
-#include "hexaplast/base/error.hpp"
-#include "hexaplast/base/parallel.hpp"
-#include "hexaplast/geometry/grid.hpp"
-#include "hexaplast/solve/cholesky.hpp"
-#include "hexaplast/solve/conjugate_gradients.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
 #include "layout/chunked_operator.hpp"
-#include "loaded_body.hpp"
-#include "mesh/lumped_mass.hpp"
 #include "solve/constrained_operator.hpp"
-#include "support/compare.hpp"
-#include "support/random.hpp"
-#include "support/shapes.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::agrees;
-using support::refuses;
 
 /// m M + k K of a body, as the kernels see it.
 class BodySystem final : public LinearSystem {
@@ -46,25 +32,25 @@ class KernelSolvers : public testing::TestWithParam<std::pair<Precision, Precond
   }
 
   static constexpr int kNodes = 9 * 9 * 9;  // large enough for coarse meshes
-  Body body{support::block({8, 8, 8}, 0.1), {Material{}}, {.precision = GetParam().first}};
+  Body body{block({8, 8, 8}, 0.1), {Material{}}, {.precision = GetParam().first}};
   PreconditionedConjugateGradients solver{1e-7, 2000, GetParam().second};
   const PointArray X = body.mesh().positions();
   const LoadedBody held{body, std::vector<double>(kNodes, 0.1), {0, 1, 2, 3, 40}, {}};
   const BodySystem A{held, {.mass = 1, .stiffness = -1e-2}};
-  PointArray b = support::Random(8).field(kNodes, 1);
+  PointArray b = Random(8).field(kNodes, 1);
 };
 
 // The operator of a mixed body has coefficients in half precision: what it leaves is not what the system leaves.
 TEST(ConjugateGradients, ReportTheTrueResidualOfAMixedBody) {
-  const HexMesh mesh = support::block({6, 6, 6}, 0.1);
-  const PointArray x = mesh.positions() + support::Random(31).field(mesh.num_nodes(), 0.01);
+  const HexMesh mesh = block({6, 6, 6}, 0.1);
+  const PointArray x = mesh.positions() + Random(31).field(mesh.num_nodes(), 0.01);
   Body exact(mesh, {Material{}}), mixed(mesh, {Material{}}, {.precision = Precision::kMixed});
   exact.linearize(x);
   mixed.linearize(x);
   const std::vector<double> mass(mesh.num_nodes(), 0.1);
   const LoadedBody in_double(exact, mass, {0, 1, 2}, {}), in_single(mixed, mass, {0, 1, 2}, {});
   const OperatorFactors factors{.mass = 1, .stiffness = -1e-2};
-  PointArray b = support::Random(32).field(mesh.num_nodes(), 1), answer(mesh.num_nodes(), 3), product = answer;
+  PointArray b = Random(32).field(mesh.num_nodes(), 1), answer(mesh.num_nodes(), 3), product = answer;
   constraints_of(in_double).project(b);
   for (const double tolerance : {1e-2, 1e-7}) {
     ConjugateGradients cg({.iterations = 2000, .tolerance = tolerance, .threshold = 0});
@@ -82,7 +68,7 @@ TEST(ConjugateGradients, ReportTheTrueResidualOfAMixedBody) {
 TEST(MixedPrecision, LetsStiffBodiesFallAsTheyMust) {
   for (const auto& [young_modulus, density] : {std::pair{1e11, 7800.0}, {2e11, 7800.0}, {7e10, 2700.0}})
     for (const Preconditioner preconditioner : {Preconditioner::kMultigrid, Preconditioner::kDiagonal}) {
-      Body bar(support::block({3, 3, 10}, 0.01), {Material{.young_modulus = young_modulus, .poisson_ratio = 0.3}},
+      Body bar(block({3, 3, 10}, 0.01), {Material{.young_modulus = young_modulus, .poisson_ratio = 0.3}},
                {.precision = Precision::kMixed});
       MovingBody falling(std::move(bar), {.density = density, .dt = 0.01, .gravity = {0, 0, -9.81}},
                          std::make_unique<PreconditionedConjugateGradients>(1e-3, 500, preconditioner));
@@ -221,7 +207,7 @@ TEST_P(KernelSolvers, TakeABodyThatIsNotHeldForSemiDefinite) {
 TEST_P(KernelSolvers, TakeTheBendingOfALongBarForStiffness) {
   Body bar(regular_grid({100, 2, 2}, Vec3::Zero(), Vec3(1, 0.02, 0.02)), {Material{}}, {.precision = GetParam().first});
   const PointArray rest = bar.mesh().positions();
-  LoadedBody system(bar, std::vector<double>(rest.rows(), 0), support::nodes_at(bar.mesh(), 0, 0), {});
+  LoadedBody system(bar, std::vector<double>(rest.rows(), 0), nodes_at(bar.mesh(), 0, 0), {});
   bar.linearize(rest);
   PointArray load = PointArray::Zero(rest.rows(), 3), x(rest.rows(), 3);
   load.col(2).setConstant(-1e-6);
@@ -279,10 +265,10 @@ TEST(ImplicitEuler, KeepsNodesOnObliquePlanesOfASystemOfOnesOwn) {
   for (const Vec3& normal : {Vec3(1, -1, 0), Vec3(1, 1, 0), Vec3(1, 1, -2), Vec3(0, 0.6, 0.8)})
     for (const Precision precision : {Precision::kDouble, Precision::kMixed})
       for (const Preconditioner preconditioner : {Preconditioner::kMultigrid, Preconditioner::kDiagonal}) {
-        Body body(support::block({8, 8, 8}, 0.01), {Material{.young_modulus = 1e5, .poisson_ratio = 0.3}},
+        Body body(block({8, 8, 8}, 0.01), {Material{.young_modulus = 1e5, .poisson_ratio = 0.3}},
                   {.precision = precision});
         const PointArray rest = body.mesh().positions();
-        OnObliquePlane system(body, lumped_masses(body, 1000), normal, support::nodes_at(body.mesh(), 0, 0));
+        OnObliquePlane system(body, lumped_masses(body, 1000), normal, nodes_at(body.mesh(), 0, 0));
         PreconditionedConjugateGradients solver(1e-8, 2000, preconditioner);
         ConjugateGradients plain({.iterations = 5000, .tolerance = 1e-12, .threshold = 0});
         PointArray x = rest, by_plain = rest, v = PointArray::Zero(rest.rows(), 3), v_plain = v;
@@ -305,10 +291,10 @@ NodalLoad weight(const std::vector<double>& mass) {
 // Coarse meshes feel a plane of held nodes between their own.
 TEST(NewtonRaphson, TakesFewIterationsOfMultigridWhereverNodesAreHeld) {
   for (const int plane : {0, 1, 2, 3, 4, 7}) {
-    Body body(support::block({16, 16, 16}, 0.01), {Material{.young_modulus = 1e5, .poisson_ratio = 0.3}}, {});
+    Body body(block({16, 16, 16}, 0.01), {Material{.young_modulus = 1e5, .poisson_ratio = 0.3}}, {});
     PointArray x = body.mesh().positions();
     const std::vector<double> mass = lumped_masses(body, 1000);
-    LoadedBody system(body, mass, support::nodes_at(body.mesh(), 0, 0.01 * plane), weight(mass));
+    LoadedBody system(body, mass, nodes_at(body.mesh(), 0, 0.01 * plane), weight(mass));
     PreconditionedConjugateGradients solver(1e-6, 1000, Preconditioner::kMultigrid);
     EXPECT_LE(NewtonRaphson({.iterations = 1}).solve(system, solver, 0, x).linear_iterations, 14) << plane;
   }
@@ -325,7 +311,7 @@ TEST(NewtonRaphson, FindsNoEquilibriumOfWhatNothingHolds) {
       solvers.emplace_back("CG", std::make_unique<ConjugateGradients>(ConjugateGradientSettings{
                                      .iterations = 500, .tolerance = 1e-6, .threshold = 1e-12}));
       for (const auto& [name, solver] : solvers) {
-        Body body(support::block({6, 6, 6}, 0.01), {Material{.young_modulus = 1e5, .poisson_ratio = 0.3}},
+        Body body(block({6, 6, 6}, 0.01), {Material{.young_modulus = 1e5, .poisson_ratio = 0.3}},
                   {.precision = precision});
         const PointArray rest = body.mesh().positions();
         std::vector<int> removed, held;
@@ -340,7 +326,7 @@ TEST(NewtonRaphson, FindsNoEquilibriumOfWhatNothingHolds) {
           EXPECT_EQ(newton.solve(system, *solver, 0, x).status, NewtonStatus::kNotConverged)
               << name << (is_half_held ? ", half" : ", all");
           if (name == "diagonal" || name == "multigrid") {
-            EXPECT_TRUE(support::agrees(x, rest, 1)) << name;
+            EXPECT_TRUE(agrees(x, rest, 1)) << name;
           }
         } catch (const NumericalError&) {  // says so too
         }

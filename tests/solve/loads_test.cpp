@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "solve/loads.hpp"
 
-#include <gtest/gtest.h>
-
-#include <array>
-#include <vector>
-
-#include "hexaplast/base/error.hpp"
+#include "support/core.hpp"
 
 namespace {
 

@@ -1,17 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The cycle as a matrix: conjugate gradients may lean on it only where it is symmetric and positive definite.
-#include <gtest/gtest.h>
-
 #include <Eigen/Dense>
-#include <cmath>
 
-#include "hexaplast/body.hpp"
 #include "hexaplast/geometry/shapes.hpp"
-#include "mesh/lumped_mass.hpp"
 #include "solve/multigrid.hpp"
-#include "support/dense.hpp"
-#include "support/random.hpp"
-#include "support/shapes.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
@@ -51,7 +44,7 @@ class Cycle {
   bool is_free(Eigen::Index i) const { return system_.constraints.free(i / 3, i % 3) != 0; }
 
   Eigen::VectorXd random(std::uint64_t seed) const {
-    support::Random numbers(seed);
+    Random numbers(seed);
     return Eigen::VectorXd::NullaryExpr(size(), [&](auto i) { return is_free(i) ? numbers.uniform(-1, 1) : 0; });
   }
 
@@ -63,11 +56,11 @@ class Cycle {
   }
 
   Eigen::VectorXd product(const Eigen::VectorXd& p) const {
-    const PointArray nodal = support::unstacked(p);
+    const PointArray nodal = unstacked(p);
     PointArray Ap = system_.diagonal.cwiseProduct(nodal);
     body_.add_stiffness_product(-kTimeStep * kTimeStep, nodal, Ap);
     for (const auto& [node, block] : blocks_) Ap.row(node) += nodal.row(node) * block.transpose();
-    return support::stacked(Ap.cwiseProduct(system_.constraints.free.cast<double>()));
+    return stacked(Ap.cwiseProduct(system_.constraints.free.cast<double>()));
   }
 
  private:
@@ -155,7 +148,7 @@ TEST(MultigridCycle, IsPositiveDefiniteOnDistortedMeshes) {
   for (const double nu : {0.3, 0.49})
     for (const double fraction : {0.0, 0.2, 0.25})
       expect_definite("distorted", [&](Precision precision) {
-        return Cycle(precision, support::distorted_block({12, 12, 12}, 0.01, fraction, 1), {stiff(nu)});
+        return Cycle(precision, distorted_block({12, 12, 12}, 0.01, fraction, 1), {stiff(nu)});
       });
 }
 
@@ -167,7 +160,7 @@ TEST(MultigridCycle, IsPositiveDefiniteForMixedMaterials) {
   one[700].poisson_ratio = 0.49;
   one[700].young_modulus = 1e9;
   expect_definite("one stiff one", [&](Precision precision) { return Cycle(precision, block, one); });
-  const HexMesh moved = support::distorted_block({12, 12, 12}, 0.01, 0.25, 2);
+  const HexMesh moved = distorted_block({12, 12, 12}, 0.01, 0.25, 2);
   expect_definite("distorted mixture",
                   [&](Precision precision) { return Cycle(precision, moved, mixture(moved.num_elements())); });
 }
@@ -206,7 +199,7 @@ TEST(MultigridCycle, IsPositiveDefiniteOnTornThinAndHollowMeshes) {
 // What resists along one direction alone, not that of an axis, on the nodes of a side and on some within: from a
 // thousandth of what a node has to what single precision takes for a constraint.
 TEST(MultigridCycle, IsPositiveDefiniteWithBlocksOnNodes) {
-  const HexMesh moved = support::distorted_block({12, 12, 12}, 0.01, 0.2, 3);
+  const HexMesh moved = distorted_block({12, 12, 12}, 0.01, 0.2, 3);
   const Vec3 normal(0.36, 0.48, 0.8);
   for (const double stiffness : {0.1, 10.0, 1e3, 1e5, 1e6, 1e8, 1e12}) {
     SCOPED_TRACE(stiffness);
@@ -242,7 +235,7 @@ void expect_no_negative_eigenvalue(Cycle&& cycle) {
 }
 
 TEST(MultigridCycle, HasNoNegativeEigenvalue) {
-  const HexMesh mesh = support::distorted_block({4, 4, 5}, 0.01, 0.25, 7);
+  const HexMesh mesh = distorted_block({4, 4, 5}, 0.01, 0.25, 7);
   expect_no_negative_eigenvalue(Cycle(Precision::kDouble, mesh, mixture(mesh.num_elements())));
 }
 

@@ -1,23 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <optional>
-#include <sstream>
 
-#include "hexaplast/base/error.hpp"
-#include "hexaplast/body.hpp"
-#include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/geometry/shapes.hpp"
-#include "hexaplast/moving_body.hpp"
-#include "hexaplast/solve/cholesky.hpp"
-#include "hexaplast/solve/conjugate_gradients.hpp"
 #include "layout/coarsening.hpp"
-#include "support/compare.hpp"
-#include "support/shapes.hpp"
-#include "support/simulation.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
@@ -66,7 +52,7 @@ HexMesh o_grid(int along, int across = 4) {
 /// The same mesh `count` times, far apart.
 HexMesh copies(const HexMesh& mesh, int count) {
   HexMesh all = mesh;
-  for (int k = 1; k < count; ++k) all = support::joined(all, support::shifted(mesh, Vec3(k, 0, 0)));
+  for (int k = 1; k < count; ++k) all = joined(all, shifted(mesh, Vec3(k, 0, 0)));
   return all;
 }
 
@@ -186,14 +172,14 @@ int iterations_of(const HexMesh& mesh, std::vector<Material> materials, Precisio
                   Preconditioner preconditioner) {
   Settings settings;
   settings.precision = precision;
-  support::SimulationSetup setup;
+  Motion setup;
   const double low = mesh.positions().col(2).minCoeff();
   for (int n = 0; n < mesh.num_nodes(); ++n)
     if (mesh.positions()(n, 2) < low + 1e-6 || mesh.incident(n).empty()) setup.fixed.push_back(n);
   setup.load = [](double, ConstPoints, Points f) { f.col(0).array() += 0.001; };
-  support::Simulation fast(Body(mesh, materials, settings), setup,
-                           std::make_unique<PreconditionedConjugateGradients>(tolerance, 500, preconditioner));
-  support::Simulation direct(Body(mesh, materials), setup, std::make_unique<CholeskySolver>());
+  MovingBody fast(Body(mesh, materials, settings), setup,
+                  std::make_unique<PreconditionedConjugateGradients>(tolerance, 500, preconditioner));
+  MovingBody direct(Body(mesh, materials), setup, std::make_unique<CholeskySolver>());
   fast.step();
   direct.step();
   EXPECT_LE((fast.velocities - direct.velocities).norm(), 20 * tolerance * direct.velocities.norm());
@@ -223,8 +209,8 @@ TEST(Multigrid, NeedsAsManyIterationsForManyPartsAsForOne) {
 
 TEST(Multigrid, TakesDistortedMeshesAndSeveralLattices) {
   for (const std::uint64_t seed : {1, 2}) {
-    const int mildly = iterations_of(support::distorted_block({12, 12, 12}, 0.1 / 12, 0.2, seed));
-    EXPECT_LE(iterations_of(support::distorted_block({12, 12, 12}, 0.1 / 12, 0.25, seed)), 2 * mildly) << seed;
+    const int mildly = iterations_of(distorted_block({12, 12, 12}, 0.1 / 12, 0.2, seed));
+    EXPECT_LE(iterations_of(distorted_block({12, 12, 12}, 0.1 / 12, 0.25, seed)), 2 * mildly) << seed;
   }
   const int of_grid = iterations_of(regular_grid({8, 8, 12}, Vec3::Zero(), Vec3(0.08, 0.08, 0.12)));
   EXPECT_LE(iterations_of(o_grid(12)), 2 * of_grid);
@@ -240,7 +226,7 @@ TEST(Multigrid, HoldsInMixedPrecisionAndForMixedStiffness) {
 }
 
 TEST(MixedPrecision, GivesTheDoubleAnswerToItsTolerance) {
-  const HexMesh mesh = support::distorted_block({6, 6, 12}, 0.02, 0.1, 95);
+  const HexMesh mesh = distorted_block({6, 6, 12}, 0.02, 0.1, 95);
   const Material stiff{.young_modulus = 1e5};
   for (const Preconditioner preconditioner : {Preconditioner::kDiagonal, Preconditioner::kMultigrid})
     for (const double tolerance : {1e-2, 1e-4, 1e-6, 1e-9})
@@ -330,7 +316,7 @@ class TwoBodies final : public LinearSystem {
 TEST(SpectralRadii, OfSeveralBodiesServeTheNextSteps) {
   TwoBodies system;
   PreconditionedConjugateGradients solver(1e-6, 300, Preconditioner::kMultigrid);
-  const PointArray b = support::Random(81).field(system.num_nodes(), 1);
+  const PointArray b = Random(81).field(system.num_nodes(), 1);
   PointArray x(b.rows(), 3);
   SolverMemory memory;
   for (int step = 1; step < 5; ++step) {

@@ -2,25 +2,13 @@
 // Systems in which something acts beside one body: the preconditioner stays, the residual that is reported is the true
 // one, and what is solved is the whole system.
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
-#include "hexaplast/body.hpp"
 #include "hexaplast/geometry/embed.hpp"
-#include "hexaplast/geometry/grid.hpp"
-#include "hexaplast/solve/cholesky.hpp"
-#include "hexaplast/solve/conjugate_gradients.hpp"
-#include "support/compare.hpp"
-#include "support/dense.hpp"
-#include "support/random.hpp"
+#include "support/core.hpp"
 #include "support/slab.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::kSlabStep;
-using support::Slab;
-using support::slab_mesh;
-using support::slab_of_one_body;
 
 /// Of a node of the slab's matrix, roughly.
 double stiffness_of_node(double young_modulus) { return kSlabStep * kSlabStep * young_modulus * 0.01; }
@@ -32,7 +20,7 @@ struct Outcome {
 };
 
 Outcome solve(const Slab& slab, LinearSolver& solver) {
-  support::Random random(7);
+  Random random(7);
   PointArray b = random.field(slab.num_nodes(), 0.2);
   for (int n = 0; n < slab.num_nodes(); ++n) b.row(n) += Eigen::RowVector3d(0.1, 0, -1);
   slab.project(b);
@@ -42,7 +30,7 @@ Outcome solve(const Slab& slab, LinearSolver& solver) {
 
   BlockMatrix A(slab.num_nodes());
   slab.assemble(A);
-  PointArray r = b - support::times(A, outcome.x);
+  PointArray r = b - times(A, outcome.x);
   slab.project(r);
   outcome.residual = r.norm() / b.norm();
   return outcome;
@@ -185,7 +173,7 @@ TEST(OtherTerms, LeaveTheResidualAsTrueAsThatOfOneBodyInMixedPrecision) {
     for (const double tolerance : {3e-2, 1e-2, 3e-3}) {
       for (const double ratio : {0.0, 0.01, 1.0, 100.0}) {
         Slab tied = slab_of_one_body(1e6, Precision::kMixed);
-        support::Random random(11);
+        Random random(11);
         tied.bodies.front().linearize(tied.mesh.positions() + random.field(tied.num_nodes(), 2e-3));
         if (ratio > 0) tie_oblique_plane(tied, ratio * stiffness_of_node(1e6));
         const auto [report, x, residual] = solve(tied, tolerance, preconditioner);
@@ -216,7 +204,7 @@ TEST(OtherTerms, AStartLeavesHeldNodesWhereTheyAre) {
 
 TEST(SeveralBodies, HaveACycleEach) {
   for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
-    Slab slab(support::joined(slab_mesh(), slab_mesh()));  // each half has nodes of its own
+    Slab slab(joined(slab_mesh(), slab_mesh()));  // each half has nodes of its own
     slab.add_body(0, 512, 1e5, precision);
     slab.add_body(1024 + 512, 2048, 1e6, precision);
     tie_springs(slab, 0.1 * stiffness_of_node(1e5));
@@ -263,7 +251,7 @@ TEST(OtherTerms, MayBeConstraintsThatCoupleCoordinates) {
         EXPECT_LE(report.iterations, 1.85 * free) << free;
         PointArray slid = x;
         slab.project(slid);
-        EXPECT_TRUE(support::agrees(x, slid, 1e-12));
+        EXPECT_TRUE(agrees(x, slid, 1e-12));
       }
 }
 
@@ -302,9 +290,9 @@ TEST(OtherTerms, AreSolvedForByEverySolver) {
   const PointArray expected = solve(slab, direct).x;
   ConjugateGradients plain({.iterations = 3000, .tolerance = 1e-12, .threshold = 0});
   const Outcome by_plain = solve(slab, plain);
-  EXPECT_TRUE(support::agrees(by_plain.x, expected, 1e-9));
+  EXPECT_TRUE(agrees(by_plain.x, expected, 1e-9));
   EXPECT_EQ(by_plain.report.preconditioner, PreconditionedBy::kNothing);
-  EXPECT_TRUE(support::agrees(solve(slab, 1e-12).x, expected, 1e-9));
+  EXPECT_TRUE(agrees(solve(slab, 1e-12).x, expected, 1e-9));
 }
 
 }  // namespace

@@ -1,24 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <cmath>
-#include <functional>
-#include <memory>
 #include <set>
 
-#include "hexaplast/base/error.hpp"
-#include "hexaplast/solve/cholesky.hpp"
-#include "hexaplast/solve/conjugate_gradients.hpp"
-#include "support/compare.hpp"
-#include "support/dense.hpp"
-#include "support/random.hpp"
-#include "support/shapes.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::agrees;
-using support::refuses;
-using support::stacked;
-using support::unstacked;
 
 /// A full matrix as a linear system, with some degrees of freedom constrained.
 class DenseSystem final : public LinearSystem {
@@ -57,7 +43,7 @@ class DenseSystem final : public LinearSystem {
   std::set<int> constrained_;
 };
 
-Eigen::MatrixXd random_positive(support::Random& random, int size) {
+Eigen::MatrixXd random_positive(Random& random, int size) {
   const Eigen::MatrixXd B = random.matrix(size, size);
   return B * B.transpose() + Eigen::MatrixXd::Identity(size, size);
 }
@@ -67,7 +53,7 @@ class Solvers : public testing::Test {
   static constexpr int kNodes = 12;
   static constexpr int kSize = 3 * kNodes;
 
-  support::Random random{121};
+  Random random{121};
   const Eigen::MatrixXd A = random_positive(random, kSize);
   const PointArray b = random.field(kNodes, 1);
   const PointArray exact = unstacked(A.ldlt().solve(stacked(b)));
@@ -241,7 +227,7 @@ TEST_F(Solvers, CholeskySolvesWithTermsOfRankOne) {
       {-0.01, random.field(kNodes, 1)}, {0.3, random.field(kNodes, 1)}, {-0.02, random.field(kNodes, 1)}};
   BlockMatrix assembled(kNodes);
   system.assemble(assembled);
-  const Eigen::MatrixXd full = support::dense(assembled);
+  const Eigen::MatrixXd full = dense(assembled);
   PointArray x(kNodes, 3);
   CholeskySolver cholesky;
   cholesky.solve(system, b, x);

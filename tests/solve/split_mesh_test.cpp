@@ -1,21 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Coarse meshes of meshes some nodes of which are split, and the iterations that multigrid takes with them.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <functional>
 #include <set>
 
 #include "base/disjoint_sets.hpp"
-#include "hexaplast/moving_body.hpp"
-#include "hexaplast/solve/conjugate_gradients.hpp"
 #include "layout/coarse_mesh.hpp"
-#include "support/shapes.hpp"
+#include "support/core.hpp"
 
 namespace hexaplast {
 namespace {
-
-using support::block;
 
 Vec3 centre(const HexMesh& mesh, int e) {
   return gather(mesh.positions(), mesh.hexahedra()[e]).colwise().mean().transpose();
@@ -147,7 +139,7 @@ TEST(SplitMesh, LipsOfASlitShareNoCoarseNode) {
       for (int n = whole.num_nodes(); n < mesh.num_nodes(); ++n) {
         const Vec3 at = mesh.positions().row(n);
         if (at.y() > 0.1 * (coarse_depth - 2) + 1e-9) continue;
-        for (const int other : support::nodes_at(mesh, 0, at.x())) {
+        for (const int other : nodes_at(mesh, 0, at.x())) {
           if (other == n || (mesh.positions().row(other).transpose() - at).norm() > 1e-9) continue;
           for (const int column : columns_of(coarse.prolongation, n))
             EXPECT_EQ(columns_of(coarse.prolongation, other).count(column), 0U) << at.transpose();
@@ -229,7 +221,7 @@ TEST(SplitMesh, CrumbsLeaveTheRestItsCoarseMeshes) {
 /// Iterations of a step of a body under gravity that is held at one end.
 int iterations_of(const HexMesh& mesh, double young_modulus, double tolerance) {
   MovingBody body(Body(mesh, {{.young_modulus = young_modulus}}),
-                  {.gravity = {3, -9, 1}, .fixed = support::nodes_at(mesh, 2, 0)},
+                  {.gravity = {3, -9, 1}, .fixed = nodes_at(mesh, 2, 0)},
                   std::make_unique<PreconditionedConjugateGradients>(tolerance, 500, Preconditioner::kMultigrid));
   body.step();
   EXPECT_EQ(body.latest.preconditioner, PreconditionedBy::kMultigrid);

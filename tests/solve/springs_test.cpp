@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "solve/springs.hpp"
 
-#include <gtest/gtest.h>
-
-#include "hexaplast/base/error.hpp"
-#include "support/dense.hpp"
-#include "support/random.hpp"
+#include "support/core.hpp"
 
 namespace {
 
 using namespace hexaplast;
 
-PointArray nodes() { return support::Random(71).field(5, 1.2); }
-PointArray velocities() { return support::Random(73).field(5, 0.5); }
+PointArray nodes() { return Random(71).field(5, 1.2); }
+PointArray velocities() { return Random(73).field(5, 0.5); }
 
 std::vector<Spring> without_damping() {
   return {{0, 1, 30, 0, .8}, {1, 2, 12, 0, 1.9}, {4, 0, 7, 0, .1}, {2, 3, 40, 0, 3, true}, {3, 4, 9, 0, .5, true}};
@@ -62,7 +58,7 @@ TEST(Springs, BlocksAreTheProduct) {
   const PointArray dx = velocities();
   PointArray product = PointArray::Zero(5, 3);
   springs.add_stiffness_product(-2.5, dx, product);
-  EXPECT_LT((product - support::times(A, dx)).cwiseAbs().maxCoeff(), 1e-13);
+  EXPECT_LT((product - times(A, dx)).cwiseAbs().maxCoeff(), 1e-13);
 }
 
 // A spring along x of 2 m, at rest 1.5 m, whose ends go apart by .5 m/s: 10 * .5 + 4 * .5 = 7 N. Across, they go free.
@@ -109,15 +105,15 @@ TEST(Springs, BetweenTwoSetsOfNodes) {
   expected.add_stiffness_blocks(2, B);
   springs.add_stiffness_blocks(2, first, {0, -1});
   springs.add_stiffness_blocks(2, second, {-1, 0});
-  const Eigen::MatrixXd all = support::dense(B);
+  const Eigen::MatrixXd all = dense(B);
   const std::vector<int> swapped{9, 10, 11, 12, 13, 14, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-  EXPECT_EQ(support::dense(A), all(swapped, swapped));
+  EXPECT_EQ(dense(A), all(swapped, swapped));
   for (int n = 0; n < 3; ++n) {
     const auto own = Eigen::seqN(3 * n, 3);
-    EXPECT_EQ(support::dense(first)(own, own), all(own, own));
+    EXPECT_EQ(dense(first)(own, own), all(own, own));
   }
   for (int n = 0; n < 2; ++n)
-    EXPECT_EQ(support::dense(second)(Eigen::seqN(3 * n, 3), Eigen::seqN(3 * n, 3)),
+    EXPECT_EQ(dense(second)(Eigen::seqN(3 * n, 3), Eigen::seqN(3 * n, 3)),
               all(Eigen::seqN(9 + 3 * n, 3), Eigen::seqN(9 + 3 * n, 3)));
   EXPECT_THROW(Springs(across, {2, 2}), InputError);
   EXPECT_THROW(Springs(across, {3, 1}), InputError);

@@ -60,14 +60,14 @@ Material bar_material(BarLoad load, const std::string& strength) {
   return m;
 }
 
-Simulation bar(BarLoad load, const std::string& strength, double fracture_stress) {
+MovingBody bar(BarLoad load, const std::string& strength, double fracture_stress) {
   Material material = bar_material(load, strength);
   material.fracture_stress = fracture_stress;
   Settings settings = published_element();
   settings.yield_norm = YieldNorm::kFrobenius;
   HexMesh mesh = block({3, 3, kSlices}, kCell);
 
-  SimulationSetup setup;
+  Motion setup;
   setup.dt = kBarStep;
   setup.euler = {.rayleigh_mass = 0.1, .rayleigh_stiffness = 0.1};
   setup.fixed = nodes_at(mesh, 2, kSlices / 2 * kCell);
@@ -77,7 +77,7 @@ Simulation bar(BarLoad load, const std::string& strength, double fracture_stress
     else
       add_twist(load_fraction(time), x, f);
   };
-  return Simulation(Body(std::move(mesh), {material}, settings), std::move(setup));
+  return MovingBody(Body(std::move(mesh), {material}, settings), std::move(setup));
 }
 
 }  // namespace hexaplast::support

@@ -22,7 +22,7 @@ enum class BarLoad {
 Material bar_material(BarLoad load, const std::string& strength);
 
 /// `fracture_stress` [Pa]: elements go when their yield stress has hardened past it.
-Simulation bar(BarLoad load, const std::string& strength,
+MovingBody bar(BarLoad load, const std::string& strength,
                double fracture_stress = std::numeric_limits<double>::infinity());
 
 }  // namespace hexaplast::support

@@ -163,32 +163,6 @@ double twist_deg(const Json& state, std::size_t layer) {
   return (state["twist_central_deg"][layer].get<double>() + state["twist_corner_deg"][layer].get<double>()) / 2;
 }
 
-std::vector<double> uniaxial_stretch(const Material& material, double nominal_stress,
-                                     const std::vector<double>& times) {
-  constexpr double kStep = 0.01;  // [s]
-  Settings settings = published_element();
-  settings.rotation_plasticity = RotationPlasticity::kNone;
-  Body body(block({1, 1, 1}, kCell), {material}, settings);
-  const double force = nominal_stress * kCell * kCell;
-  std::vector<GuidedBody::Held> held;  // the cube is in the corner of three planes through the origin
-  for (int axis = 0; axis < 3; ++axis)
-    for (const int n : nodes_at(body.mesh(), axis, 0)) held.push_back({n, axis});
-  GuidedBody system(body, held, [&](double time, ConstPoints, Points f) {
-    for (const int n : nodes_at(body.mesh(), kAxis, kCell)) f(n, kAxis) += Schedule().weight(time) * force / 4;
-  });
-  NewtonRaphson newton(settings_for(force));
-  CholeskySolver solver;
-  PointArray x = body.mesh().positions();
-  std::vector<double> stretch;
-  for (int step = 1; stretch.size() < times.size(); ++step) {
-    if (newton.solve(system, solver, step * kStep, x).status == NewtonStatus::kNotConverged)
-      throw std::runtime_error("no equilibrium");
-    if (step * kStep > times[stretch.size()] - kStep / 2) stretch.push_back(x.col(kAxis).maxCoeff() / kCell);
-    body.flow(x, kStep);
-  }
-  return stretch;
-}
-
 PointArray elastic_equilibrium(Body& body, const std::vector<int>& fixed, const PointArray& loads, int load_steps) {
   LoadedBody system(body, std::vector<double>(body.mesh().num_nodes(), 0.0), fixed,
                     [&](double weight, ConstPoints, Points f) { f += weight * loads; });

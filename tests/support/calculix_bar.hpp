@@ -62,10 +62,6 @@ Json row_of(const Json& rows, const Json& wanted);
 /// BarState::twist_deg of a layer in a state of those rows.
 double twist_deg(const Json& state, std::size_t layer);
 
-/// Stretch of one cube in uniaxial stress, free to contract, under the default schedule of a `nominal_stress` [Pa], at
-/// the given times [s].
-std::vector<double> uniaxial_stretch(const Material& material, double nominal_stress, const std::vector<double>& times);
-
 /// Equilibrium of an elastic body under dead nodal loads [N], in `load_steps` equal steps. Throws std::runtime_error
 /// where none is found.
 PointArray elastic_equilibrium(Body& body, const std::vector<int>& fixed, const PointArray& loads, int load_steps);

@@ -19,14 +19,14 @@ double relative_deflection(const HexMesh& mesh, std::span<const double> weights,
   const std::vector<int> tip = nodes_at(mesh, 0, kLength);
 
   // one step of 10^6 s from rest: inertia has no part in it, what is left is the linear static answer
-  SimulationSetup setup;
+  Motion setup;
   setup.density = 1e-3;
   setup.dt = 1e6;
   setup.fixed = nodes_at(mesh, 0, 0);
   setup.load = [&](double, ConstPoints, Points f) {
     for (std::size_t k = 0; k < tip.size(); ++k) f(tip[k], 2) += kForce * weights[k];
   };
-  Simulation beam(Body(mesh, {m}, settings), std::move(setup));
+  MovingBody beam(Body(mesh, {m}, settings), std::move(setup));
   beam.step();
 
   double deflection = 0;

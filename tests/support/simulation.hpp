@@ -10,10 +10,6 @@
 
 namespace hexaplast::support {
 
-using Load = NodalLoad;
-using Simulation = MovingBody;
-using SimulationSetup = Motion;
-
 /// A body some of whose nodes are held along some axes.
 class GuidedBody final : public LoadedBody {
  public:
