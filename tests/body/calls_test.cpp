@@ -234,13 +234,11 @@ TEST_F(SizesOfCalls, OfEverySolver) {
   PreconditionedConjugateGradients pcg(1e-6, 10);
   PointArray b = PointArray::Ones(4, 3), y = PointArray::Zero(4, 3);
   SolverMemory memory;
-  for (LinearSolver* solver :
-       {static_cast<LinearSolver*>(&cholesky), static_cast<LinearSolver*>(&cg), static_cast<LinearSolver*>(&pcg)}) {
+  for (LinearSolver* solver : std::initializer_list<LinearSolver*>{&cholesky, &cg, &pcg})
     expect_refusals({{"solve", "b", 4, [&](PointArray& wrong) { solver->solve(A, wrong, y); }},
                      {"solve", "x", 4, [&](PointArray& wrong) { solver->solve(A, b, wrong); }},
                      {"solve", "b", 4, [&](PointArray& wrong) { solver->solve_from_guess(A, wrong, y, memory); }},
                      {"solve", "x", 4, [&](PointArray& wrong) { solver->solve_from_guess(A, b, wrong, memory); }}});
-  }
 }
 
 TEST_F(SizesOfCalls, OfGripsLoadsAndObstacles) {

@@ -335,41 +335,6 @@ TEST(Plain, BranchesAreThoseOfTheKernels) {
       }
 }
 
-// A body of a scene may ask for it: with every kind of solver it moves as a fast one does.
-TEST(Plain, ABodyMovesAsAFastOne) {
-  const HexMesh mesh = distorted_block({2, 2, 5}, kEdge, 0.1, 407);
-  const Motion motion{.gravity = {0, 30, 0}, .fixed = nodes_at(mesh, 2, 0, 0.3 * kEdge)};
-  const auto swung = [&](Implementation implementation, std::unique_ptr<LinearSolver> solver, bool relaxes) {
-    Settings settings{.implementation = implementation};
-    if (relaxes) settings.relaxation = {0.7, 0.3, 2, 0.02};
-    Random random(408);
-    MovingBody moving(Body(mesh, materials_of(mesh.num_elements(), random, settings), settings), motion,
-                      std::move(solver));
-    const RunReport report = moving.run(10);
-    EXPECT_GT(report.flow.yielded, 0);
-    EXPECT_EQ(report.stalled, 0);
-    return moving.positions;
-  };
-  const auto direct = [] { return std::unique_ptr<LinearSolver>(); };
-  const auto preconditioned = [](Preconditioner by) {
-    return std::make_unique<PreconditionedConjugateGradients>(1e-13, 1000, by);
-  };
-  for (const bool relaxes : {false, true}) {
-    const PointArray expected = swung(Implementation::kAuto, direct(), relaxes);
-    EXPECT_GT(max_abs(expected - mesh.positions()), 0.1 * kEdge);
-    EXPECT_LE(max_abs(swung(Implementation::kPlain, direct(), relaxes) - expected), 1e-10 * kEdge);
-    for (const Implementation implementation : {Implementation::kPlain, Implementation::kAuto})
-      for (const auto preconditioner : {Preconditioner::kDiagonal, Preconditioner::kMultigrid})
-        EXPECT_LE(max_abs(swung(implementation, preconditioned(preconditioner), relaxes) - expected), 1e-9 * kEdge);
-    EXPECT_LE(max_abs(swung(Implementation::kPlain,
-                            std::make_unique<ConjugateGradients>(
-                                ConjugateGradientSettings{.iterations = 1000, .tolerance = 1e-13, .threshold = 0}),
-                            relaxes) -
-                      expected),
-              1e-9 * kEdge);
-  }
-}
-
 // Folded and thrown bodies: recovery springs and the corner energy, hexahedra that are skipped.
 TEST(Plain, IsTheKernelsForThrownBodiesToo) {
   Random random(403);

@@ -154,26 +154,16 @@ TEST(ConnectedParts, AreRightAfterEachOfTenThousandRandomRemovals) {
 
       std::vector<int> expected(mesh.num_nodes(), -1);
       int count = 0;
-      for (int start = 0; start < mesh.num_nodes(); ++start) {
-        const auto around = mesh.incident(start);
-        const bool has_element = std::any_of(around.begin(), around.end(), [&](auto at) { return alive[at.element]; });
-        if (!has_element || expected[start] >= 0) continue;
-        std::vector<int> open{start};
-        expected[start] = count;
-        while (!open.empty()) {
-          const int n = open.back();
-          open.pop_back();
-          for (const auto& [element, corner] : mesh.incident(n)) {
-            if (!alive[element]) continue;
-            for (const int other : mesh.hexahedra()[element]) {
-              if (expected[other] >= 0) continue;
-              expected[other] = count;
-              open.push_back(other);
-            }
-          }
+      const std::function<bool(int)> flood = [&](int n) {  // whether n is the first node of a part
+        if (expected[n] >= 0) return false;
+        for (const HexMesh::Incidence& at : mesh.incident(n)) {
+          if (!alive[at.element]) continue;
+          expected[n] = count;
+          for (const int other : mesh.hexahedra()[at.element]) flood(other);
         }
-        ++count;
-      }
+        return expected[n] >= 0;
+      };
+      for (int n = 0; n < mesh.num_nodes(); ++n) count += flood(n);
       ASSERT_EQ(parts.part_of_node, expected);
       ASSERT_EQ(parts.count, count);
     }
