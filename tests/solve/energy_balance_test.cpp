@@ -49,6 +49,26 @@ Material elastic() {
   return material;
 }
 
+// One hexahedron of mass m: v_n = n h g after n steps, fallen by h^2 g n (n + 1) / 2. What the scheme takes is
+// m (h g)^2 / 2 a step.
+TEST(EnergyBalance, OfAFallingHexahedronIsTheHandValue) {
+  const Vec3 gravity(0, -9.81, 1);
+  const double h = kStep, g_squared = gravity.squaredNorm(), m = kDensity * kEdge * kEdge * kEdge;
+  Measured hexahedron({1, 1, 1}, elastic(), {}, {},
+                      [&](double, ConstPoints, Points f) { f.rowwise() += m / 8 * gravity.transpose(); });
+  hexahedron.begin();
+  for (int n = 1; n <= 40; ++n) {
+    hexahedron.step();
+    const double fallen = h * h * n * (n + 1) / 2;  // over g
+    ASSERT_NEAR(hexahedron.balance.load_work, m * g_squared * fallen, 1e-10);
+    ASSERT_NEAR(hexahedron.balance.numerical_loss, n * m * h * h * g_squared / 2, 1e-10);
+    ASSERT_NEAR(hexahedron.balance.kinetic, m * g_squared * n * n * h * h / 2, 1e-10);
+  }
+  EXPECT_NEAR(hexahedron.balance.damping_loss, 0, 1e-10);
+  EXPECT_NEAR(hexahedron.balance.support_work, 0, 1e-10);
+  EXPECT_NEAR(hexahedron.balance.error(), 0, 1e-9);
+}
+
 // A cube on a fixed face is a spring k = E A / L with the mass m of four nodes. The scalar recursion gives every term.
 TEST(EnergyBalance, OfAReleasedSpringIsThatOfTheScalarScheme) {
   const double k = kYoungModulus * kEdge, m = 4 * kDensity * kEdge * kEdge * kEdge / 8, rM = 0.3, rK = 0.02, d = 0.5,

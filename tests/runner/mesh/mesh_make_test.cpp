@@ -283,7 +283,7 @@ TEST_F(MeshPath, BelongsToARunThatIsResumed) {
 }
 
 // Against another program, where it is installed. Without lateral contraction a pulled bar stays a prism, and both laws
-// agree to the square of the strain (here 1e-4). CalculixCantilever has large deflections.
+// agree to the square of the strain (here 1e-4).
 TEST_F(Command, ABarIsPulledAsFarAsByCalculix) {
   if (shell("command -v ccx").code != 0) GTEST_SKIP() << "ccx is not installed";
   write("bar.scn",
