@@ -70,7 +70,7 @@ std::string tearing_bar(const std::string& lines, const std::string& solver = "<
 
 const std::string kHeld = "<FixedProjectiveConstraint indices='24-29'/>";
 
-const std::string kGrip =
+const std::string kGripAcross =
     "<GraspForceField name='grasp' radius='0.12' keyTimes='0 0.3' positions='.1 .05 0  .2 .05 -.2' graspTime='0.06' "
     "releaseTime='0.3' stiffness='300' maxForce='12'/>";
 const std::string kPoints =
@@ -95,7 +95,7 @@ TEST(SceneCheckpoint, WhateverComponentsKeepGoesOnBitForBit) {
     expect_same_future(tearing_bar(kHeld, solver, "<StaticSolver/><NewtonRaphsonSolver maxNbIterationsNewton='5'/>"), 3,
                        {1, 2});
 
-  expect_same_future(tearing_bar(kHeld + kGrip), 20, {2, 6, 18});
+  expect_same_future(tearing_bar(kHeld + kGripAcross), 20, {2, 6, 18});
   expect_same_future(tearing_bar("<LinearMovementProjectiveConstraint indices='24-29' keyTimes='0 0.2 9' movements='0 "
                                  "0 0  0 .05 .1  0 .05 .1'/>"),
                      16, {3, 12});
