@@ -37,9 +37,9 @@ void Arrow::draw(Geometry::Vertices& triangles) const {
       brim[k] = {neck + kArrowHeadWidth * thick * out[k], (out[k] + slope * along).normalized()};
     }
     const Vertex tip{to, ((out[0] + out[1]).normalized() + slope * along).normalized()};
-    triangles.insert(triangles.end(), {foot[0], foot[1], top[1], foot[0], top[1], top[0], brim[0], brim[1], tip});
+    triangles.add({foot[0], foot[1], top[1], foot[0], top[1], top[0], brim[0], brim[1], tip});
     for (const auto& [end, middle] : {std::pair(brim, neck), std::pair(foot, from)})
-      triangles.insert(triangles.end(), {{end[0].place, -along}, {end[1].place, -along}, {middle, -along}});
+      triangles.add({{end[0].place, -along}, {end[1].place, -along}, {middle, -along}});
   }
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "hexaplast/mesh/faces.hpp"
+#include "picture/lamps.hpp"
 
 namespace hexaplast::output {
 namespace {
@@ -140,6 +141,7 @@ Drawing Gallery::drawing(const State& state, const Camera& camera, const Scale& 
             Page::strip(),
             scale.palette()};
   view.geometry.room = room;
+  light_up(view.geometry, camera);
   page.drawing().view = std::make_shared<View>(std::move(view));
   for (const Moment::Tool& tool : state.tools) {
     if (tool.surface || !camera.is_before(tool.place)) continue;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <initializer_list>
 #include <optional>
 #include <vector>
 
@@ -18,8 +19,27 @@ struct Geometry {
     Eigen::Vector3f place;   ///< [m]
     Eigen::Vector3f normal;  ///< unit vector
     float value = 0;         ///< of the quantity shown; infinite: it has none
+    float light = 1;         ///< that it receives, in pictures
   };
-  using Vertices = std::vector<Vertex>;
+
+  /// One corner after the other of triangles or lines, which may share vertices.
+  struct Vertices {
+    std::vector<Vertex> distinct;
+    std::vector<unsigned> corners;
+
+    std::size_t size() const { return corners.size(); }
+    bool empty() const { return corners.empty(); }
+    const Vertex& operator[](std::size_t corner) const { return distinct[corners[corner]]; }
+    auto begin() const { return distinct.begin(); }
+    auto end() const { return distinct.end(); }
+    unsigned number(const Vertex& added) {
+      distinct.push_back(added);
+      return static_cast<unsigned>(distinct.size() - 1);
+    }
+    void add(std::initializer_list<Vertex> vertices) {
+      for (const Vertex& vertex : vertices) corners.push_back(number(vertex));
+    }
+  };
   using Places = std::vector<Eigen::Vector3f>;
 
   Vertices surface;        ///< of the body or what is embedded in it, in the colours of the scale

@@ -20,6 +20,7 @@ namespace hexaplast::output {
 namespace {
 
 constexpr int kOversampling = 3;  // per direction: nine samples a pixel
+constexpr int kBand = 120;        // [pixels] that are drawn at a time, so that their samples stay in caches
 
 std::uint8_t byte(float fraction) {
   return static_cast<std::uint8_t>(std::lround(255 * std::clamp(fraction, 0.0f, 1.0f)));
@@ -99,24 +100,25 @@ Fonts open_fonts() {
   return {library, &FT_Done_FreeType};
 }
 
-/// The mean of each pixel's samples, which are those of the frame that is bound.
-Image averaged(int width, int height) {
-  Image image{width, height, {}};
-  image.pixels.reserve(static_cast<std::size_t>(width) * height * 3);
-  constexpr int kCount = kOversampling * kOversampling;
-  std::vector<std::uint8_t> samples(static_cast<std::size_t>(width) * kCount * 4);
-  std::vector<int> sums;
-  for (int y = height - 1; y >= 0; --y) {  // OpenGL counts rows from below
-    sums.assign(static_cast<std::size_t>(width) * 3, kCount / 2);
-    glReadPixels(0, y * kOversampling, width * kOversampling, kOversampling, GL_RGBA, GL_UNSIGNED_BYTE, samples.data());
-    const std::uint8_t* sample = samples.data();
-    for (int j = 0; j < kOversampling; ++j)
-      for (std::size_t x = 0; x < sums.size(); x += 3)
-        for (int i = 0; i < kOversampling; ++i, sample += 4)
-          for (std::size_t c = 0; c < 3; ++c) sums[x + c] += sample[c];
-    for (const int sum : sums) image.pixels.push_back(static_cast<std::uint8_t>(sum / kCount));
+/// Rows of pixels: means of their samples, which are those of the frame that is bound.
+void average(int top, int rows, Image& image) {
+  constexpr std::size_t kOver = kOversampling, kChannels = 4;
+  const std::size_t across = static_cast<std::size_t>(image.width) * kOver * kChannels;
+  std::vector<std::uint8_t> samples(across * kOver);
+  std::vector<std::uint16_t> sums(across);  // of the samples below one another
+  std::uint8_t* pixel = &image.pixels[static_cast<std::size_t>(top) * image.width * 3];
+  for (int y = rows - 1; y >= 0; --y) {  // OpenGL counts rows from below
+    glReadPixels(0, y * kOversampling, image.width * kOversampling, kOversampling, GL_RGBA, GL_UNSIGNED_BYTE,
+                 samples.data());
+    for (std::size_t s = 0; s < across; ++s)
+      sums[s] = static_cast<std::uint16_t>(samples[s] + samples[across + s] + samples[2 * across + s]);
+    for (const std::uint16_t* sum = sums.data(); sum != sums.data() + across; sum += kOver * kChannels)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const int all = sum[c] + sum[kChannels + c] + sum[2 * kChannels + c];
+        *pixel++ =
+            static_cast<std::uint8_t>((all + kOversampling * kOversampling / 2) / (kOversampling * kOversampling));
+      }
   }
-  return image;
 }
 
 /// A frame of OpenGL that is no screen's.
@@ -159,7 +161,7 @@ class Frame {
 /// Triangles and lines by OpenGL at thrice the size, averaged down; then text by FreeType.
 class GlRenderer final : public Renderer {
  public:
-  explicit GlRenderer(const Light& light) : painter_(light) {}
+  explicit GlRenderer(Light light) : painter_(light) {}
   ~GlRenderer() override {
     context_->make_current();  // for what is deleted in it
   }
@@ -167,13 +169,17 @@ class GlRenderer final : public Renderer {
   Image render(const Drawing& drawing) override {
     context_->make_current();
     const int width = drawing.width * kOversampling, height = drawing.height * kOversampling;
-    frame_.bind(width, height);
-    glViewport(0, 0, width, height);
-    if (drawing.view)
-      painter_.draw(*drawing.view, {0, 0, width, height, static_cast<float>(width) / drawing.view->width});
-    painter_.draw_page(drawing, kOversampling);
-
-    Image image = averaged(drawing.width, drawing.height);
+    Image image{drawing.width, drawing.height, {}};
+    image.pixels.resize(static_cast<std::size_t>(drawing.width) * drawing.height * 3);
+    for (int top = 0; top < drawing.height; top += kBand) {
+      const int rows = std::min(kBand, drawing.height - top), bottom = (drawing.height - top - rows) * kOversampling;
+      frame_.bind(width, std::min(kBand, drawing.height) * kOversampling);
+      glViewport(0, -bottom, width, height);
+      if (drawing.view)
+        painter_.draw(*drawing.view, {0, -bottom, width, height, static_cast<float>(width) / drawing.view->width});
+      painter_.draw_page(drawing, kOversampling);
+      average(top, rows, image);
+    }
     for (const Drawing::Text& text : drawing.texts) (text.bold ? bold_ : regular_).draw(text, drawing.unit, image);
     return image;
   }
@@ -198,6 +204,6 @@ class GlRenderer final : public Renderer {
 
 /// Gives away a new renderer. Its name, set by the build, carries the version of the Renderer interface.
 extern "C" __attribute__((visibility("default"))) hexaplast::output::Renderer* HEXAPLAST_RENDER_ENTRY(
-    const hexaplast::output::Light& light) {
+    hexaplast::output::Light light) {
   return std::make_unique<hexaplast::output::GlRenderer>(light).release();
 }

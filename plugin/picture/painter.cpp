@@ -9,8 +9,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <string>
-#include <string_view>
-#include <unordered_map>
 #include <utility>
 
 #include "picture/gl_program.hpp"
@@ -25,12 +23,11 @@ using Eigen::Matrix4f;
 using Eigen::Vector3f;
 using Eigen::Vector4f;
 
-constexpr int kNumColours = 256;
+constexpr int kNumColours = 1024;
 
-// of the maps of depths [texels]
-constexpr float kLift = 1.5f;  // that a place is looked at above its surface, so that it shades not itself
-constexpr float kSlack = 1;    // by which something must be nearer to the lamp to cast a shadow
-constexpr float kSoft = 6;     // radius of the disc that softens the shadows of a single lamp
+constexpr float kSoft = 6;  // [texels] radius of the disc that softens the shadows of the main lamp
+
+Eigen::Matrix3f lamp() { return turned_to(kMainLamp.of(Vector3f::UnitX(), Vector3f::UnitY(), Vector3f::UnitZ())); }
 
 struct PageVertex {
   Vector3f place;
@@ -49,31 +46,29 @@ void send(unsigned buffer, const std::vector<T>& content, unsigned target = GL_A
   glBufferData(target, static_cast<GLsizeiptr>(content.size() * sizeof(T)), content.data(), GL_STREAM_DRAW);
 }
 
-unsigned texture_of(unsigned kind) {
+unsigned texture_of(int filter) {
   unsigned texture = 0;
   glGenTextures(1, &texture);
-  glBindTexture(kind, texture);
-  for (const unsigned filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTexParameteri(kind, filter, GL_LINEAR);
-  for (const unsigned wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) glTexParameteri(kind, wrap, GL_CLAMP_TO_EDGE);
+  glBindTexture(GL_TEXTURE_2D, texture);
+  for (const unsigned size : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTexParameteri(GL_TEXTURE_2D, size, filter);
+  for (const unsigned wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
   return texture;
 }
 
 }  // namespace
 
-Painter::Painter(const Light& light) : light_(light) {
-  const auto [lamps, strengths] = lamps_and_strengths(light.num_lamps);
-  lamps_ = lamps;
-  const bool is_single = light.num_lamps == 1;
-  const float texel = 1 / static_cast<float>(light.map_size), soft = is_single ? kSoft : 0;
+Painter::Painter(Light light) : light_(light) {
+  constexpr float kTexel = 1.0f / kMapSize;
   // lifted by what softens its shadow, a plane that stands aslant does not shade itself either
   const std::string constants = fmt::format(
-      "const int kNumLamps = {}, kNumTaps = {};\nconst float kLift = {:.9f}, kSlack = {:.9f}, kSoft = {:.9f};\n",
-      light.num_lamps, is_single ? 12 : 1, 2 * (kLift + soft) * texel, kSlack * texel, soft * texel);
-  surface_ = linked(constants + light_shader() + kReceived, kSurfaceVertex, kSurfaceFragment);
+      "const bool kIsLit = {};\nconst float kLift = {:.9f}, kSlack = {:.9f}, kSoft = {:.9f}, kStrength = {:.9f};\n",
+      light == Light::kVertices, 2 * (kLift + kSoft) * kTexel, kSlack * kTexel, kSoft * kTexel, 1 - kSkyFraction);
+  surface_ = linked(constants + light_shader() + kShading, kSurfaceVertex, kSurfaceFragment);
   flat_ = linked("", kFlatVertex, kFlatFragment);
   glUseProgram(surface_);
-  glUniformMatrix3fv(place_of(surface_, "lamps"), light.num_lamps, GL_FALSE, lamps_.front().data());
-  glUniform1fv(place_of(surface_, "strength"), light.num_lamps, strengths.data());
+  glUniformMatrix3fv(place_of(surface_, "lamp"), 1, GL_FALSE, lamp().data());
   glUniform3f(place_of(surface_, "no_value"), kNoValue.red, kNoValue.green, kNoValue.blue);
   glUniform1i(place_of(surface_, "shadow"), 1);
 
@@ -87,6 +82,7 @@ Painter::Painter(const Light& light) : light_(light) {
       declare(0, 3, sizeof(Geometry::Vertex), offsetof(Geometry::Vertex, place));
       declare(1, 3, sizeof(Geometry::Vertex), offsetof(Geometry::Vertex, normal));
       declare(2, 1, sizeof(Geometry::Vertex), offsetof(Geometry::Vertex, value));
+      declare(3, 1, sizeof(Geometry::Vertex), offsetof(Geometry::Vertex, light));
     }
     if (batch == &places_) declare(0, 3, sizeof(Vector3f), 0);
     if (batch == &page_) {
@@ -96,15 +92,16 @@ Painter::Painter(const Light& light) : light_(light) {
   }
   glBindVertexArray(0);
 
-  colours_ = texture_of(GL_TEXTURE_2D);
+  colours_ = texture_of(GL_NEAREST);
   send_colours({});
 
-  shadow_ = texture_of(GL_TEXTURE_2D_ARRAY);
-  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_DEPTH_COMPONENT24, light.map_size, light.map_size, light.num_lamps, 0,
-               GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  if (light == Light::kVertices) return;
+  shadow_ = texture_of(GL_LINEAR);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, kMapSize, kMapSize, 0, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
   glGenFramebuffers(1, &shadow_frame_);
   glBindFramebuffer(GL_FRAMEBUFFER, shadow_frame_);
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, shadow_, 0);
   glDrawBuffer(GL_NONE);
   glReadBuffer(GL_NONE);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
@@ -129,32 +126,23 @@ void Painter::send_colours(const std::vector<Colour>& palette) {
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, static_cast<int>(colours.size()), 1, 0, GL_RGB, GL_FLOAT, colours.data());
 }
 
-void Painter::draw_shadows(const Geometry& geometry, const Matrix4f& seen) {
+void Painter::draw_shadow(const Geometry& geometry, const Matrix4f& seen) {
   int frame = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &frame);
   glBindFramebuffer(GL_FRAMEBUFFER, shadow_frame_);
-  glViewport(0, 0, light_.map_size, light_.map_size);
+  glViewport(0, 0, kMapSize, kMapSize);
   glDepthFunc(GL_LESS);
+  glClear(GL_DEPTH_BUFFER_BIT);
   glUseProgram(flat_);
   set(flat_, "nearer", 0);
-  const auto cast = [&](const Geometry::Vertices& vertices, bool is_first) {
-    const int count = bind(vertices);
-    for (int k = 0; k < light_.num_lamps; ++k) {
-      if (k > 0) glFinish();  // Mesa's rasteriser lets up to 64 maps wait, each with all of its triangles
-      glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, shadow_, 0, k);
-      if (is_first) glClear(GL_DEPTH_BUFFER_BIT);
-      Matrix4f turn = Matrix4f::Identity();
-      turn.topLeftCorner<3, 3>() = Vector3f(1, 1, -1).asDiagonal() * lamps_[static_cast<std::size_t>(k)];
-      set(flat_, "clip", Matrix4f(turn * seen));
-      glDrawElements(GL_TRIANGLES, count, GL_UNSIGNED_INT, nullptr);
-    }
-  };
+  Matrix4f turn = Matrix4f::Identity();
+  turn.topLeftCorner<3, 3>() = Vector3f(1, 1, -1).asDiagonal() * lamp();
+  set(flat_, "clip", Matrix4f(turn * seen));
   set_clips(flat_, geometry.cut, {});
-  cast(geometry.surface, true);
-  if (!geometry.walls.empty()) cast(geometry.walls, false);
-  if (light_.tools_cast_shadows && !geometry.tools.empty()) cast(geometry.tools, false);
+  for (const Geometry::Vertices* vertices : {&geometry.surface, &geometry.walls, &geometry.tools})
+    draw_corners(*vertices, GL_TRIANGLES);
   set_clips(flat_, {}, {});
-  if (!geometry.cut_faces.empty() && !geometry.is_hollow) cast(geometry.cut_faces, false);
+  if (!geometry.is_hollow) draw_corners(geometry.cut_faces, GL_TRIANGLES);
   glBindFramebuffer(GL_FRAMEBUFFER, static_cast<unsigned>(frame));
 }
 
@@ -191,10 +179,14 @@ void Painter::draw_page(const Drawing& page, int density) {
   glDisable(GL_POLYGON_OFFSET_FILL);
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-  for (std::size_t k = 0; k < page.lines.size(); ++k) {
-    glLineWidth(page.lines[k].width * page.unit * static_cast<float>(density));
-    glDepthMask(page.lines[k].opacity < 1 ? GL_FALSE : GL_TRUE);
-    glDrawArrays(GL_LINES, num_corners + 2 * static_cast<int>(k), 2);
+  for (auto first = page.lines.begin(), end = first; first != page.lines.end(); first = end) {
+    end = std::find_if(first, page.lines.end(), [&](const Drawing::Line& line) {
+      return line.width != first->width || line.opacity != first->opacity;
+    });
+    glLineWidth(first->width * page.unit * static_cast<float>(density));
+    glDepthMask(first->opacity < 1 ? GL_FALSE : GL_TRUE);
+    glDrawArrays(GL_LINES, num_corners + 2 * static_cast<int>(first - page.lines.begin()),
+                 2 * static_cast<int>(end - first));
   }
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
@@ -202,21 +194,12 @@ void Painter::draw_page(const Drawing& page, int density) {
   glBindVertexArray(0);
 }
 
-int Painter::bind(const Geometry::Vertices& vertices) {
-  static_assert(sizeof(Geometry::Vertex) == 7 * sizeof(float), "bytes between its members would differ");
-  Geometry::Vertices distinct;  // light is found once for the corners that faces share
-  std::vector<unsigned> numbers;
-  std::unordered_map<std::string_view, unsigned> number_of;
-  for (const Geometry::Vertex& vertex : vertices) {
-    const std::string_view bytes(reinterpret_cast<const char*>(&vertex), sizeof(vertex));
-    const auto [entry, is_new] = number_of.emplace(bytes, static_cast<unsigned>(distinct.size()));
-    if (is_new) distinct.push_back(vertex);
-    numbers.push_back(entry->second);
-  }
+void Painter::draw_corners(const Geometry::Vertices& vertices, unsigned mode) {
+  if (vertices.empty()) return;
   glBindVertexArray(vertices_.array);
-  send(vertices_.buffer, distinct);
-  send(numbers_, numbers, GL_ELEMENT_ARRAY_BUFFER);
-  return static_cast<int>(numbers.size());
+  send(vertices_.buffer, vertices.distinct);
+  send(numbers_, vertices.corners, GL_ELEMENT_ARRAY_BUFFER);
+  glDrawElements(mode, static_cast<int>(vertices.size()), GL_UNSIGNED_INT, nullptr);
 }
 
 void Painter::draw_lines(const Geometry::Places& ends, const Colour& colour, float opacity, float width) {

@@ -21,7 +21,7 @@ struct Viewport {
 class Painter {
  public:
   /// Throws RendererUnavailable when the graphics driver refuses a program.
-  explicit Painter(const Light& light);
+  explicit Painter(Light light);
   ~Painter();
   Painter(const Painter&) = delete;
   Painter& operator=(const Painter&) = delete;
@@ -49,7 +49,7 @@ class Painter {
   static constexpr float kPushUnits = 16;
 
   void send_colours(const std::vector<Colour>& palette);
-  void draw_shadows(const Geometry& geometry, const Eigen::Matrix4f& seen);
+  void draw_shadow(const Geometry& geometry, const Eigen::Matrix4f& seen);
 
   // layers of a view, in their order
   void draw_behind(const Geometry& geometry, float density);
@@ -63,18 +63,17 @@ class Painter {
   void draw_arrows(const Geometry::Vertices& arrows, const Colour& colour, float scale);
   void draw_within(const Geometry& geometry, std::initializer_list<const Geometry::Vertices*> closed,
                    const Eigen::AlignedBox3f& room, const std::function<void()>& draw_cap);
-  int bind(const Geometry::Vertices& vertices);  // and says how many there are
+  void draw_corners(const Geometry::Vertices& vertices, unsigned mode);
   void draw_lines(const Geometry::Places& ends, const Colour& colour, float opacity, float width);
   void draw_places(const Geometry::Places& places, unsigned mode, const Colour& colour, float opacity = 1);
 
   Light light_;
-  std::vector<Eigen::Matrix3f> lamps_;  // rows: to the right, up and towards each, seen from the viewer
-  unsigned surface_ = 0, flat_ = 0;     // programs
+  unsigned surface_ = 0, flat_ = 0;  // programs
   Batch vertices_, places_, page_;
   unsigned numbers_ = 0;                    // of those of vertices_ that are drawn
   unsigned colours_ = 0;                    // texture: the colour scale, or
   std::vector<Colour> palette_;             // of a view
-  unsigned shadow_ = 0, shadow_frame_ = 0;  // texture: depths from the lamps, and the frame that is drawn to
+  unsigned shadow_ = 0, shadow_frame_ = 0;  // texture: depths from the lamp, and the frame that is drawn to
 };
 
 }  // namespace hexaplast::output

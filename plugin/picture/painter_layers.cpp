@@ -32,7 +32,9 @@ Geometry::Vertices plane_around(const Geometry& geometry) {
   const auto corner = [&](float right, float up) -> Geometry::Vertex {
     return {centre + reach * (right * first + up * second), normal};
   };
-  return {corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, -1), corner(1, 1), corner(-1, 1)};
+  Geometry::Vertices plane;
+  plane.add({corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, -1), corner(1, 1), corner(-1, 1)});
+  return plane;
 }
 
 }  // namespace
@@ -40,13 +42,13 @@ Geometry::Vertices plane_around(const Geometry& geometry) {
 void Painter::draw(const View& view, const Viewport& viewport) {
   const Geometry& geometry = view.geometry;
   const Matrix4f clip = view.camera.clip(view.width, view.height).cast<float>(),
-                 seen = seen_by(view.camera, geometry, light_.map_size);
+                 seen = seen_by(view.camera, geometry, kMapSize);
   const float density = viewport.density, length = geometry.edge_length * view.camera.scale();
   const std::optional<EdgeInk> edges = edge_ink(length, geometry.is_cage);
   for (int k = 0; k < kNumClips; ++k) glEnable(GL_CLIP_DISTANCE0 + k);
   glEnable(GL_DEPTH_TEST);
   glDisable(GL_DITHER);
-  draw_shadows(geometry, seen);
+  if (light_ == Light::kLamp) draw_shadow(geometry, seen);
 
   glViewport(viewport.left, viewport.bottom, viewport.width, viewport.height);
   glClearColor(kPaper.red, kPaper.green, kPaper.blue, 1);
@@ -57,7 +59,10 @@ void Painter::draw(const View& view, const Viewport& viewport) {
   glDepthFunc(GL_LEQUAL);
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(1 + density, kPushUnits);
+  glUseProgram(flat_);
   set(flat_, "clip", clip);
+  set(flat_, "nearer", 0);
+  set_clips(flat_, {}, {});
   draw_behind(geometry, density);
 
   glUseProgram(surface_);
@@ -68,7 +73,7 @@ void Painter::draw(const View& view, const Viewport& viewport) {
   glUniform2f(place_of(surface_, "scale"), static_cast<float>(view.min),
               view.max > view.min ? static_cast<float>(1 / (view.max - view.min)) : 0);
   glActiveTexture(GL_TEXTURE1);
-  glBindTexture(GL_TEXTURE_2D_ARRAY, shadow_);
+  glBindTexture(GL_TEXTURE_2D, shadow_);
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, colours_);
   if (view.palette != palette_) send_colours(view.palette);
@@ -178,7 +183,7 @@ void Painter::draw_lit(const Geometry::Vertices& vertices, Lit how, const Colour
   glUniform1i(place_of(surface_, "lighting"), how);
   set(surface_, "paint",
       paint ? Vector4f(paint->red, paint->green, paint->blue, opacity_of_paint) : Vector4f(0, 0, 0, 0));
-  if (!vertices.empty()) glDrawElements(mode, bind(vertices), GL_UNSIGNED_INT, nullptr);
+  draw_corners(vertices, mode);
 }
 
 void Painter::draw_arrows(const Geometry::Vertices& arrows, const Colour& colour, float scale) {

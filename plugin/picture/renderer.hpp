@@ -56,14 +56,11 @@ struct Drawing {
   std::vector<Text> texts;  ///< over everything else
 };
 
-/// The light on bodies: that of a hemisphere, as far as they do not keep it from each other. One lamp lights every
-/// pixel, many light the vertices, between which the light is blended.
-struct Light {
-  int num_lamps = 1;    ///< 1: an even sky without shadows and the main lamp; more: lamps all over the hemisphere
-  int map_size = 1024;  ///< depths per direction in each lamp's map, which tells what it reaches
-  bool tools_cast_shadows = true;  ///< else they keep no light from the tissue, whose colours are to be compared
+/// The light on bodies: that of a hemisphere, as far as they do not keep it from each other.
+enum class Light {
+  kVertices,  ///< what the vertices of a view say that they receive (light_up)
+  kLamp       ///< an even sky without shadows, and the main lamp, which lights every pixel
 };
-inline constexpr Light kPictureLight{72, 256, false}, kWindowLight{1, 1024, true};
 
 /// No pictures can be made here; the message says what is missing.
 class RendererUnavailable : public std::runtime_error {
@@ -93,9 +90,9 @@ enum class Backend {
 /// An off-screen renderer (OpenGL and FreeType), loaded from a module so that nothing else depends on its libraries.
 /// directory: where the modules lie. Throws RendererUnavailable with the loader's reason.
 std::unique_ptr<Renderer> load_renderer(const std::filesystem::path& directory, Backend backend = Backend::kAny,
-                                        const Light& light = kPictureLight);
+                                        Light light = Light::kVertices);
 
 /// The same from its place beside this library.
-std::unique_ptr<Renderer> load_renderer(Backend backend = Backend::kAny, const Light& light = kPictureLight);
+std::unique_ptr<Renderer> load_renderer(Backend backend = Backend::kAny, Light light = Light::kVertices);
 
 }  // namespace hexaplast::output

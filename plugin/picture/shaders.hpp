@@ -22,13 +22,11 @@ void leave_out(vec3 place) {
 )";
 inline constexpr int kNumClips = 7;
 
-// What a place of the surface receives of the light: found at the vertices where there are many lamps, at every pixel
-// where there is one. Places are seen along right, up and towards the viewer, around the middle of the bodies, which
-// reach to 1.
-inline constexpr const char* kReceived = R"(
-uniform sampler2DArrayShadow shadow;
-uniform mat3 lamps[kNumLamps];
-uniform float strength[kNumLamps];
+// How a surface is lit: by what its vertices receive of the light, or at every pixel by the main lamp and the even sky.
+// Places are seen along right, up and towards the viewer, around the middle of the bodies, which reach to 1.
+inline constexpr const char* kShading = R"(
+uniform sampler2DShadow shadow;
+uniform mat3 lamp;
 uniform vec4 eye;  // homogeneous
 uniform int lighting;
 
@@ -36,22 +34,22 @@ const vec2 kDisc[12] = vec2[](vec2(-0.33, -0.40), vec2(-0.84, -0.07), vec2(-0.70
                               vec2(0.96, -0.19), vec2(0.47, -0.48), vec2(0.52, 0.77), vec2(0.19, -0.89),
                               vec2(0.51, 0.06), vec2(0.90, 0.41), vec2(-0.32, -0.93), vec2(-0.79, -0.60));
 
-vec3 sight_from(vec3 place) { return normalize(eye.xyz - eye.w * place); }
-vec3 turned(vec3 normal, vec3 sight) { return normalize(dot(normal, sight) < 0 ? -normal : normal); }
-
 float received(vec3 place, vec3 normal) {
-  float sum = kNumLamps == 1 ? sky(normal) : 0.0;
-  vec3 above = place + kLift * normal;
-  for (int k = 0; k < kNumLamps; ++k) {
-    float slant = (lamps[k] * normal).z;
-    if (slant <= 0) continue;
-    vec3 at = 0.5 + 0.5 * (lamps[k] * above);
-    float arriving = 0;
-    for (int tap = 0; tap < kNumTaps; ++tap)
-      arriving += texture(shadow, vec4(at.xy + kSoft * kDisc[tap], k, 1 - at.z - kSlack));
-    sum += strength[k] * slant * arriving / kNumTaps;
-  }
-  return sum;
+  vec3 at = 0.5 + 0.5 * (lamp * (place + kLift * normal));
+  float arriving = 0;
+  for (int tap = 0; tap < 12; ++tap) arriving += texture(shadow, vec3(at.xy + kSoft * kDisc[tap], 1 - at.z - kSlack));
+  return sky(normal) + kStrength * max((lamp * normal).z, 0) * arriving / 12;
+}
+
+// What multiplies the colour, and what is added.
+vec2 shaded(vec3 place, vec3 outwards, float light) {
+  if (lighting == 0) return vec2(1, 0);
+  if (lighting == 2) return vec2(lit_thing(vec3(1), normalize(outwards)).r, 0);
+  vec3 sight = normalize(eye.xyz - eye.w * place);
+  vec3 normal = normalize(dot(outwards, sight) < 0 ? -outwards : outwards);
+  if (!kIsLit) light = received(place, normal);
+  float gleam = moist(vec3(0), normal, sight, light).r;
+  return vec2(moist(vec3(1), normal, sight, light).r - gleam, gleam);
 }
 )";
 
@@ -59,37 +57,36 @@ inline constexpr const char* kSurfaceVertex = R"(
 layout(location = 0) in vec3 place;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in float value;
+layout(location = 3) in float light;
 uniform mat4 clip, seen;
 uniform vec2 scale;  // min, 1 / (max - min)
 uniform float grow;  // along the normal
 out vec3 seen_place, seen_normal;
-out float fraction, gap, light;
+out vec2 shading;
+out float fraction, gap;
 void main() {
   gl_Position = clip * vec4(place + grow * normal, 1);
   leave_out(place);
   seen_place = (seen * vec4(place, 1)).xyz;
   seen_normal = mat3(seen) * normal;
+  if (kIsLit) shading = shaded(seen_place, seen_normal, light);
   gap = abs(value) < 1e38 ? 0.0 : 1.0;
   fraction = gap > 0 ? 0.0 : (value - scale.x) * scale.y;
-  light = 0;
-  if (kNumLamps > 1 && lighting == 1) light = received(seen_place, turned(seen_normal, sight_from(seen_place)));
 })";
 
 inline constexpr const char* kSurfaceFragment = R"(
 in vec3 seen_place, seen_normal;
-in float fraction, gap, light;
+in vec2 shading;
+in float fraction, gap;
 uniform sampler2D colours;
 uniform vec4 paint;  // over the scale, as far as its alpha says
 uniform vec3 no_value;
 uniform float opacity;
 out vec4 colour;
 void main() {
-  vec3 sight = sight_from(seen_place), normal = turned(seen_normal, sight);
-  vec3 base = mix(texture(colours, vec2(clamp(fraction, 0.002, 0.998), 0.5)).rgb, no_value, gap);
-  base = mix(base, paint.rgb, paint.a);
-  if (lighting == 1) base = moist(base, normal, sight, kNumLamps > 1 ? light : received(seen_place, normal));
-  if (lighting == 2) base = lit_thing(base, normal);
-  colour = vec4(base, opacity);
+  vec3 base = mix(texture(colours, vec2(fraction, 0.5)).rgb, no_value, gap);
+  vec2 shade = kIsLit ? shading : shaded(seen_place, seen_normal, 1.0);
+  colour = vec4(mix(base, paint.rgb, paint.a) * shade.x + shade.y, opacity);
 })";
 
 inline constexpr const char* kFlatVertex = R"(

@@ -356,8 +356,7 @@ Geometry Shapes::geometry(const Moment& moment, const Camera& camera, const Stro
     if (geometry.is_cage && staging.shows_hexahedra) shown.push_back(&moment.body);
     for (const Moment::Shown* one : shown)
       for (const Edge& edge : one->surface->edges())
-        for (const int point : edge)
-          geometry.wires.push_back({one->points[point], camera.towards(), one->values[point]});
+        for (const int point : edge) geometry.wires.add({{one->points[point], camera.towards(), one->values[point]}});
   } else {
     for (const Moment::Shown* one : moment.filled(staging)) {
       draw_surface(*one, camera.scale(), geometry.surface, geometry.walls);
@@ -373,7 +372,7 @@ Geometry Shapes::geometry(const Moment& moment, const Camera& camera, const Stro
     const Vector3f above = staging.cut ? Vector3f(staging.cut->normal.cast<float>()) : Vector3f(0, 0, 0);
     for (const Triangle& triangle : moment.cut.triangles)
       for (const int point : triangle)
-        geometry.cut_faces.push_back({moment.cut.points[point], above, moment.cut.values[point]});
+        geometry.cut_faces.add({{moment.cut.points[point], above, moment.cut.values[point]}});
     if (staging.shows_hexahedra && staging.shows_edges) {
       if (!is_within) add_lines(hexahedra.edges(), moment.body.points, geometry.edges);
       if (!geometry.is_hollow) add_lines(moment.cut.inner_lines, moment.cut.points, geometry.cut_edges);
@@ -392,9 +391,10 @@ Geometry Shapes::geometry(const Moment& moment, const Camera& camera, const Stro
     add_lines(tool.surface->outline(tool.points, camera.towards()), tool.points, geometry.tool_outline);
     if (staging.is_wireframe) continue;
     geometry.are_tools_closed = geometry.are_tools_closed && tool.surface->is_closed();
-    const std::vector<std::array<Vector3f, 4>> normals = tool.surface->corner_normals(tool.points);
-    for (std::size_t f = 0; f < normals.size(); ++f)
-      for (int k = 0; k < 3; ++k) geometry.tools.push_back({tool.points[tool.surface->faces()[f][k]], normals[f][k]});
+    const std::vector<Vector3f> normals = tool.surface->group_normals(tool.points);
+    for (std::size_t f = 0; f < tool.surface->faces().size(); ++f)
+      for (int k = 0; k < 3; ++k)
+        geometry.tools.add({{tool.points[tool.surface->faces()[f][k]], normals[tool.surface->groups()[f][k]]}});
   }
   if (staging.cut && geometry.are_tools_closed) add_crossing(geometry.tools, *staging.cut, geometry.tool_cut_outline);
   for (const Moment::Load& load : moment.loads)
@@ -411,14 +411,20 @@ Geometry Shapes::geometry(const Moment& moment, const Camera& camera, const Stro
 void Shapes::draw_surface(const Moment::Shown& shown, float scale, Geometry::Vertices& surface_vertices,
                           Geometry::Vertices& walls) const {
   const Surface& surface = *shown.surface;
-  const std::vector<std::array<Vector3f, 4>> normals = surface.corner_normals(shown.points);
+  const std::vector<Vector3f> normals = surface.group_normals(shown.points);
   const int fine = std::clamp(static_cast<int>(surface.mean_edge() * scale / kPatch), 1, kMaxParts);
-  std::vector<Geometry::Vertex> grid;
-  for (std::size_t f = 0; f < normals.size(); ++f) {
-    const Surface::Face& face = surface.faces()[f];
+  constexpr unsigned kNone = -1;
+  std::vector<unsigned> number_of_group(normals.size(), kNone), grid;
+  for (std::size_t f = 0; f < surface.faces().size(); ++f) {
+    const Surface::Face &face = surface.faces()[f], &groups = surface.groups()[f];
     Geometry::Vertices& vertices = surface.is_wall(f) ? walls : surface_vertices;
+    const auto corner = [&](int k) {
+      unsigned& number = number_of_group[static_cast<std::size_t>(groups[k])];
+      if (number == kNone) number = vertices.number({shown.points[face[k]], normals[groups[k]], shown.values[face[k]]});
+      return number;
+    };
     if (Surface::is_triangle(face) && fine == 1) {
-      for (int k = 0; k < 3; ++k) vertices.push_back({shown.points[face[k]], normals[f][k], shown.values[face[k]]});
+      for (int k = 0; k < 3; ++k) vertices.corners.push_back(corner(k));
       continue;
     }
     // where the cut crosses it, as the cut face sees it, so that the two meet
@@ -433,22 +439,28 @@ void Shapes::draw_surface(const Moment::Shown& shown, float scale, Geometry::Ver
       Geometry::Vertex vertex{Vector3f::Zero(), Vector3f::Zero()};
       for (int k = 0; k < 4; ++k) {
         vertex.place += weight[k] * shown.points[face[k]];
-        vertex.normal += weight[k] * normals[f][k];
+        vertex.normal += weight[k] * normals[groups[k]];
         vertex.value += weight[k] * shown.values[face[k]];
       }
       vertex.normal.normalize();
-      return vertex;
+      return vertices.number(vertex);
     };
+    // where a corner has no value, the face has none
+    const bool shares_corners =
+        std::ranges::all_of(face, [&](int point) { return std::isfinite(shown.values[point]); });
     grid.clear();
     for (int j = 0; j <= parts; ++j)
-      for (int i = 0; i <= parts; ++i) grid.push_back(at(static_cast<float>(i), static_cast<float>(j)));
+      for (int i = 0; i <= parts; ++i)
+        grid.push_back(shares_corners && i % parts == 0 && j % parts == 0
+                           ? corner(j == 0 ? i / parts : 3 - i / parts)
+                           : at(static_cast<float>(i), static_cast<float>(j)));
     for (int j = 0; j < parts; ++j)
       for (int i = 0; i < parts; ++i) {
-        const Geometry::Vertex *low = &grid[j * (parts + 1) + i], *high = low + parts + 1;
-        const Geometry::Vertex middle = at(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f);
+        const unsigned *low = &grid[j * (parts + 1) + i], *high = low + parts + 1;
+        const unsigned middle = at(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f);
         for (const auto& [from, to] :
              {std::pair(low, low + 1), std::pair(low + 1, high + 1), std::pair(high + 1, high), std::pair(high, low)})
-          vertices.insert(vertices.end(), {*from, *to, middle});
+          vertices.corners.insert(vertices.corners.end(), {*from, *to, middle});
       }
   }
 }

@@ -58,12 +58,12 @@ Surface::Surface(std::vector<Vector3f> original, std::vector<Face> faces, std::v
   }
 
   std::vector<int> group_of_root(4 * num_faces, -1);
-  group_.resize(num_faces);
+  groups_.resize(num_faces);
   for (int f = 0; f < num_faces; ++f)
     for (int k = 0; k < 4; ++k) {
       int& group = group_of_root[corners.root(4 * f + k)];
       if (group < 0) group = num_groups_++;
-      group_[f][k] = group;
+      groups_[f][k] = group;
     }
 }
 
@@ -80,17 +80,13 @@ float Surface::mean_edge() const {
   return edges_.empty() ? 0 : sum / static_cast<float>(edges_.size());
 }
 
-std::vector<std::array<Vector3f, 4>> Surface::corner_normals(const std::vector<Vector3f>& points) const {
+std::vector<Vector3f> Surface::group_normals(const std::vector<Vector3f>& points) const {
   const std::vector<Vector3f> of_face = face_normals(points);
   std::vector<Vector3f> of_group(num_groups_, Vector3f::Zero());
   for (std::size_t f = 0; f < faces_.size(); ++f)
-    for (int k = 0; k < (is_triangle(faces_[f]) ? 3 : 4); ++k) of_group[group_[f][k]] += of_face[f];
+    for (int k = 0; k < (is_triangle(faces_[f]) ? 3 : 4); ++k) of_group[groups_[f][k]] += of_face[f];
   for (Vector3f& normal : of_group) normal.normalize();
-
-  std::vector<std::array<Vector3f, 4>> normals(faces_.size());
-  for (std::size_t f = 0; f < faces_.size(); ++f)
-    for (int k = 0; k < 4; ++k) normals[f][k] = of_group[group_[f][k]];
-  return normals;
+  return of_group;
 }
 
 std::vector<Vector3f> Surface::point_normals(const std::vector<Vector3f>& points) const {

@@ -32,8 +32,11 @@ class Surface {
 
   float mean_edge() const;  ///< [m] mean length of the edges of the original
 
-  /// Unit normals at the corners of the faces: the mean over all faces around a point that no crease parts.
-  std::vector<std::array<Eigen::Vector3f, 4>> corner_normals(const std::vector<Eigen::Vector3f>& points) const;
+  /// Of the corners of each face: those around a point that no crease parts are of one group.
+  const std::vector<std::array<int, 4>>& groups() const { return groups_; }
+
+  /// Unit normals of the groups: the mean over their faces.
+  std::vector<Eigen::Vector3f> group_normals(const std::vector<Eigen::Vector3f>& points) const;
 
   /// Normals of any length at the points: the sum over all faces around each, by their areas.
   std::vector<Eigen::Vector3f> point_normals(const std::vector<Eigen::Vector3f>& points) const;
@@ -52,7 +55,7 @@ class Surface {
   std::vector<Edge> edges_;
   std::vector<Edge> creases_, smooth_;               // where the original is not smooth, and where it is
   std::vector<std::array<int, 2>> faces_of_smooth_;  // the two faces at each smooth edge
-  std::vector<std::array<int, 4>> group_;            // of each face corner: corners of a group share a normal
+  std::vector<std::array<int, 4>> groups_;
   int num_groups_ = 0;
   bool is_closed_ = true;
 };

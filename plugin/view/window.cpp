@@ -197,7 +197,7 @@ class Window {
   std::function<bool()> is_asked_to_end_;
   WindowState state_;
   Screen screen_;
-  output::Painter painter_{output::kWindowLight};
+  output::Painter painter_{output::Light::kLamp};
   bool is_fitted_ = false;
   double last_frame_ = 0;  // [s]
 };

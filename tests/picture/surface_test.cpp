@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Surfaces: those embedded in a body, what a cut fills, smoothness, light, and the rim of what faces away.
+#include "picture/lamps.hpp"
 #include "support/pictures.hpp"
 
 namespace hexaplast {
@@ -136,12 +137,13 @@ Drawing floor_and_roof(bool has_roof) {
         for (const Eigen::Vector3f& place :
              {at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i + 1, j)}) {
           camera.see({&place, 1});
-          geometry.surface.push_back({place, Eigen::Vector3f::UnitY(), 0.2f});
+          geometry.surface.add({{place, Eigen::Vector3f::UnitY(), 0.2f}});
         }
   };
   add(2, 0);
   if (has_roof) add(0.5f, 0.2f);
   camera.fit({0, 0, 400, 400});
+  light_up(geometry, camera);
   drawing.view = std::make_shared<View>(View{geometry, camera, 400, 400, 0, 1});
   return drawing;
 }
@@ -154,11 +156,11 @@ double brightness_at(const Image& image, const Drawing& drawing, const Eigen::Ve
   return (colour[0] + colour[1] + colour[2]) / static_cast<double>(full[0] + full[1] + full[2]);
 }
 
-// For any number of lamps: bright in the open, never dark, and a plane does not shade itself.
+// By many lamps and by one: bright in the open, never dark, and a plane does not shade itself.
 TEST(Light, IsFullInTheOpenAndFailsUnderARoof) {
   const Drawing open = floor_and_roof(false), roofed = floor_and_roof(true);
-  for (const Light& light : {kPictureLight, kWindowLight, Light{9, 512}}) {
-    SCOPED_TRACE(light.num_lamps);
+  for (const Light light : {Light::kVertices, Light::kLamp}) {
+    SCOPED_TRACE(light == Light::kLamp);
     const auto renderer = load_renderer(Backend::kAny, light);
     const Image without = renderer->render(open), with = renderer->render(roofed);
     const double full = brightness_at(without, open, {0, 0, 0});
@@ -169,7 +171,7 @@ TEST(Light, IsFullInTheOpenAndFailsUnderARoof) {
     EXPECT_NEAR(brightness_at(with, roofed, {0, 0.2f, 0}), full, 0.02) << "on the roof";
     EXPECT_NEAR(brightness_at(with, roofed, {1.8f, 0, 1.8f}), full, 0.03) << "far from it";
     const double received = brightness_at(with, roofed, {0, 0, 0}) - kDarkest;
-    EXPECT_LT(received, (light.num_lamps == 1 ? 0.5 : 0.3) * (full - kDarkest)) << "no roof keeps the even sky off";
+    EXPECT_LT(received, (light == Light::kLamp ? 0.5 : 0.3) * (full - kDarkest)) << "no roof keeps the even sky off";
     EXPECT_GE(received, -0.01);
   }
 }
@@ -190,10 +192,11 @@ TEST(Surface, IsSmoothExceptAtCreases) {
   EXPECT_EQ(surface.edges().size(), 10u);
   // all faces are turned to a viewer above: the creases, which are eight at the border and the one at 60 degrees
   EXPECT_EQ(surface.outline(points, {0, 1, 0}).size(), 9u);
-  const auto normals = surface.corner_normals(points);
-  EXPECT_LT((normals[0][3] - normals[1][0]).norm(), 1e-6f);  // at the smooth edge: 10 degrees from both faces
-  EXPECT_NEAR(normals[0][3].dot(normals[0][0]), 1, 0.02);
-  EXPECT_NEAR(normals[1][3].dot(normals[2][0]), std::cos(60 * degree), 0.1);
+  const auto normals = surface.group_normals(points);
+  const auto normal = [&](int face, int corner) { return normals[surface.groups()[face][corner]]; };
+  EXPECT_LT((normal(0, 3) - normal(1, 0)).norm(), 1e-6f);  // at the smooth edge: 10 degrees from both faces
+  EXPECT_NEAR(normal(0, 3).dot(normal(0, 0)), 1, 0.02);
+  EXPECT_NEAR(normal(1, 3).dot(normal(2, 0)), std::cos(60 * degree), 0.1);
 }
 
 }  // namespace
