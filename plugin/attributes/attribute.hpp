@@ -31,33 +31,19 @@ enum class Type {
 
 /// "groups of three numbers": what an attribute of a type holds, in words.
 constexpr std::string_view describe(Type type) {
-  switch (type) {
-    case Type::kBool:
-      return "true or false";
-    case Type::kInteger:
-      return "one whole number";
-    case Type::kReal:
-      return "one number";
-    case Type::kVector3:
-      return "three numbers";
-    case Type::kIntegers:
-      return "whole numbers";
-    case Type::kReals:
-      return "numbers";
-    case Type::kVectors3:
-      return "groups of three numbers";
-    case Type::kBoxes:
-      return "groups of six numbers";
-    case Type::kHexahedra:
-      return "groups of eight whole numbers";
-    case Type::kText:
-      return "text";
-    case Type::kWord:
-      return "one word";
-    case Type::kLink:
-      return "a link to a component";
-  }
-  return {};
+  constexpr std::string_view kWords[] = {"true or false",
+                                         "one whole number",
+                                         "one number",
+                                         "three numbers",
+                                         "whole numbers",
+                                         "numbers",
+                                         "groups of three numbers",
+                                         "groups of six numbers",
+                                         "groups of eight whole numbers",
+                                         "text",
+                                         "one word",
+                                         "a link to a component"};
+  return kWords[static_cast<int>(type)];
 }
 
 /// Who writes an attribute.
@@ -67,6 +53,7 @@ enum class Access {
   kState,   ///< the scene gives the first value, the component the later ones
   kIgnored  ///< accepted because scenes have it (visual or bookkeeping), without effect here
 };
+inline constexpr std::string_view kAccessNames[] = {"input", "output", "state", "ignored"};
 
 using hexaplast::Range;
 
@@ -140,14 +127,31 @@ constexpr Attribute output(Attribute row) {
   return row;
 }
 
-/// The attributes of some tables, one after the other.
-template <std::size_t... kSizes>
-constexpr auto joined(const std::array<Attribute, kSizes>&... tables) {
-  std::array<Attribute, (kSizes + ...)> all;
-  auto at = all.begin();
-  ((at = std::ranges::copy(tables, at).out), ...);
-  return all;
-}
+/// A component with its rows, of which some may come as arrays:
+/// `constexpr Table kMesh{topology("Mesh", "Cells."), integers("cells", "..."), kDrawnCells};`
+template <std::size_t kSize>
+struct Table : Description {
+  template <class... Rows>
+  constexpr Table(const Description& component, const Rows&... some) : Description(component) {
+    auto at = rows.begin();
+    (put(some, at), ...);
+    attributes = rows;
+  }
+  Table(const Table&) = delete;
+
+  std::array<Attribute, kSize> rows;
+
+ private:
+  static constexpr void put(const Attribute& row, auto& at) { *at++ = row; }
+  static constexpr void put(const auto& some, auto& at) { at = std::ranges::copy(some, at).out; }
+};
+
+template <class Rows>
+inline constexpr std::size_t kNumRows = 1;
+template <std::size_t kSize>
+inline constexpr std::size_t kNumRows<std::array<Attribute, kSize>> = kSize;
+template <class... Rows>
+Table(const Description&, const Rows&...) -> Table<(kNumRows<Rows> + ...)>;
 
 /// What every node and component takes besides its own attributes.
 inline constexpr std::array kCommon = {
@@ -170,13 +174,13 @@ inline constexpr std::string_view kMatrixTemplates =
     "CompressedRowSparseMatrix CompressedRowSparseMatrixd CompressedRowSparseMatrixMat3x3 "
     "CompressedRowSparseMatrixMat3x3d";
 
-/// Describes components of a category that accept the same templates: `topology("MeshTopology", "Nodes ...", kRows)`.
+/// Describes components of a category that accept the same templates: `topology("MeshTopology", "Nodes ...")`.
 struct Category {
   std::string_view name = {};
   std::string_view templates = {};
 
   constexpr Description operator()(std::string_view class_name, std::string_view help,
-                                   std::span<const Attribute> attributes) const {
+                                   std::span<const Attribute> attributes = {}) const {
     return {.class_name = class_name, .category = name, .help = help, .templates = templates, .attributes = attributes};
   }
 };

@@ -6,7 +6,9 @@
 /// Our own components but bodies and shapes, the same in every host.
 namespace hexaplast::attributes {
 
-inline constexpr std::array kMultigridCGLinearSolverAttributes = {
+inline constexpr Table kMultigridCGLinearSolver{
+    Category{"LinearSolver"}("MultigridCGLinearSolver",
+                             "Preconditioned conjugate gradients with a relative tolerance."),
     one_of(
         "preconditioner", {.initial = "auto", .words = "auto multigrid diagonal"},
         "multigrid: a V-cycle on coarser meshes, for hexahedra that form a lattice (grids, tubes, shells, cages); "
@@ -17,13 +19,11 @@ inline constexpr std::array kMultigridCGLinearSolverAttributes = {
          "springs on it if that is larger."),
     integer("iterations", {.initial = "500", .range = {.min = 1, .max = 1000000000}}, "Largest number of iterations."),
 };
-inline constexpr Description kMultigridCGLinearSolver{
-    .class_name = "MultigridCGLinearSolver",
-    .category = "LinearSolver",
-    .help = "Preconditioned conjugate gradients with a relative tolerance.",
-    .attributes = kMultigridCGLinearSolverAttributes};
 
-inline constexpr std::array kTangentialForceAttributes = {
+inline constexpr Table kTangentialForceField{
+    force_field("TangentialForceField",
+                "Forces around an axis that turn with the body: along axis x (p - centre), p being the mean position "
+                "of the group, divided equally among its nodes."),
     indices("indices", "Nodes, group after group."),
     integer("groupSize", {.initial = "1", .range = {.min = 1, .max = 2147483646}},
             "Consecutive indices that form a group: 1 for nodes, 2 for the centres of edges."),
@@ -34,13 +34,11 @@ inline constexpr std::array kTangentialForceAttributes = {
           "Force on each group at each key time: none before the first time, linear in between, constant after the "
           "last. That at the beginning of a step counts."),
 };
-inline constexpr Description kTangentialForceField =
-    force_field("TangentialForceField",
-                "Forces around an axis that turn with the body: along axis x (p - centre), p being the mean position "
-                "of the group, divided equally among its nodes.",
-                kTangentialForceAttributes);
 
-inline constexpr std::array kGraspAttributes = {
+inline constexpr Table kGraspForceField{
+    force_field("GraspForceField",
+                "An instrument that grasps the nodes around it, moves along a path and releases them, with a limited "
+                "force. It acts on the nearest state, which may be one of embedded points."),
     reals("keyTimes", {.unit = "s", .group = "Path"}, "Key times of the tool's path, ascending."),
     vectors3("positions", {.unit = "m", .group = "Path"},
              "Position of the tool at each key time, linear in between; constant before the first time and after the "
@@ -65,35 +63,25 @@ inline constexpr std::array kGraspAttributes = {
     output(vector3("force", {.unit = "N"}, "Force of the tool on the body at the beginning of the last step.")),
     output(vector3("torque", {.unit = "N m"}, "Moment of that force about the tool.")),
 };
-inline constexpr Description kGraspForceField =
-    force_field("GraspForceField",
-                "An instrument that grasps the nodes around it, moves along a path and releases them, with a limited "
-                "force. It acts on the nearest state, which may be one of embedded points.",
-                kGraspAttributes);
 
-inline constexpr std::array kBladeAttributes = {
+inline constexpr Table kBladeController{
+    Category{"Controller"}(
+        "BladeController",
+        "A blade that moves along a path and cuts a body: two hexahedra separate where its edge passes between "
+        "their centres, at the end of the step. It presses on nothing."),
     link("body", "The body that it cuts, or its node. Default: the nearest one."),
     vectors3("points", {.unit = "m", .group = "Blade"},
              "Its edge in the frame of the blade: at least two points, with a straight line from each to the next."),
-    kPathTimes,
-    kPathPositions,
-    kPathOrientations,
+    kPathAttributes,
     boolean("active", {.initial = "true", .group = "Blade"}, "false: it opens nothing."),
 };
-inline constexpr Description kBladeController{
-    .class_name = "BladeController",
-    .category = "Controller",
-    .help =
-        "A blade that moves along a path and cuts a body: two hexahedra separate where its edge passes between "
-        "their centres, at the end of the step. It presses on nothing.",
-    .attributes = kBladeAttributes};
-inline constexpr auto kBladeInSofaAttributes = joined(kBladeAttributes, kFrameAttributes);
-inline constexpr Description kBladeInSofa{.class_name = kBladeController.class_name,
-                                          .category = kBladeController.category,
-                                          .help = kBladeController.help,
-                                          .attributes = kBladeInSofaAttributes};
+inline constexpr Table kBladeInSofa{kBladeController, kBladeController.rows, kFrameAttributes};
 
-inline constexpr std::array kProbeAttributes = {
+inline constexpr Table kProbe{
+    Category{"Probe"}(
+        "Probe",
+        "Records a number after every step: the column probe_NAME of history.csv, a chart of the report, a line of the "
+        "summary. Removed hexahedra do not count; 0 where none is left."),
     reals("value", "A link to numbers or vectors: @forceps.force, @nodes.position, @material.plasticStrain."),
     indices("indices", "Entries of the value that count: nodes, or @tumour.hexahedronIndices; default: all."),
     vectors3("points", {.unit = "m"},
@@ -105,15 +93,9 @@ inline constexpr std::array kProbeAttributes = {
            "component."),
     boolean("change", {.initial = "false"}, "The change since the beginning: of positions, the displacement."),
 };
-inline constexpr Description kProbe{
-    .class_name = "Probe",
-    .category = "Probe",
-    .help =
-        "Records a number after every step: the column probe_NAME of history.csv, a chart of the report, a line of the "
-        "summary. Removed hexahedra do not count; 0 where none is left.",
-    .attributes = kProbeAttributes};
 
-inline constexpr std::array kRunSettingsAttributes = {
+inline constexpr Table kRunSettings{
+    Category{"Settings"}("RunSettings", "How long a scene runs and how often its state is saved."),
     integer("steps", {.range = {.min = 0, .max = 1e9}}, "Time steps of a run, unless the command line gives them."),
     integer("outputEvery", {.initial = "25", .range = {.min = 1, .max = 1e9}}, "Steps between two saved states."),
     one_of(
@@ -121,12 +103,9 @@ inline constexpr std::array kRunSettingsAttributes = {
         "Whether a run records elongation and twist between the end sections of its body. auto: if what fixes, moves "
         "or loads its one body acts on both end sections, and otherwise on whole cross sections, without instruments."),
 };
-inline constexpr Description kRunSettings{.class_name = "RunSettings",
-                                          .category = "Settings",
-                                          .help = "How long a scene runs and how often its state is saved.",
-                                          .attributes = kRunSettingsAttributes};
 
-inline constexpr std::array kAttributeChangeAttributes = {
+inline constexpr Table kAttributeChange{
+    Category{"Settings"}("AttributeChange", "Changes an attribute of another component during the run."),
     link("component", "The component that has the attribute, behind this one in the scene."),
     free_text("attribute",
               "Its name. It must be one that may change during a run, as those of materials and of paths."),
@@ -135,9 +114,5 @@ inline constexpr std::array kAttributeChangeAttributes = {
         "values",
         "The value from each key time on, separated by semicolons. An empty one: as if the attribute were not given."),
 };
-inline constexpr Description kAttributeChange{.class_name = "AttributeChange",
-                                              .category = "Settings",
-                                              .help = "Changes an attribute of another component during the run.",
-                                              .attributes = kAttributeChangeAttributes};
 
 }  // namespace hexaplast::attributes

@@ -6,14 +6,13 @@
 /// The path of what is rigid and moves.
 namespace hexaplast::attributes {
 
-inline constexpr Attribute kPathTimes =
-    reals("keyTimes", {.unit = "s", .group = "Path"}, "Key times of the path, ascending.");
-inline constexpr Attribute kPathPositions =
+inline constexpr std::array kPathAttributes = {
+    reals("keyTimes", {.unit = "s", .group = "Path"}, "Key times of the path, ascending."),
     vectors3("positions", {.unit = "m", .group = "Path"},
-             "Position at each key time, linear in between; constant before the first time and after the last.");
-inline constexpr Attribute kPathOrientations =
+             "Position at each key time, linear in between; constant before the first time and after the last."),
     reals("orientations", {.group = "Path"},
-          "Orientation at each key time, a quaternion x y z w; it turns steadily in between. Default: not turned.");
+          "Orientation at each key time, a quaternion x y z w; it turns steadily in between. Default: not turned."),
+};
 
 /// In SOFA besides: a rigid frame of a scene in place of the path.
 inline constexpr std::array kFrameAttributes = {

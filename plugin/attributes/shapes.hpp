@@ -8,18 +8,21 @@ namespace hexaplast::attributes {
 
 inline constexpr Range kShapeCells{.min = 1, .max = 1000000};
 
-inline constexpr Attribute kShapePosition =
-    output(vectors3("position", {.unit = "m"}, "Nodes, the first direction fastest."));
-inline constexpr Attribute kShapeHexahedra = output(hexahedra("hexahedra", "Cells, the first direction fastest."));
-inline constexpr Attribute kShapeQuads =
-    output(integers("quads", "Faces of the cells, each once: groups of four nodes."));
-inline constexpr Attribute kShapeEdges = output(integers("edges", "Edges of the cells, each once: pairs of nodes."));
+inline constexpr std::array kShapeOutputs = {
+    output(vectors3("position", {.unit = "m"}, "Nodes, the first direction fastest.")),
+    output(hexahedra("hexahedra", "Cells, the first direction fastest.")),
+    output(integers("quads", "Faces of the cells, each once: groups of four nodes.")),
+    output(integers("edges", "Edges of the cells, each once: pairs of nodes.")),
+};
 inline constexpr Attribute kInnerRadius =
     real("innerRadius", {.initial = "0.01", .unit = "m", .range = kPositive}, "Inside.");
 inline constexpr Attribute kOuterRadius = real("outerRadius", {.initial = "0.012", .unit = "m", .range = kPositive},
                                                "Outside; must be greater than innerRadius.");
 
-inline constexpr std::array kTubeGridTopologyAttributes = {
+inline constexpr Table kTubeGridTopology{
+    topology("TubeGridTopology",
+             "A tube, straight, along an arc or along a curve. The first node of each circle lies on the side of x (of "
+             "y where the curve begins along x); sections do not turn about the curve."),
     integers("cells", {.initial = "2 16 20", .range = kShapeCells},
              "Hexahedra outward, around (at least 3) and along."),
     kInnerRadius,
@@ -34,18 +37,11 @@ inline constexpr std::array kTubeGridTopologyAttributes = {
     vectors3("centreline", {.unit = "m"},
              "At least two points of a smooth curve that the tube follows instead. The hexahedra along it are equally "
              "long."),
-    kShapePosition,
-    kShapeHexahedra,
-    kShapeQuads,
-    kShapeEdges,
+    kShapeOutputs,
 };
-inline constexpr Description kTubeGridTopology =
-    topology("TubeGridTopology",
-             "A tube, straight, along an arc or along a curve. The first node of each circle lies on the side of x (of "
-             "y where the curve begins along x); sections do not turn about the curve.",
-             kTubeGridTopologyAttributes);
 
-inline constexpr std::array kSheetGridTopologyAttributes = {
+inline constexpr Table kSheetGridTopology{
+    topology("SheetGridTopology", "A sheet about the origin, flat or bent like a cylinder."),
     integers("cells", {.initial = "16 16 2", .range = kShapeCells}, "Hexahedra along x, along y and across."),
     reals("size", {.initial = "0.1 0.1", .unit = "m", .range = kPositive},
           "Lengths along x and y, measured in the middle of the thickness."),
@@ -53,15 +49,12 @@ inline constexpr std::array kSheetGridTopologyAttributes = {
          "Along z, half of it to either side of the origin."),
     real("curvature", {.initial = "0", .unit = "1/m"},
          "One over the radius of bending about an axis along y. Positive: the ends sink; negative: they rise."),
-    kShapePosition,
-    kShapeHexahedra,
-    kShapeQuads,
-    kShapeEdges,
+    kShapeOutputs,
 };
-inline constexpr Description kSheetGridTopology = topology(
-    "SheetGridTopology", "A sheet about the origin, flat or bent like a cylinder.", kSheetGridTopologyAttributes);
 
-inline constexpr std::array kSpherePatchGridTopologyAttributes = {
+inline constexpr Table kSpherePatchGridTopology{
+    topology("SpherePatchGridTopology",
+             "A square patch of a spherical shell about the origin, around the z axis, cut along great circles."),
     integers("cells", {.initial = "16 16 2", .range = kShapeCells}, "Hexahedra along x, along y and outward."),
     kInnerRadius,
     kOuterRadius,
@@ -69,14 +62,7 @@ inline constexpr std::array kSpherePatchGridTopologyAttributes = {
         "angle",
         {.initial = "90", .unit = "deg", .range = {.min = 0, .max = 180, .exclusive_min = true, .exclusive_max = true}},
         "From side to side, seen from the centre."),
-    kShapePosition,
-    kShapeHexahedra,
-    kShapeQuads,
-    kShapeEdges,
+    kShapeOutputs,
 };
-inline constexpr Description kSpherePatchGridTopology =
-    topology("SpherePatchGridTopology",
-             "A square patch of a spherical shell about the origin, around the z axis, cut along great circles.",
-             kSpherePatchGridTopologyAttributes);
 
 }  // namespace hexaplast::attributes

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <cctype>
+#include <cmath>
 
+#include "attributes/admissible.hpp"
 #include "hexaplast/base/rows.hpp"
 
 namespace hexaplast::attributes {
@@ -68,5 +70,18 @@ std::string unknown_word(std::string_view word, std::span<const std::string_view
   return fmt::format("{} must be {}{}", quoted(word), alternatives(words),
                      candidate.empty() ? "" : fmt::format(" (did you mean '{}'?)", candidate));
 }
+
+std::string describe(const Range& range) {
+  const bool below = std::isfinite(range.min), above = std::isfinite(range.max);
+  if (below && above)
+    return fmt::format("must lie in {}{:.10g}, {:.10g}{}", range.exclusive_min ? '(' : '[', range.min, range.max,
+                       range.exclusive_max ? ')' : ']');
+  if (below) return fmt::format("must be {} {:.10g}", range.exclusive_min ? ">" : ">=", range.min);
+  if (above) return fmt::format("must be {} {:.10g}", range.exclusive_max ? "<" : "<=", range.max);
+  return {};
+}
+
+std::string inadmissible(const Range& range, double number) { return fmt::format("{} {}", number, describe(range)); }
+std::string inadmissible(const Range& range, long number) { return fmt::format("{} {}", number, describe(range)); }
 
 }  // namespace hexaplast::attributes

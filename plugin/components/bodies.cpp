@@ -1,23 +1,74 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "attributes/hexaplast.hpp"
+#include "components/body_field.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
-#include "components/material_region.hpp"
 #include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/node_copies.hpp"
 #include "loaded_body.hpp"
 #include "parts/hexahedral_body.hpp"
+#include "parts/material_region.hpp"
 #include "plastic/fracture.hpp"
-#include "scene/potential.hpp"
+#include "scene/interfaces.hpp"
+#include "scene/region.hpp"
 #include "scene/scene.hpp"
 
 namespace hexaplast::components {
 namespace {
+
+class MaterialRegion final : public scene::MaterialRegion, public scene::Changeable {
+ public:
+  MaterialRegion() : scene::MaterialRegion(attributes::kMaterialRegion) {}
+
+  /// The regions of a body, in the order of the scene.
+  static std::vector<MaterialRegion*> all_of(const BodyField& body) {
+    std::vector<MaterialRegion*> regions = body.node().root().all<MaterialRegion>();
+    std::erase_if(regions, [&](MaterialRegion* region) { return find_body(*region) != &body; });
+    return regions;
+  }
+
+  /// What it gives to its body, at present, whether its init is done or not: bodies ask in their own. Rejects the scene
+  /// where it cannot be.
+  const parts::MaterialRegion& values(const std::vector<Hexahedron>& of_body) {
+    was_asked_ = true;
+    const auto numbers = [&](std::string_view attribute) -> std::optional<std::vector<int>> {
+      if (!is_given(attribute)) return std::nullopt;
+      return indices(attribute, std::numeric_limits<int>::max());
+    };
+    const auto given = [&](const Row<Material>& row) { return values_of(*this, row); };
+    return present_ = accepted(*this, [&] {
+             std::vector<int> hexahedra = parts::region_hexahedra(numbers("hexahedra"), numbers("indices"), of_body);
+             return parts::material_region(given, std::move(hexahedra), node().clock().dt);
+           });
+  }
+
+  void init() override { needed_body(*this); }
+  // What a body has not asked for, because it has failed before, is wrong all the same.
+  void bwd_init() override {
+    if (const std::vector<Hexahedron>* of_body = find_body(*this)->hexahedra(); of_body && !was_asked_)
+      values(*of_body);
+    if (present_.values.empty() && find_body(*this)->stage() == Stage::kReady)
+      remark(scene::Severity::kWarning, {}, "gives its hexahedra no value: it has no effect");
+  }
+  // The body takes what all of its regions give.
+  void refresh(std::span<const std::string_view> changed) override { find_body(*this)->refresh(changed); }
+
+  std::span<const int> hexahedra() const override { return present_.hexahedra; }
+  const scene::ForceField* field() override { return find_body(*this); }
+
+ private:
+  bool was_asked_ = false;
+  parts::MaterialRegion present_;
+};
 
 /// A body as a force field.
 class HexahedronElastoplasticFEMForceField final : public ElasticForces<BodyField>,
@@ -48,13 +99,11 @@ class HexahedronElastoplasticFEMForceField final : public ElasticForces<BodyFiel
   // The material may change during a run: what flowed stays.
   void refresh(std::span<const std::string_view>) override {
     announce_change();
-    try {
-      const parts::HexahedralBodyOptions given = accepted(*this, [&] { return options(); });
+    accepted(*this, [&] {
+      const parts::HexahedralBodyOptions given = options();
       require_followers(given.materials, given.settings);
-      accepted(*this, [&] { part_->set_options(given, node().clock().dt); });
-    } catch (const InputError& error) {
-      reject(error.what());
-    }
+      part_->set_options(given, node().clock().dt);
+    });
     pass_on(*this, part_->take_warnings());
     rayleigh_stiffness_ = real("rayleighStiffness");
   }
@@ -153,6 +202,7 @@ class HexahedronElastoplasticFEMForceField final : public ElasticForces<BodyFiel
 
 void add_bodies(scene::Factory& factory) {
   factory.add<HexahedronElastoplasticFEMForceField>(attributes::kHexahedronElastoplasticFEMForceField);
+  factory.add<MaterialRegion>(attributes::kMaterialRegion);
 }
 
 }  // namespace hexaplast::components

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <fmt/format.h>
+
 #include <optional>
 #include <vector>
 
@@ -38,9 +40,20 @@ class BodyField : public scene::ForceField, public scene::Changeable {
 
 /// The body that the attribute `body` of a component leads to, or its node; where it is not given, the nearest one.
 /// Null: there is none.
-BodyField* find_body(scene::Component& component);
+inline BodyField* find_body(scene::Component& component) {
+  scene::Object* target = component.find_data("body")->target();
+  if (!target) return component.node().nearest<BodyField>();
+  const scene::Node* holder = dynamic_cast<scene::Node*>(target);
+  return holder ? holder->local<BodyField>() : dynamic_cast<BodyField*>(target);
+}
 
 /// The same; rejects the scene where there is none.
-BodyField& needed_body(scene::Component& component);
+inline BodyField& needed_body(scene::Component& component) {
+  if (BodyField* field = find_body(component)) return *field;
+  if (const scene::Object* target = component.find_data("body")->target())
+    component.reject("body", fmt::format("the link leads to {} '{}', must lead to a body of hexahedra",
+                                         target->class_name(), target->name()));
+  component.reject("needs a body of hexahedra in its node or above, or a link to one");
+}
 
 }  // namespace hexaplast::components

@@ -14,13 +14,23 @@ namespace hexaplast::components {
 /// An attribute of whole numbers as cells. Rejects the scene when the numbers do not form groups of N, or a node is not
 /// below `num_nodes`.
 template <std::size_t N>
-std::vector<std::array<int, N>> cells_of(scene::Object& owner, std::string_view attribute, int num_nodes);
+std::vector<std::array<int, N>> cells_of(scene::Object& owner, std::string_view attribute, int num_nodes) {
+  const std::vector<int> nodes = owner.indices(attribute, num_nodes);
+  if (nodes.size() % N != 0)
+    owner.reject(attribute, std::to_string(nodes.size()) + " numbers given, must be groups of " + std::to_string(N));
+  std::vector<std::array<int, N>> cells(nodes.size() / N);
+  for (std::size_t i = 0; i < nodes.size(); ++i) cells[i / N][i % N] = nodes[i];
+  return cells;
+}
 
-/// The nodes of some cells, or of all of them, one after the other.
+/// The nodes of cells, one after the other.
 template <std::size_t N>
-std::vector<std::int64_t> flattened(std::span<const std::array<int, N>> cells);
-template <std::size_t N>
-std::vector<std::int64_t> flattened(std::span<const std::array<int, N>> cells, std::span<const int> chosen);
+std::vector<std::int64_t> flattened(std::span<const std::array<int, N>> cells) {
+  std::vector<std::int64_t> nodes;
+  nodes.reserve(N * cells.size());
+  for (const auto& cell : cells) nodes.insert(nodes.end(), cell.begin(), cell.end());
+  return nodes;
+}
 
 /// The coordinates of points, one after the other.
 inline std::vector<double> flattened(const PointArray& points) {

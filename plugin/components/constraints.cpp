@@ -13,7 +13,6 @@
 #include "hexaplast/base/error.hpp"
 #include "parts/spread_nodes.hpp"
 #include "scene/interfaces.hpp"
-#include "scene/supports.hpp"
 #include "solve/loads.hpp"
 
 namespace hexaplast::components {
@@ -220,10 +219,11 @@ class KeyedMotion final : public NodeConstraint, public scene::Stateful {
 
 void add_constraints(scene::Factory& factory) {
   using namespace attributes;
-  for (const Description* description : {&kFixedProjectiveConstraint, &kPartialFixedProjectiveConstraint})
-    factory.add(*description, [description] { return std::make_unique<FixedConstraint>(*description); });
   for (const Description* description :
-       {&kLinearMovementProjectiveConstraint, &kPartialLinearMovementProjectiveConstraint})
+       std::initializer_list<const Description*>{&kFixedProjectiveConstraint, &kPartialFixedProjectiveConstraint})
+    factory.add(*description, [description] { return std::make_unique<FixedConstraint>(*description); });
+  for (const Description* description : std::initializer_list<const Description*>{
+           &kLinearMovementProjectiveConstraint, &kPartialLinearMovementProjectiveConstraint})
     factory.add(*description, [description] { return std::make_unique<KeyedMotion>(*description); });
 }
 

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "attributes/stock.hpp"
-#include "components/cells.hpp"
 #include "components/components.hpp"
+#include "components/part.hpp"
 #include "hexaplast/base/error.hpp"
 #include "mesh/selection.hpp"
 
@@ -106,7 +106,9 @@ class RegionOfInterest : public scene::Engine {
         cells_inside<N>(points, all, boolean("strict") ? Inside::kAllCorners : Inside::kCentre,
                         [&](const Vec3& point) { return is_inside(point); });
     found(cells.numbers, std::vector<std::int64_t>(inside.begin(), inside.end()));
-    found(cells.nodes, flattened<N>(all, inside));
+    std::vector<std::array<int, N>> chosen;
+    for (const int cell : inside) chosen.push_back(all[cell]);
+    found(cells.nodes, flattened<N>(chosen));
   }
 };
 
@@ -194,11 +196,7 @@ class MeshROI final : public RegionOfInterest {
     const PointArray points = vectors3("ROIposition");
     const std::vector<Triangle> triangles = cells_of<3>(*this, "ROItriangles", static_cast<int>(points.rows()));
     if (triangles.empty()) reject("ROItriangles", "has no triangle, must have those of a closed surface");
-    try {
-      space_.emplace(points, triangles);
-    } catch (const InputError& error) {
-      reject("ROItriangles", error.what());
-    }
+    accepted(*this, "ROItriangles", [&] { space_.emplace(points, triangles); });
     const Vec3 &min = space_->box().min(), &max = space_->box().max();
     found("box", std::vector<double>{min.x(), min.y(), min.z(), max.x(), max.y(), max.z()});
     takes_box_ = !boolean("computeMeshROI");

@@ -4,26 +4,8 @@
 
 HEXAPLAST_PLUGIN(factory) {
   using namespace hexaplast::components;
-  add_settings(factory);
-  add_animation_loop(factory);
-  add_solvers(factory);
-  add_linear_solvers(factory);
-  add_loaders(factory);
-  add_topologies(factory);
-  add_sparse_grids(factory);
-  add_shapes(factory);
-  add_states(factory);
-  add_masses(factory);
-  add_engines(factory);
-  add_constraints(factory);
-  add_attachments(factory);
-  add_loads(factory);
-  add_springs(factory);
-  add_part_forces(factory);
-  add_bodies(factory);
-  add_regions(factory);
-  add_blades(factory);
-  add_mappings(factory);
-  add_visuals(factory);
-  add_probes(factory);
+  for (const auto add :
+       {add_settings, add_solvers, add_loaders, add_topologies, add_states, add_masses, add_engines, add_constraints,
+        add_attachments, add_loads, add_springs, add_part_forces, add_bodies, add_mappings, add_visuals, add_probes})
+    add(factory);
 }

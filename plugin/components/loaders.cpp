@@ -12,7 +12,7 @@
 #include "geometry/placement.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
-#include "scene/arrays.hpp"
+#include "scene/interfaces.hpp"
 #include "scene/visuals.hpp"
 
 namespace hexaplast::components {

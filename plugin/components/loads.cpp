@@ -14,7 +14,6 @@
 #include "components/part.hpp"
 #include "parts/spread_nodes.hpp"
 #include "scene/interfaces.hpp"
-#include "scene/load.hpp"
 #include "solve/contact_loads.hpp"
 
 namespace hexaplast::components {

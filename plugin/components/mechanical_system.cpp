@@ -8,8 +8,8 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
+#include "scene/interfaces.hpp"
 #include "scene/parts.hpp"
-#include "scene/potential.hpp"
 
 namespace hexaplast::components {
 namespace {

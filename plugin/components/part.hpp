@@ -53,14 +53,25 @@ Options read_options(scene::Object& owner) {
   return options;
 }
 
-/// What `call` returns. The first option that a part refuses is the attribute of that name, at its place
-/// in the scene.
+/// What `call` returns. What it refuses, the scene is rejected for: the first option that a part refuses is the
+/// attribute of that name, at its place in the scene.
 template <class Call>
 decltype(auto) accepted(scene::Object& owner, const Call& call) {
   try {
     return call();
   } catch (const parts::OptionError& error) {
     owner.reject(error.reasons().front().attribute, error.reasons().front().text);
+  } catch (const InputError& error) {
+    owner.reject(error.what());
+  }
+}
+/// The same of what an attribute gives.
+template <class Call>
+decltype(auto) accepted(scene::Object& owner, std::string_view attribute, const Call& call) {
+  try {
+    return call();
+  } catch (const InputError& error) {
+    owner.reject(attribute, error.what());
   }
 }
 

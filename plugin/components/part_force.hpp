@@ -12,7 +12,6 @@
 #include "parts/force.hpp"
 #include "scene/factory.hpp"
 #include "scene/interfaces.hpp"
-#include "scene/load.hpp"
 
 /// Parts that are forces (parts/force.hpp) as force fields of a scene.
 namespace hexaplast::components {

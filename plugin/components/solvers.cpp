@@ -6,16 +6,110 @@
 #include <optional>
 #include <utility>
 
+#include "attributes/parts.hpp"
 #include "attributes/stock.hpp"
 #include "components/components.hpp"
+#include "components/part.hpp"
 #include "components/system_solver.hpp"
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/solve/cholesky.hpp"
+#include "hexaplast/solve/conjugate_gradients.hpp"
 #include "hexaplast/solve/energy_balance.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
-#include "scene/supports.hpp"
+#include "parts/multigrid_cg.hpp"
+#include "scene/interfaces.hpp"
+#include "scene/scene.hpp"
 
 namespace hexaplast::components {
 namespace {
+
+class DefaultAnimationLoop final : public scene::AnimationLoop {
+ public:
+  DefaultAnimationLoop() : AnimationLoop(attributes::kDefaultAnimationLoop) {}
+
+  void bwd_init() override {
+    solvers_ = node().all<scene::OdeSolver>();
+    for (scene::MechanicalState* state : scene::independent_states(node())) {
+      if (state->node().nearest<scene::OdeSolver>()) continue;
+      if (solvers_.empty()) state->reject("nothing moves it: needs an OdeSolver in its node or above");
+      state->remark(scene::Severity::kWarning, {}, "nothing moves it: no OdeSolver in its node or above");
+    }
+    for (scene::OdeSolver* solver : solvers_) {
+      const scene::Node* above = solver->node().parent();
+      const scene::OdeSolver* other = above ? above->nearest<scene::OdeSolver>() : nullptr;
+      if (!other) other = solver->node().local<scene::OdeSolver>();
+      if (other != solver)
+        solver->reject(
+            fmt::format("{} '{}' moves everything in its node and below already", other->class_name(), other->name()));
+    }
+  }
+
+  SolveReport step() override {
+    scene::Clock& clock = node().clock();
+    scene::begin_step(node());
+
+    SolveReport total;
+    for (scene::OdeSolver* solver : solvers_) {
+      const SolveReport report = solver->solve(clock.time, clock.dt);
+      total.iterations += report.iterations;
+      total.residual = std::max(total.residual, report.residual);
+      total.of_newton = total.of_newton || (report.of_newton && !report.converged);
+      total.converged = total.converged && report.converged;
+      total.at_threshold = total.at_threshold || report.at_threshold;
+      if (report.iterations > 0) total.preconditioner = report.preconditioner;
+    }
+
+    clock.time += clock.dt;
+    scene::end_step(node(), clock.dt);
+    return total;
+  }
+
+ private:
+  std::vector<scene::OdeSolver*> solvers_;
+};
+
+class CGLinearSolver final : public scene::LinearSolver {
+ public:
+  CGLinearSolver() : LinearSolver(attributes::kCGLinearSolver) {}
+
+  void init() override {
+    solver_.emplace(ConjugateGradientSettings{.iterations = integer("iterations"),
+                                              .tolerance = real("tolerance"),
+                                              .threshold = real("threshold"),
+                                              .warm_start = boolean("warmStart")});
+  }
+  hexaplast::LinearSolver& method() override { return *solver_; }
+
+ private:
+  std::optional<ConjugateGradients> solver_;
+};
+
+class SparseLDLSolver final : public scene::LinearSolver {
+ public:
+  SparseLDLSolver() : LinearSolver(attributes::kSparseLDLSolver) {}
+
+  hexaplast::LinearSolver& method() override { return solver_; }
+  bool needs_matrix() override { return true; }
+
+ private:
+  CholeskySolver solver_;
+};
+
+/// Ours: ends when the answer is as good as asked for.
+class MultigridCGLinearSolver final : public scene::LinearSolver {
+ public:
+  MultigridCGLinearSolver() : LinearSolver(attributes::kMultigridCGLinearSolver) {}
+
+  void init() override {
+    solver_.emplace(
+        accepted(*this, [&] { return parts::MultigridCG(read_options<parts::MultigridCGOptions>(*this)); }));
+  }
+  hexaplast::LinearSolver& method() override { return solver_->solver(); }
+  void heed(const SolveReport& report) override { pass_on(*this, solver_->heed(report)); }
+
+ private:
+  std::optional<parts::MultigridCG> solver_;
+};
 
 class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
  public:
@@ -323,6 +417,10 @@ class StaticSolver final : public SystemSolver {
 }  // namespace
 
 void add_solvers(scene::Factory& factory) {
+  factory.add<DefaultAnimationLoop>(attributes::kDefaultAnimationLoop);
+  factory.add<CGLinearSolver>(attributes::kCGLinearSolver);
+  factory.add<SparseLDLSolver>(attributes::kSparseLDLSolver);
+  factory.add<MultigridCGLinearSolver>(attributes::kMultigridCGLinearSolver);
   factory.add<EulerImplicitSolver>(attributes::kEulerImplicitSolver);
   factory.add<StaticSolver>(attributes::kStaticSolver);
   factory.add<NewtonRaphsonSolver>(attributes::kNewtonRaphsonSolver);

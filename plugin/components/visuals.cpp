@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "scene/visuals.hpp"
 
+#include <algorithm>
+#include <initializer_list>
+
 #include "attributes/stock.hpp"
 #include "components/cells.hpp"
 #include "components/components.hpp"
@@ -39,24 +42,32 @@ class VisualStyle final : public scene::VisualStyle, public scene::Changeable {
   VisualStyle() : scene::VisualStyle(attributes::kVisualStyle) {}
 
   void init() override {
-    for (const std::string_view flag : scene::split_words(text("displayFlags"))) {
-      if (flag == "showVisualModels" || flag == "showVisual" || flag == "showAll") visual_models_ = true;
-      if (flag == "hideVisualModels" || flag == "hideVisual" || flag == "hideAll") visual_models_ = false;
-      if (flag == "showBehaviorModels" || flag == "showBehavior" || flag == "showAll") behaviour_models_ = true;
-      if (flag == "hideBehaviorModels" || flag == "hideBehavior" || flag == "hideAll") behaviour_models_ = false;
-      if (flag == "showWireframe") wireframe_ = true;
-      if (flag == "hideWireframe" || flag == "hideAll") wireframe_ = false;
-    }
+    visual_models_ = said({"VisualModels", "Visual", "All"});
+    behaviour_models_ = said({"BehaviorModels", "Behavior", "All"});
+    loads_ = said({"ForceFields", "Behavior", "All"}).value_or(true);
+    wireframe_ = said({"Wireframe"}, "hideAll").value_or(false);
   }
   void refresh(std::span<const std::string_view>) override { init(); }
 
   std::optional<bool> shows_visual_models() const override { return visual_models_; }
   std::optional<bool> shows_behaviour_models() const override { return behaviour_models_; }
+  bool shows_loads() const override { return loads_; }
   bool shows_wireframe() const override { return wireframe_; }
 
  private:
+  /// Of the words about one thing the last one counts.
+  std::optional<bool> said(std::initializer_list<std::string_view> names, std::string_view hides_too = {}) {
+    std::optional<bool> shown;
+    for (const std::string_view flag : scene::split_words(text("displayFlags"))) {
+      const bool is_meant = flag.size() > 4 && std::ranges::count(names, flag.substr(4)) > 0;
+      if (is_meant && flag.starts_with("show")) shown = true;
+      if ((is_meant && flag.starts_with("hide")) || flag == hides_too) shown = false;
+    }
+    return shown;
+  }
+
   std::optional<bool> visual_models_, behaviour_models_;
-  bool wireframe_ = false;
+  bool loads_ = true, wireframe_ = false;
 };
 
 class InteractiveCamera final : public scene::Camera, public scene::Changeable {

@@ -11,6 +11,7 @@
 #include <map>
 
 #include "formats/readable_file.hpp"
+#include "formats/text.hpp"
 #include "formats/xml.hpp"
 #include "page/history_panels.hpp"
 #include "page/html.hpp"
@@ -37,12 +38,7 @@ std::map<long, fs::path> key_frames(const fs::path& directory) {
   std::error_code error;
   for (fs::directory_iterator entry(directory / "frames", error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    constexpr std::string_view kPrefix = "frame_", kSuffix = ".png";
-    if (!name.starts_with(kPrefix) || !name.ends_with(kSuffix)) continue;
-    long step = 0;
-    const char* const last = name.data() + name.size() - kSuffix.size();
-    const auto [at, problem] = std::from_chars(name.data() + kPrefix.size(), last, step);
-    if (problem == std::errc() && at == last) all.emplace(step, entry->path());
+    if (is_numbered(name, "frame_", ".png")) all.emplace(number_at_end(name).value_or(0), entry->path());
   }
   if (all.size() <= kMaxPictures) return all;
 

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <fstream>
 
@@ -141,16 +140,8 @@ std::vector<fs::path> checkpoints_in(const fs::path& directory) {
   for (fs::directory_iterator entry(directory, error), end; !error && entry != end; entry.increment(error))
     if (is_numbered(entry->path().filename().string(), "checkpoint_", ".hxc")) found.push_back(entry->path());
   if (error) throw OutputError(fmt::format("{}: cannot be read: {}", directory.string(), error.message()));
-  std::ranges::sort(found, [](const fs::path& a, const fs::path& b) { return step_of(a) > step_of(b); });
+  std::ranges::sort(found, [](const fs::path& a, const fs::path& b) { return number_at_end(a) > number_at_end(b); });
   return found;
-}
-
-long step_of(const fs::path& checkpoint) {
-  const std::string name = checkpoint.filename().string();
-  const std::size_t first = std::min(name.find_first_of("0123456789"), name.size());
-  long step = 0;
-  std::from_chars(name.data() + first, name.data() + name.size(), step);
-  return step;
 }
 
 }  // namespace hexaplast::output

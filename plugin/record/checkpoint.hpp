@@ -66,7 +66,4 @@ class Checkpoint {
 /// The checkpoints in the directory of a run, the newest first.
 std::vector<std::filesystem::path> checkpoints_in(const std::filesystem::path& directory);
 
-/// The step in the name of a checkpoint.
-long step_of(const std::filesystem::path& checkpoint);
-
 }  // namespace hexaplast::output

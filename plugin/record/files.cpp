@@ -5,7 +5,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <charconv>
 #include <system_error>
 
 #include "formats/readable_file.hpp"
@@ -17,8 +19,10 @@ namespace hexaplast::output {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr std::array<std::string_view, 4> kSeries = {"mesh", "surface", "instruments", "springs"};
+
 bool is_series(std::string_view name) {
-  return name == "mesh.pvd" || name == "surface.pvd" || name == "instruments.pvd" || name == "springs.pvd";
+  return name.ends_with(".pvd") && std::ranges::count(kSeries, name.substr(0, name.size() - 4)) > 0;
 }
 
 /// Files of an earlier run, finished or not; refuses a directory in the place of one, and an input. Time series come
@@ -54,16 +58,24 @@ bool is_table(std::string_view name) { return name == "history.csv" || name == "
 
 bool is_of_run(std::string_view name) {
   name = without_part(name);
+  const auto is_state = [&](std::string_view of) { return is_numbered(name, fmt::format("{}_", of), ".vtu"); };
   return is_series(name) || is_table(name) || name == "plot.svg" || name == "manifest.json" || name == "report.html" ||
-         name == "viewer.json" || is_numbered(name, "mesh_", ".vtu") || is_numbered(name, "surface_", ".vtu") ||
-         is_numbered(name, "instruments_", ".vtu") || is_numbered(name, "springs_", ".vtu") ||
-         is_numbered(name, "checkpoint_", ".hxc");
+         name == "viewer.json" || std::ranges::any_of(kSeries, is_state) || is_numbered(name, "checkpoint_", ".hxc");
 }
 
 void add_files_of_run(const fs::path& directory, InputFiles& files) {
   std::error_code error;
   for (fs::directory_iterator entry(directory, error), end; !error && entry != end; entry.increment(error))
     if (is_of_run(entry->path().filename().string())) files.add(entry->path());
+}
+
+std::optional<long> number_at_end(const fs::path& file) {
+  const std::string stem = file.stem().string();
+  const std::size_t last = stem.find_last_not_of("0123456789");
+  const char* from = stem.data() + (last == stem.npos ? 0 : last + 1);
+  long number = 0;
+  const auto [end, error] = std::from_chars(from, stem.data() + stem.size(), number);
+  return error == std::errc() ? std::optional(number) : std::nullopt;
 }
 
 void require_readable(const fs::path& file) {
@@ -106,7 +118,7 @@ void prepare_to_go_on(const fs::path& directory, long step, const InputFiles& in
   const auto stays = [&](const fs::path& file) {
     const std::string name = file.filename().string();
     if (name.ends_with(kPart)) return false;
-    if (is_numbered(name, "checkpoint_", ".hxc")) return step_of(file) <= step;
+    if (is_numbered(name, "checkpoint_", ".hxc")) return number_at_end(name).value_or(0) <= step;
     return is_series(name) || is_table(name) || is_kept(name);
   };
   for (const fs::path& file : files_of_earlier_run(directory, inputs))

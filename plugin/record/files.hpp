@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -37,6 +38,9 @@ void prepare_to_go_on(const std::filesystem::path& directory, long step, const I
 
 /// Adds the files of a run in its directory, those of its pictures not among them.
 void add_files_of_run(const std::filesystem::path& directory, InputFiles& files);
+
+/// 125 of "mesh_000125.vtu".
+std::optional<long> number_at_end(const std::filesystem::path& file);
 
 /// Whether a run writes a file of that name into its directory, or a file of that name with .part behind it.
 bool is_of_run(std::string_view name);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "hexaplast/base/hash.hpp"
 #include "record/files.hpp"
@@ -13,39 +12,39 @@
 namespace hexaplast::output {
 namespace {
 
-/// 17 significant digits give every double back; JSON has no infinity, and a NaN must not pass for one.
-std::string exact(double value) {
+using Json = nlohmann::ordered_json;
+
+/// What is infinite is null in the text of JSON; a NaN must not pass for that.
+double exact(double value) {
   if (std::isnan(value)) throw OutputError("the last state holds a number that is not one (NaN)");
-  return std::isfinite(value) ? fmt::format("{:.17g}", value) : "null";
+  return value;
+}
+
+Json row_of(const auto& points, Eigen::Index row) {
+  return {exact(points(row, 0)), exact(points(row, 1)), exact(points(row, 2))};
+}
+
+/// A list whose entries are made one by one: bodies may have millions.
+template <class EntryAt>
+void write_list(WholeFile& out, std::string_view name, Eigen::Index count, const EntryAt& entry_at) {
+  out.write(fmt::format("  \"{}\": [", name));
+  for (Eigen::Index i = 0; i < count; ++i) out.write((i == 0 ? "\n    " : ",\n    ") + Json(entry_at(i)).dump());
+  out.write("\n  ],\n");
 }
 
 void write_points(WholeFile& out, std::string_view name, ConstPoints points) {
-  out.write(fmt::format("  \"{}\": [", name));
-  for (Eigen::Index n = 0; n < points.rows(); ++n)
-    out.write(fmt::format("{}\n    [{}, {}, {}]", n == 0 ? "" : ",", exact(points(n, 0)), exact(points(n, 1)),
-                          exact(points(n, 2))));
-  out.write("\n  ],\n");
+  write_list(out, name, points.rows(), [&](Eigen::Index n) { return row_of(points, n); });
 }
 
 void write_values(WholeFile& out, std::string_view name, const std::vector<double>& values) {
-  out.write(fmt::format("  \"{}\": [", name));
-  for (std::size_t e = 0; e < values.size(); ++e) out.write((e == 0 ? "" : ", ") + exact(values[e]));
-  out.write("],\n");
+  write_list(out, name, std::ssize(values), [&](Eigen::Index e) { return exact(values[static_cast<std::size_t>(e)]); });
 }
 
-void write_isolated_shapes(WholeFile& out, const Bodies& bodies) {
-  out.write("  \"isolated_shapes\": [");
-  bool is_first = true;
+std::vector<ElementPoints> isolated_shapes(const Bodies& bodies) {
+  std::vector<ElementPoints> shapes;
   for (const Bodies::Entry& entry : bodies.all())
-    for (int e = 0; e < entry.body->mesh().num_elements(); ++e) {
-      const ElementPoints shape = entry.body->element_rest_shape(e);
-      out.write(std::exchange(is_first, false) ? "\n    [" : ",\n    [");
-      for (int a = 0; a < kCorners; ++a)
-        out.write(fmt::format("{}[{}, {}, {}]", a == 0 ? "" : ", ", exact(shape(a, 0)), exact(shape(a, 1)),
-                              exact(shape(a, 2))));
-      out.write("]");
-    }
-  out.write("\n  ],\n");
+    for (int e = 0; e < entry.body->mesh().num_elements(); ++e) shapes.push_back(entry.body->element_rest_shape(e));
+  return shapes;
 }
 
 std::vector<int> removed_of(const Bodies& bodies) {
@@ -55,16 +54,16 @@ std::vector<int> removed_of(const Bodies& bodies) {
   return all;
 }
 
-void write_fractions(WholeFile& out, const Bodies& bodies) {
-  std::vector<std::string> ranges;
+/// Which part of the lists is whose.
+Json shares_of(const Bodies& bodies) {
+  Json shares = Json::array();
   for (const Bodies::Entry& entry : bodies.all())
-    ranges.push_back(nlohmann::ordered_json{{"name", entry.name},
-                                            {"first_node", entry.first_node},
-                                            {"nodes", entry.body->mesh().num_nodes()},
-                                            {"first_hexahedron", entry.first_hexahedron},
-                                            {"hexahedra", entry.body->mesh().num_elements()}}
-                         .dump());
-  out.write(fmt::format("  \"bodies\": [{}],\n", fmt::join(ranges, ", ")));
+    shares.push_back({{"name", entry.name},
+                      {"first_node", entry.first_node},
+                      {"nodes", entry.body->mesh().num_nodes()},
+                      {"first_hexahedron", entry.first_hexahedron},
+                      {"hexahedra", entry.body->mesh().num_elements()}});
+  return shares;
 }
 
 }  // namespace
@@ -86,26 +85,23 @@ std::string state_hash(long step, ConstPoints positions, ConstPoints velocities,
   return hash.text();
 }
 
-void write_final(const std::filesystem::path& file, long step, double time, ConstPoints positions,
-                 ConstPoints velocities, const Bodies& bodies) {
-  WholeFile out(file);
-  write_final(out, step, time, positions, velocities, bodies);
-}
-
-void write_final(WholeFile& out, long step, double time, ConstPoints positions, ConstPoints velocities,
-                 const Bodies& bodies, std::string hash) {
-  if (hash.empty()) hash = state_hash(step, positions, velocities, bodies.all());
+void write_final(WholeFile& out, double time, ConstPoints positions, ConstPoints velocities, const Bodies& bodies,
+                 const std::string& hash) {
   const ElementFields fields = bodies.fields(positions);
-  out.write(fmt::format("{{\n  \"time\": {},\n", exact(time)));
+  const std::vector<ElementPoints> shapes = isolated_shapes(bodies);
+  out.write(fmt::format("{{\n  \"time\": {},\n", Json(exact(time)).dump()));
   write_points(out, "positions", positions);
   write_points(out, "velocities", velocities);
   write_points(out, "plastic_rest_positions", bodies.plastic_rest_positions());
-  write_isolated_shapes(out, bodies);
+  write_list(out, "isolated_shapes", std::ssize(shapes), [&](Eigen::Index e) {
+    Json corners = Json::array();
+    for (int a = 0; a < kCorners; ++a) corners.push_back(row_of(shapes[static_cast<std::size_t>(e)], a));
+    return corners;
+  });
   write_values(out, "volume_ratio", fields.volume_ratio);
   write_values(out, "yield_stress", fields.yield_stress);
-  if (!bodies.is_one()) write_fractions(out, bodies);
-  out.write(fmt::format("  \"removed\": [{}],\n", fmt::join(removed_of(bodies), ", ")));
-  out.write(fmt::format("  \"state_hash\": \"{}\"\n}}\n", hash));
+  if (!bodies.is_one()) out.write(fmt::format("  \"bodies\": {},\n", shares_of(bodies).dump()));
+  out.write(fmt::format("  \"removed\": {},\n  \"state_hash\": \"{}\"\n}}\n", Json(removed_of(bodies)).dump(), hash));
   out.commit();
 }
 

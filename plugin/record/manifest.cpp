@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <concepts>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array kStates = {RunState::kRunning, RunState::kFinished, RunState::kInterrupted, RunState::kFailed};
+constexpr std::array<std::string_view, 4> kStates = {"running", "finished", "interrupted", "failed"};
 
 Json json_of(const std::vector<ComponentRecord>& components) {
   Json list = Json::array();
@@ -111,9 +111,9 @@ PictureRecord pictures_of(const Json& json) {
 }
 
 RunState state_of(const std::string& word) {
-  for (const RunState state : kStates)
-    if (describe(state) == word) return state;
-  throw OutputError(fmt::format("state: '{}', must be running, finished, interrupted or failed", word));
+  const auto found = std::ranges::find(kStates, word);
+  if (found == kStates.end()) throw OutputError(fmt::format("state: '{}', must be {}", word, fmt::join(kStates, ", ")));
+  return static_cast<RunState>(found - kStates.begin());
 }
 
 Json json_of(const Manifest& run) {
@@ -186,19 +186,7 @@ Manifest manifest_of(const Json& json) {
 
 }  // namespace
 
-std::string_view describe(RunState state) {
-  switch (state) {
-    case RunState::kRunning:
-      return "running";
-    case RunState::kFinished:
-      return "finished";
-    case RunState::kInterrupted:
-      return "interrupted";
-    case RunState::kFailed:
-      return "failed";
-  }
-  return {};
-}
+std::string_view describe(RunState state) { return kStates[static_cast<std::size_t>(state)]; }
 
 void write_manifest(const std::filesystem::path& directory, const Manifest& manifest) {
   WholeFile out(directory / kManifestName);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <span>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,17 +24,25 @@ class PackedNumbers {
     std::size_t count = 0, stride = 0;
   };
 
-  void add(std::string_view name, std::span<const std::uint8_t> values, std::size_t stride);
-  void add(std::string_view name, std::span<const std::uint16_t> values, std::size_t stride);
-  void add(std::string_view name, std::span<const std::uint32_t> values, std::size_t stride);
-
+  template <std::unsigned_integral Number>
+  void add(std::string_view name, const std::vector<Number>& values, std::size_t stride) {
+    constexpr int kBits = std::numeric_limits<Number>::digits;
+    arrays_.push_back({std::string(name), kBits, values.size(), stride});
+    const std::size_t begin = bytes_.size();
+    bytes_.resize(begin + values.size() * sizeof(Number));
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const auto difference = static_cast<Number>(values[i] - (i < stride ? Number(0) : values[i - stride]));
+      const bool is_negative = (difference >> (kBits - 1)) != 0;
+      const auto doubled = static_cast<Number>(difference << 1);
+      const auto folded = is_negative ? static_cast<Number>(~doubled) : doubled;
+      for (std::size_t byte = 0; byte < sizeof(Number); ++byte)
+        bytes_[begin + byte * values.size() + i] = static_cast<char>((folded >> (8 * byte)) & 0xff);
+    }
+  }
   const std::vector<Array>& arrays() const { return arrays_; }  ///< in their order
   std::string base64() const;
 
  private:
-  template <class Number>
-  void append(std::string_view name, std::span<const Number> values, std::size_t stride);
-
   std::vector<Array> arrays_;
   std::string bytes_;
 };

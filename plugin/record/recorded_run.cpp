@@ -16,9 +16,8 @@
 #include "formats/xml.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/formats/mesh_import.hpp"
+#include "record/conditions_vtu.hpp"
 #include "record/files.hpp"
-#include "record/instruments_vtu.hpp"
-#include "record/springs_vtu.hpp"
 #include "record/state_arrays.hpp"
 #include "record/surface_vtu.hpp"
 #include "record/vtu.hpp"
@@ -26,15 +25,6 @@
 namespace hexaplast::output {
 namespace fs = std::filesystem;
 namespace {
-
-/// The number at the end of "mesh_000125".
-std::optional<long> number_at_end(const std::string& stem) {
-  const std::size_t last = stem.find_last_not_of("0123456789");
-  const char* from = stem.data() + (last == stem.npos ? 0 : last + 1);
-  long number = 0;
-  const auto [end, error] = std::from_chars(from, stem.data() + stem.size(), number);
-  return error == std::errc() ? std::optional(number) : std::nullopt;
-}
 
 std::vector<RecordedRun::Entry> entries_of(const fs::path& pvd) {
   std::error_code unknown;
@@ -67,7 +57,7 @@ std::vector<RecordedRun::Entry> entries_of(const fs::path& pvd) {
   for (std::size_t k = 0; k < times.size(); ++k) {
     entries[k].time = times[k];
     entries[k].file = pvd.parent_path() / collection->children[k].attribute("file");
-    entries[k].step = number_at_end(entries[k].file.stem().string());
+    entries[k].step = number_at_end(entries[k].file);
   }
   if (entries.empty()) throw InputError(fmt::format("{}: names no state", pvd.string()));
   return entries;

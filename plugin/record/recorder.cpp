@@ -15,8 +15,7 @@
 #include "hexaplast/mesh/faces.hpp"
 #include "picture/film.hpp"
 #include "picture/png_file.hpp"
-#include "record/instruments_vtu.hpp"
-#include "record/springs_vtu.hpp"
+#include "record/conditions_vtu.hpp"
 #include "record/surface_vtu.hpp"
 #include "record/time_series.hpp"
 #include "record/viewer_states.hpp"
@@ -26,44 +25,8 @@ namespace hexaplast::output {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::string_view kHeader =
-    "step,time,kinetic_energy,elastic_energy,dissipated_energy,current_volume_ratio,plastic_rest_volume_ratio";
-constexpr std::string_view kPlasticEndsHeader = ",plastic_elongation,plastic_twist_deg",
-                           kWorldEndsHeader = ",current_elongation,current_twist_deg";
-constexpr std::string_view kStepHeader =
-    ",end_displacement,yielded,inverted,removed,solver_iterations,residual,step_ms,rolled_back";
-constexpr std::string_view kOpeningHeader = ",opened,pieces";
-constexpr std::string_view kBalanceHeader =
-    ",load_work,support_work,damping_loss,numerical_loss,recovery_work,change_work,flow_loss,energy_error";
-constexpr std::string_view kContactHeader = ",instrument_work,contact_energy,friction_loss";
-
-/// The columns of kBalanceHeader.
-std::string balance_columns(const EnergyBalance& energy) {
-  return fmt::format(",{},{},{},{},{},{},{},{}", energy.load_work, energy.support_work, energy.damping_loss,
-                     energy.numerical_loss, energy.recovery_work, energy.change_work, energy.flow_loss, energy.error());
-}
-
-/// The first line of history.csv.
-std::string header_of(const RunPlan& plan) {
-  std::string names(kHeader);
-  names.append(plan.has_plastic_ends ? kPlasticEndsHeader : "").append(kStepHeader);
-  names.append(plan.has_openings ? kOpeningHeader : "");
-  names.append(plan.has_ends ? kWorldEndsHeader : "").append(plan.has_energy_balance ? kBalanceHeader : "");
-  if (plan.has_energy_balance && plan.has_contact) names += kContactHeader;
-  for (const std::string& probe : plan.probes) names += fmt::format(",{}", probe_column(probe));
-  return names;
-}
-
-/// Throws NumericalError naming the first column of a row that is not finite: "inf" and "nan" alone have letters n.
-void require_finite(std::string_view row, const RunPlan& plan, long step) {
-  const std::size_t at = row.find('n');
-  if (at == std::string_view::npos) return;
-  const std::string names = header_of(plan);
-  std::string_view name = names;
-  for (auto commas = std::ranges::count(row.substr(0, at), ','); commas > 0; --commas)
-    name.remove_prefix(name.find(',') + 1);
-  throw NumericalError(fmt::format("step {}: the {} is not finite", step, name.substr(0, name.find(','))));
-}
+/// What a row of history.csv holds, and the names of it.
+using Columns = std::vector<std::pair<std::string, double>>;
 
 /// The steps that are drawn: `count` of them, evenly over the run, ascending, the last step among them.
 std::vector<long> steps_to_draw(long num_steps, int count) {
@@ -98,11 +61,6 @@ constexpr std::string_view kMesh = "mesh_", kSurface = "surface_", kInstruments 
 
 std::string vtu_name(std::string_view prefix, long step) { return fmt::format("{}{:06}.vtu", prefix, step); }
 
-/// The step in the name of a .vtu file.
-long step_of_vtu(std::string_view name) {
-  return std::strtol(std::string(name.substr(name.find_last_of('_') + 1)).c_str(), nullptr, 10);
-}
-
 /// opened.csv of a run that is saved; absent: it has none.
 std::optional<LineFile> saved_openings(const fs::path& directory, Archive& saved) {
   unsigned char has_openings = 0;
@@ -132,7 +90,11 @@ struct Recorder::Files {
         embedded_surfaces(bodies.mesh(), plan.staging.embedded_surfaces),
         to_draw(steps_to_draw(plan.num_steps, plan.num_frames)) {
     if (film) to_film = steps_to_film(plan.num_steps, plan.dt);
-    history.append(header_of(plan));
+    StepRecord none{.probes = std::vector<double>(plan.probes.size())};
+    if (plan.has_energy_balance) none.energy.emplace();
+    std::vector<std::string> names;
+    for (auto& [name, value] : columns(none, bodies.mesh().positions())) names.push_back(std::move(name));
+    history.append(fmt::format("{}", fmt::join(names, ",")));
     const char* const body = bodies.is_one() ? "" : ",body";
     removed.append(fmt::format("step,time,hexahedron{}", body));
     if (plan.has_openings) {
@@ -167,12 +129,12 @@ struct Recorder::Files {
       return false;
     };
     // the last state of a run that was to be shorter is none that this one writes
-    meshes.keep([&](const std::string& vtu) { return wants_state(step_of_vtu(vtu)) && is_there(vtu); });
+    meshes.keep([&](const std::string& vtu) { return wants_state(number_at_end(vtu).value_or(0)) && is_there(vtu); });
     open_companions();
     for (std::optional<TimeSeries>* series : {&surfaces, &instruments, &springs})
       if (*series) (*series)->keep(is_there);
     prepare_to_go_on(directory, step, plan.inputs, [&](const std::string& name) {
-      return name.ends_with(".vtu") && meshes.has(vtu_name(kMesh, step_of_vtu(name)));
+      return name.ends_with(".vtu") && meshes.has(vtu_name(kMesh, number_at_end(name).value_or(0)));
     });
     history.cut();
     removed.cut();
@@ -220,6 +182,7 @@ struct Recorder::Files {
   template <class List, class Describe>
   void append_new(const StepRecord& record, LineFile& file, std::vector<std::size_t>& num_listed, const List& list,
                   const Describe& describe);
+  Columns columns(const StepRecord& record, ConstPoints positions) const;
   std::string row_of(const StepRecord& record, ConstPoints positions) const;
   void write_state();
   bool is_drawn(long step) const { return std::ranges::binary_search(to_draw, step); }
@@ -311,27 +274,58 @@ void Recorder::Files::append_new(const StepRecord& record, LineFile& file, std::
   if (!rows.empty()) file.append(rows);
 }
 
-std::string Recorder::Files::row_of(const StepRecord& record, ConstPoints positions) const {
+Columns Recorder::Files::columns(const StepRecord& record, ConstPoints positions) const {
   const Measures measures =
       plan.has_plastic_ends ? measurement.measure(positions) : measurement.measure_current(positions);
-  std::string row =
-      fmt::format("{},{},{},{},{},{},{}", record.step, record.time, record.kinetic_energy,
-                  record.energy ? record.energy->elastic : bodies.energy(positions), bodies.dissipated_energy(),
-                  measures.current_volume_ratio, measures.plastic_rest_volume_ratio);
-  if (plan.has_plastic_ends) row += fmt::format(",{},{}", measures.plastic_elongation, measures.plastic_twist_deg);
-  row += fmt::format(",{},{},{},{},{},{},{},{}",
-                     mean_displacement(plan.loaded_nodes, bodies.mesh().positions(), positions), record.flow.yielded,
-                     record.flow.inverted, bodies.num_removed(), record.solver_iterations, record.residual,
-                     record.step_ms, record.flow.rolled_back);
+  Columns all = {{"step", record.step},
+                 {"time", record.time},
+                 {"kinetic_energy", record.kinetic_energy},
+                 {"elastic_energy", record.energy ? record.energy->elastic : bodies.energy(positions)},
+                 {"dissipated_energy", bodies.dissipated_energy()},
+                 {"current_volume_ratio", measures.current_volume_ratio},
+                 {"plastic_rest_volume_ratio", measures.plastic_rest_volume_ratio}};
+  const auto add = [&](Columns more) { std::ranges::move(more, std::back_inserter(all)); };
+  if (plan.has_plastic_ends)
+    add({{"plastic_elongation", measures.plastic_elongation}, {"plastic_twist_deg", measures.plastic_twist_deg}});
+  add({{"end_displacement", mean_displacement(plan.loaded_nodes, bodies.mesh().positions(), positions)},
+       {"yielded", record.flow.yielded},
+       {"inverted", record.flow.inverted},
+       {"removed", bodies.num_removed()},
+       {"solver_iterations", record.solver_iterations},
+       {"residual", record.residual},
+       {"step_ms", record.step_ms},
+       {"rolled_back", record.flow.rolled_back}});
   if (plan.has_openings)
-    row += fmt::format(",{},{}", bodies.num_opened(), connected_parts(bodies.mesh(), bodies.alive()).count);
-  if (plan.has_ends) row += fmt::format(",{},{}", measures.current_elongation, measures.current_twist_deg);
-  if (plan.has_energy_balance) row += balance_columns(*record.energy);
-  if (plan.has_energy_balance && plan.has_contact)
-    row += fmt::format(",{},{},{}", record.instrument_work, record.contact_energy, record.friction_loss);
-  for (const double probe : record.probes) row += fmt::format(",{}", probe);
-  require_finite(row, plan, record.step);
-  return row;
+    add({{"opened", bodies.num_opened()}, {"pieces", connected_parts(bodies.mesh(), bodies.alive()).count}});
+  if (plan.has_ends)
+    add({{"current_elongation", measures.current_elongation}, {"current_twist_deg", measures.current_twist_deg}});
+  if (plan.has_energy_balance) {
+    const EnergyBalance& energy = *record.energy;
+    add({{"load_work", energy.load_work},
+         {"support_work", energy.support_work},
+         {"damping_loss", energy.damping_loss},
+         {"numerical_loss", energy.numerical_loss},
+         {"recovery_work", energy.recovery_work},
+         {"change_work", energy.change_work},
+         {"flow_loss", energy.flow_loss},
+         {"energy_error", energy.error()}});
+    if (plan.has_contact)
+      add({{"instrument_work", record.instrument_work},
+           {"contact_energy", record.contact_energy},
+           {"friction_loss", record.friction_loss}});
+  }
+  for (std::size_t p = 0; p < record.probes.size(); ++p)
+    all.emplace_back(probe_column(plan.probes[p]), record.probes[p]);
+  return all;
+}
+
+std::string Recorder::Files::row_of(const StepRecord& record, ConstPoints positions) const {
+  std::vector<double> row;
+  for (const auto& [name, value] : columns(record, positions)) {
+    if (!std::isfinite(value)) throw NumericalError(fmt::format("step {}: the {} is not finite", record.step, name));
+    row.push_back(value);
+  }
+  return fmt::format("{}", fmt::join(row, ","));
 }
 
 // The mesh last: whatever mesh.pvd names has its companions.

@@ -134,12 +134,10 @@ void require_saved_files(const std::filesystem::path& directory, Archive& saved)
 
 /// Writes `--final FILE.json`: time, positions, velocities, plastic_rest_positions (num_nodes x 3), per hexahedron
 /// isolated_shapes (8 x 3: the isolated rest shape in the material frame, about its mean), volume_ratio and
-/// yield_stress (null where infinite), removed (hexahedra in the order of their removal), state_hash; 17 significant
-/// digits. Of several bodies all lists hold those of one body behind those of another, `removed` too, and `bodies`
-/// tells which is whose: name, first_node, nodes, first_hexahedron, hexahedra. hash: empty: that of these states alone.
-void write_final(WholeFile& file, long step, double time, ConstPoints positions, ConstPoints velocities,
-                 const Bodies& bodies, std::string hash = {});
-void write_final(const std::filesystem::path& file, long step, double time, ConstPoints positions,
-                 ConstPoints velocities, const Bodies& bodies);
+/// yield_stress (null where infinite), removed (hexahedra in the order of their removal), state_hash; numbers with all
+/// their bits. Of several bodies all lists hold those of one body behind those of another, `removed` too, and `bodies`
+/// tells which is whose: name, first_node, nodes, first_hexahedron, hexahedra.
+void write_final(WholeFile& file, double time, ConstPoints positions, ConstPoints velocities, const Bodies& bodies,
+                 const std::string& hash);
 
 }  // namespace hexaplast::output

@@ -39,22 +39,6 @@ PointArray nodal_values(Field field, const Bodies& bodies, const StreamState& st
   return forces;
 }
 
-/// A field of hexahedra.
-const std::vector<double>& element_values(Field field, const ElementFields& fields) {
-  switch (field) {
-    case Field::kStrain:
-      return fields.strain;
-    case Field::kStress:
-      return fields.stress_norm;
-    case Field::kYieldStress:
-      return fields.yield_stress;
-    case Field::kVolumeRatio:
-      return fields.volume_ratio;
-    default:
-      return fields.plastic_strain;
-  }
-}
-
 nlohmann::ordered_json json_of(const NamedTexts& texts) {
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
   for (const auto& [name, text] : texts) json[name] = text;
@@ -84,7 +68,7 @@ StateStream::StateStream(int descriptor, Bodies bodies, StatePlan plan)
     head["fields"].push_back({{"name", entry.word},
                               {"unit", entry.unit},
                               {"description", entry.help},
-                              {"of", entry.of_nodes ? "nodes" : "hexahedra"}});
+                              {"of", entry.of_elements ? "hexahedra" : "nodes"}});
   }
   const std::string line = "hexaplast states 2 " + head.dump() + "\n";
   write(line.data(), line.size());
@@ -134,13 +118,13 @@ void StateStream::record(const StreamState& state) {
   write(state.probes.data(), state.probes.size_bytes());
   write(state.measures.data(), state.measures.size() * sizeof(double));
 
-  const auto is_of_elements = [](Field field) { return !entry_of(field).of_nodes; };
+  const auto is_of_elements = [](Field field) { return entry_of(field).of_elements != nullptr; };
   ElementFields of_elements;
   if (std::ranges::any_of(plan_.fields, is_of_elements)) of_elements = bodies_.fields(state.positions);
   const std::span<const unsigned char> alive = bodies_.alive();
   for (const Field field : plan_.fields) {
     if (is_of_elements(field)) {
-      std::vector<double> values = element_values(field, of_elements);
+      std::vector<double> values = of_elements.*entry_of(field).of_elements;
       for (std::size_t e = 0; e < values.size(); ++e)
         if (!alive[e]) values[e] = std::numeric_limits<double>::quiet_NaN();
       write(values.data(), values.size() * sizeof(double));

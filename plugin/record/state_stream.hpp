@@ -33,23 +33,26 @@ struct FieldEntry {
   std::string_view word;  ///< on the command line, and the name of the data set
   std::string_view unit;
   std::string_view help;
-  bool of_nodes;  ///< three numbers per node, else one per hexahedron
+  /// One number per hexahedron; null: three per node.
+  std::vector<double> ElementFields::*of_elements = nullptr;
 };
 
 inline constexpr std::array<FieldEntry, 10> kFields{{
-    {Field::kDisplacement, "displacement", "m", "from the initial position", true},
-    {Field::kVelocity, "velocity", "m/s", "of the node", true},
+    {Field::kDisplacement, "displacement", "m", "from the initial position"},
+    {Field::kVelocity, "velocity", "m/s", "of the node"},
     {Field::kPlasticDisplacement, "plasticDisplacement", "m",
-     "of the plastic rest position (without load, up to a rigid motion) from the initial position", true},
+     "of the plastic rest position (without load, up to a rigid motion) from the initial position"},
     {Field::kLoads, "load", "N",
-     "external forces without weight: of the beginning of the step, at the positions of its end", true},
+     "external forces without weight: of the beginning of the step, at the positions of its end"},
     {Field::kContactForce, "contactForce", "N",
-     "forces of instruments: of the beginning of the step, at the positions of its end", true},
-    {Field::kPlasticStrain, "plasticStrain", "1", "accumulated, mean of the corners", false},
-    {Field::kStrain, "strain", "1", "largest of the corners", false},
-    {Field::kStress, "stress", "Pa", "norm that is compared with the yield stress, largest of the corners", false},
-    {Field::kYieldStress, "yieldStress", "Pa", "largest of the corners; infinite if it never yields", false},
-    {Field::kVolumeRatio, "volumeRatio", "1", "volume without load over initial volume", false},
+     "forces of instruments: of the beginning of the step, at the positions of its end"},
+    {Field::kPlasticStrain, "plasticStrain", "1", "accumulated, mean of the corners", &ElementFields::plastic_strain},
+    {Field::kStrain, "strain", "1", "largest of the corners", &ElementFields::strain},
+    {Field::kStress, "stress", "Pa", "norm that is compared with the yield stress, largest of the corners",
+     &ElementFields::stress_norm},
+    {Field::kYieldStress, "yieldStress", "Pa", "largest of the corners; infinite if it never yields",
+     &ElementFields::yield_stress},
+    {Field::kVolumeRatio, "volumeRatio", "1", "volume without load over initial volume", &ElementFields::volume_ratio},
 }};
 
 constexpr const FieldEntry& entry_of(Field field) { return kFields[static_cast<std::size_t>(field)]; }

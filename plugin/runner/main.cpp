@@ -8,11 +8,9 @@
 #include <utility>
 
 #include "runner/command.hpp"
-#include "runner/exit_code.hpp"
 #include "runner/log.hpp"
-#include "runner/program.hpp"
-#include "runner/report_errors.hpp"
-#include "runner/usage.hpp"
+#include "runner/process.hpp"
+#include "runner/subcommand.hpp"
 
 namespace {
 

@@ -3,10 +3,11 @@
 
 #include <CLI/App.hpp>
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "runner/command.hpp"
-#include "runner/report_errors.hpp"
 
 namespace hexaplast::runner {
 
@@ -25,5 +26,21 @@ std::pair<CLI::App&, Options&> add_subcommand(CLI::App& app, Call& call, const c
   });
   return {*command, *options};
 }
+
+/// An option and what follows it: "FILE", "LO:HI".
+template <class T>
+CLI::Option* add_option(CLI::App& command, const std::string& names, T& value, const std::string& type,
+                        const std::string& help) {
+  return command.add_option(names, value, help)->type_name(type);
+}
+/// One of some words; there is one by default.
+CLI::Option* add_choice(CLI::App& command, const std::string& names, std::string& value,
+                        const std::vector<std::string>& words, const std::string& help);
+
+/// No argument makes sense without a letter, and the name of a file least of all.
+void refuse_empty_values(CLI::App& command);
+
+/// What is wrong with the command line, with the option or subcommand that was probably meant.
+std::string usage_message(const CLI::App& app, const CLI::ParseError& error);
 
 }  // namespace hexaplast::runner

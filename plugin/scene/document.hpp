@@ -10,7 +10,7 @@
 
 #include "hexaplast/formats/whole_file.hpp"
 #include "scene/diagnostics.hpp"
-#include "scene/search_path.hpp"
+#include "scene/scene_files.hpp"
 
 namespace hexaplast::scene {
 
@@ -52,5 +52,15 @@ Element read_document(std::string_view text, const std::filesystem::path& file, 
 /// The text of an element and of what is in it, in UTF-8, as a file of its own. `comment`: before the root; must not
 /// have `--` in it.
 std::string write_document(const Element& root, const std::string& comment);
+
+/// What a scene file says of itself.
+struct Description {
+  std::string heading;  ///< "Forceps lift a strip of fat"
+  std::string words;    ///< a paragraph
+};
+
+/// From the last comment before the scene's root node, where that begins with a line and a paragraph after it. None: it
+/// does not, or the file cannot be read.
+std::optional<Description> description_of(const std::filesystem::path& file);
 
 }  // namespace hexaplast::scene

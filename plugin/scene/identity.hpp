@@ -9,16 +9,6 @@
 /// What a scene is made of, whatever state it is in.
 namespace hexaplast::scene {
 
-/// Calls visit(path, object) for a node, its components, and what is below.
-template <class Visit>
-void for_each_object(Node& node, const Visit& visit) {
-  const std::string path = node.path();
-  visit(path, static_cast<Object&>(node));
-  for (const auto& component : node.components())
-    visit((path == "/" ? "" : path) + "/" + component->name(), static_cast<Object&>(*component));
-  for (const auto& child : node.children()) for_each_object(*child, visit);
-}
-
 /// Whether an attribute is given and has an effect.
 bool takes_part(const Data& data);
 

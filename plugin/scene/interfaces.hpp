@@ -294,4 +294,60 @@ class AnimationLoop : public Component {
   virtual SolveReport step() = 0;
 };
 
+/// Opens joints of a body at the end of each step. All blades of a body act together: none sees what another one opens.
+class Blade : public Component {
+ public:
+  static constexpr std::string_view kCategory = "Controller";
+  using Component::Component;
+
+  virtual ForceField& field() = 0;  ///< of the body; known from bwd_init on
+
+  /// The joints that it opens (ForceField::open), asked when end_step of all is done. Valid until the next step.
+  virtual std::span<const int> joints() = 0;
+  virtual std::span<const double> crossings() const = 0;  ///< of these
+};
+
+/// What a force field is besides, whose forces load the body from outside: prescribed forces, pushes of obstacles,
+/// pulls of instruments. Files and pictures of a run show them.
+class Load {
+ public:
+  virtual ~Load() = default;
+
+  /// f += those forces [N] at (x, v, time), num_nodes x 3 [m, m/s, s]. Changes nothing but f, so that it may be called
+  /// between two steps.
+  virtual void add_load(double time, ConstPoints x, ConstPoints v, Points f) const = 0;
+};
+
+/// What a force field is besides, whose forces have a potential at each moment.
+class Potential {
+ public:
+  virtual ~Potential() = default;
+
+  /// [J] at positions x (num_nodes x 3) and a time: the forces are minus its gradient with respect to x.
+  virtual double potential_energy(double time, ConstPoints x) const = 0;
+};
+
+/// What a time integrator is besides, that can tell the forces of constraints.
+class Supports {
+ public:
+  virtual ~Supports() = default;
+
+  /// Keeps them from now on. It changes nothing in the motion, and costs a step about two products.
+  virtual void keep_support_forces() = 0;
+
+  /// [N] on each node of an independent state that it moves, in the latest step: by which constraints held nodes or
+  /// prescribed them; zero on free degrees of freedom. No rows before the first step.
+  virtual PointArray support_forces(const MechanicalState& state) = 0;
+};
+
+/// What a component is besides, that has outputs which its description cannot know: arrays of a file, by their names.
+class ArraySource {
+ public:
+  virtual ~ArraySource() = default;
+
+  /// The output of that name; null: there is none. Asked for while links are connected, and only for names that are no
+  /// attribute of the component.
+  virtual Data* array(std::string_view name) = 0;
+};
+
 }  // namespace hexaplast::scene

@@ -7,7 +7,7 @@
 #include <charconv>
 
 #include "attributes/gone.hpp"
-#include "scene/arrays.hpp"
+#include "scene/interfaces.hpp"
 
 namespace hexaplast::scene {
 namespace {
@@ -207,12 +207,10 @@ bool runs_in_a_circle(const Data& data) {
 }
 
 template <class Visit>
-void for_each_data(Node& node, const Visit& visit) {
-  for (const auto& data : node.all_data()) visit(*data);
-  for (const auto& component : node.components()) {
-    for (const auto& data : component->all_data()) visit(*data);
-  }
-  for (const auto& child : node.children()) for_each_data(*child, visit);
+void for_each_data(Node& root, const Visit& visit) {
+  for_each_object(root, [&](const std::string&, Object& object) {
+    for (const auto& data : object.all_data()) visit(*data);
+  });
 }
 
 }  // namespace

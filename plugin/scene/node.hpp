@@ -80,6 +80,16 @@ class Node final : public Object {
   std::vector<std::unique_ptr<Node>> children_;
 };
 
+/// Calls visit(path, object) for a node, its components, and what is below.
+template <class Visit>
+void for_each_object(Node& node, const Visit& visit) {
+  const std::string path = node.path();
+  visit(path, static_cast<Object&>(node));
+  for (const auto& component : node.components())
+    visit((path == "/" ? "" : path) + "/" + component->name(), static_cast<Object&>(*component));
+  for (const auto& child : node.children()) for_each_object(*child, visit);
+}
+
 template <class T>
 T& Component::linked(std::string_view attribute) {
   Object* target = find_data(attribute)->target();

@@ -174,9 +174,9 @@ class Object {
 };
 
 /// Thrown by reject: one thing wrong with the scene, which whoever called the object adds to the others.
-class Rejection : public std::runtime_error {
+class Rejection : public SceneError {
  public:
-  explicit Rejection(Message message) : std::runtime_error(format(message)), message_(std::move(message)) {}
+  explicit Rejection(Message message) : SceneError(format(message)), message_(std::move(message)) {}
   const Message& message() const { return message_; }
 
  private:

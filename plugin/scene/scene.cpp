@@ -8,7 +8,7 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/plastic/flow_report.hpp"
-#include "scene/blade.hpp"
+#include "scene/interfaces.hpp"
 #include "scene/links.hpp"
 
 namespace hexaplast::scene {
@@ -108,14 +108,10 @@ void Scene::reset() {
 }
 
 void Scene::follow_all_inputs() {
-  try {
-    for (const bool of_contacts : {false, true})
-      root_->for_each<Component>([&](Component& component) {
-        if (is_contact(component) == of_contacts) component.follow_inputs();
-      });
-  } catch (const Rejection& rejection) {
-    throw SceneError(rejection.what());
-  }
+  for (const bool of_contacts : {false, true})
+    root_->for_each<Component>([&](Component& component) {
+      if (is_contact(component) == of_contacts) component.follow_inputs();
+    });
 }
 
 SolveReport Scene::step() {
@@ -128,9 +124,6 @@ SolveReport Scene::step() {
     const SolveReport report = loop->step();
     trouble_ = nullptr;
     return report;
-  } catch (const Rejection& rejection) {
-    restore_motion();
-    throw SceneError(rejection.what());
   } catch (...) {
     restore_motion();
     throw;
@@ -139,11 +132,7 @@ SolveReport Scene::step() {
 
 void Scene::open(ForceField& field, std::span<const int> joints, std::span<const double> crossings) {
   require_whole();
-  try {
-    field.open(joints, crossings);
-  } catch (const Rejection& rejection) {
-    throw SceneError(rejection.what());
-  }
+  field.open(joints, crossings);
 }
 
 void Scene::require_whole() const {
@@ -245,13 +234,9 @@ void Scene::restore(Archive& archive) {
   for (const bool of_bodies : {true, false})
     for (const Saved& saved : all)
       if (is_followed(saved) && is_body(saved) == of_bodies) read(saved);
-  try {
-    for (const bool of_contacts : {false, true})
-      for (const Saved& saved : all)
-        if (is_contact(saved.component) == of_contacts && saved.changed.empty()) saved.component.follow_inputs();
-  } catch (const Rejection& rejection) {
-    throw SceneError(rejection.what());
-  }
+  for (const bool of_contacts : {false, true})
+    for (const Saved& saved : all)
+      if (is_contact(saved.component) == of_contacts && saved.changed.empty()) saved.component.follow_inputs();
   read_all();
   for (const Saved& saved : all) {
     if (saved.component.looks_by_itself()) continue;

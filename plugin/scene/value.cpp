@@ -36,7 +36,7 @@ void check_range(const Range& range, Number number) {
 
 /// what: "a number", which the word is not.
 template <class Number>
-Number read_number(std::string_view word, const Range& range, const char* what) {
+Number read_number(std::string_view word, const char* what) {
   const std::string_view digits = without_plus(word);
   Number number = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
@@ -44,30 +44,27 @@ Number read_number(std::string_view word, const Range& range, const char* what) 
   if (error != std::errc() || end != digits.data() + digits.size())
     throw InputError(fmt::format("{} is not {}", quoted(word), what));
   if (!std::isfinite(static_cast<double>(number))) throw InputError(fmt::format("{} is not finite", quoted(word)));
-  check_range(range, number);
   return number;
 }
 
-double read_real(std::string_view word, const Range& range) { return read_number<double>(word, range, "a number"); }
+double read_real(std::string_view word) { return read_number<double>(word, "a number"); }
 
-std::int64_t read_integer(std::string_view word, const Range& range) {
-  return read_number<std::int64_t>(word, range, "a whole number");
-}
+std::int64_t read_integer(std::string_view word) { return read_number<std::int64_t>(word, "a whole number"); }
 
 // `7`, `3-9`, `9-3`, `3-9-2` or `9-3--2`. A minus sign at the beginning of a number belongs to it.
-void read_integers(std::string_view word, const Range& range, std::vector<std::int64_t>& numbers) {
+void read_integers(std::string_view word, std::vector<std::int64_t>& numbers) {
   const std::size_t dash = word.find('-', 1);
   if (dash == std::string_view::npos) {
-    numbers.push_back(read_integer(word, range));
+    numbers.push_back(read_integer(word));
     return;
   }
 
   const std::size_t second = word.find('-', dash + 2);
   const bool stepped = second != std::string_view::npos;
-  const std::int64_t first = read_integer(word.substr(0, dash), range);
-  const std::int64_t last = read_integer(word.substr(dash + 1, stepped ? second - dash - 1 : word.npos), range);
+  const std::int64_t first = read_integer(word.substr(0, dash));
+  const std::int64_t last = read_integer(word.substr(dash + 1, stepped ? second - dash - 1 : word.npos));
   const std::int64_t direction = first <= last ? 1 : -1;
-  const std::int64_t step = stepped ? read_integer(word.substr(second + 1), {}) : direction;
+  const std::int64_t step = stepped ? read_integer(word.substr(second + 1)) : direction;
   if (step == 0 || (step > 0) != (direction > 0))
     throw InputError(fmt::format("{}: a step of {} does not lead from {} to {}", quoted(word), step, first, last));
 
@@ -92,14 +89,9 @@ bool read_bool(std::string_view word) {
 }
 
 std::string_view only_word(std::string_view text) {
-  std::string_view only;
-  std::size_t count = 0;
-  for_each_word(text, [&](std::string_view word) {
-    only = word;
-    ++count;
-  });
-  if (count != 1) throw InputError(fmt::format("{} values given, must be one", count));
-  return only;
+  const std::vector<std::string_view> words = split_words(text);
+  if (words.size() != 1) throw InputError(fmt::format("{} values given, must be one", words.size()));
+  return words.front();
 }
 
 /// Numbers of a list that belong together.
@@ -122,22 +114,37 @@ void check_count(Type type, std::size_t count) {
     throw InputError(fmt::format("{} numbers given, must be groups of {}", count, group));
 }
 
-std::vector<double> read_reals(std::string_view text, const Range& range) {
-  std::vector<double> numbers;
-  for_each_word(text, [&](std::string_view word) { numbers.push_back(read_real(word, range)); });
+template <class Number, class Read>
+std::vector<Number> read_list(std::string_view text, const Read& read) {
+  std::vector<Number> numbers;
+  for_each_word(text, [&](std::string_view word) { read(word, numbers); });
   return numbers;
 }
 
-std::vector<std::int64_t> read_integer_list(std::string_view text, const Range& range) {
-  std::vector<std::int64_t> numbers;
-  for_each_word(text, [&](std::string_view word) { read_integers(word, range, numbers); });
-  return numbers;
-}
-
-std::string checked_word(const Attribute& attribute, std::string_view word) {
-  const std::string error = attributes::unknown_word(word, split_words(attribute.words));
-  if (!error.empty()) throw InputError(error);
-  return std::string(word);
+Value parsed(Type type, std::string_view text) {
+  switch (type) {
+    case Type::kBool:
+      return read_bool(only_word(text));
+    case Type::kInteger:
+      return read_integer(only_word(text));
+    case Type::kReal:
+      return read_real(only_word(text));
+    case Type::kWord:
+      return std::string(only_word(text));
+    case Type::kVector3:
+    case Type::kReals:
+    case Type::kVectors3:
+    case Type::kBoxes:
+      return read_list<double>(text, [](std::string_view word, auto& all) { all.push_back(read_real(word)); });
+    case Type::kIntegers:
+    case Type::kHexahedra:
+      return read_list<std::int64_t>(text, read_integers);
+    case Type::kLink:
+      throw InputError(fmt::format("{} must be a link: @path", quoted(text)));
+    case Type::kText:
+      break;
+  }
+  return std::string(text);
 }
 
 }  // namespace
@@ -148,35 +155,9 @@ bool is_plain_name(std::string_view name) {
 }
 
 Value read_value(const Attribute& attribute, std::string_view text) {
-  switch (attribute.type) {
-    case Type::kBool:
-      return read_bool(only_word(text));
-    case Type::kInteger:
-      return read_integer(only_word(text), attribute.range);
-    case Type::kReal:
-      return read_real(only_word(text), attribute.range);
-    case Type::kWord:
-      return checked_word(attribute, only_word(text));
-    case Type::kVector3:
-    case Type::kReals:
-    case Type::kVectors3:
-    case Type::kBoxes: {
-      std::vector<double> numbers = read_reals(text, attribute.range);
-      check_count(attribute.type, numbers.size());
-      return numbers;
-    }
-    case Type::kIntegers:
-    case Type::kHexahedra: {
-      std::vector<std::int64_t> numbers = read_integer_list(text, attribute.range);
-      check_count(attribute.type, numbers.size());
-      return numbers;
-    }
-    case Type::kLink:
-      throw InputError(fmt::format("{} must be a link: @path", quoted(text)));
-    case Type::kText:
-      break;
-  }
-  return std::string(text);
+  Value value = parsed(attribute.type, text);
+  check_value(attribute, value);
+  return value;
 }
 
 std::string write_value(const Value& value) {
@@ -196,7 +177,9 @@ void check_value(const Attribute& attribute, const Value& value) {
   const auto check = [&](const auto& content) {
     using Content = std::decay_t<decltype(content)>;
     if constexpr (std::is_same_v<Content, std::string>) {
-      if (attribute.type == Type::kWord) checked_word(attribute, content);
+      const bool is_word = attribute.type == Type::kWord;
+      const std::string error = is_word ? attributes::unknown_word(content, split_words(attribute.words)) : "";
+      if (!error.empty()) throw InputError(error);
     } else if constexpr (std::is_arithmetic_v<Content>) {
       if constexpr (!std::is_same_v<Content, bool>) check_range(attribute.range, content);
     } else if constexpr (!std::is_same_v<Content, std::monostate>) {

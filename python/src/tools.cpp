@@ -45,7 +45,7 @@ std::optional<T> given(const py::dict& arguments, const char* name) {
 }
 
 parts::InstrumentOptions::Shape shape_named(const std::string& word) {
-  const attributes::Attribute& shape = attributes::kInstrumentContactAttributes[0];
+  const attributes::Attribute& shape = attributes::kInstrumentContactForceField.rows[0];
   return static_cast<parts::InstrumentOptions::Shape>(parts::place_of_word(shape, word));
 }
 

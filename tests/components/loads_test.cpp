@@ -2,7 +2,7 @@
 // What loads, leads and grips nodes.
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
-#include "scene/load.hpp"
+#include "scene/interfaces.hpp"
 #include "support/compare.hpp"
 #include "support/scene.hpp"
 

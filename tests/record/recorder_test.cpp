@@ -168,7 +168,7 @@ TEST(FinalState, ComesBackWithAllItsBits) {
   const PointArray v = some_velocities(body);
   body.linearize(x);
   body.flow(x, 0.01);
-  output::write_final(scratch / "final.json", 42, 0.1 + 0.2, x, v, body);
+  support::write_final(scratch / "final.json", 42, 0.1 + 0.2, x, v, body);
 
   std::ifstream in(scratch / "final.json");
   const nlohmann::json read = nlohmann::json::parse(in);
@@ -317,7 +317,7 @@ std::map<std::string, std::string> written_by_a_run(const fs::path& directory) {
                      .step_ms = 1234.5},
                     x, v);
   recorder.finish();
-  output::write_final(directory / "final.json", 4000, 0.05, x, v, body);
+  support::write_final(directory / "final.json", 4000, 0.05, x, v, body);
   return files_in(directory);
 }
 

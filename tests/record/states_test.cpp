@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "hexaplast/base/error.hpp"
-#include "record/instruments_vtu.hpp"
+#include "record/conditions_vtu.hpp"
 #include "record/recorded_run.hpp"
 #include "record/surface_vtu.hpp"
 #include "support/compare.hpp"

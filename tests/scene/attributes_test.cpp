@@ -66,10 +66,10 @@ class ExampleScenes : public testing::Test {
 
   std::string scene_with(const Description& component) {
     const auto example =
-        std::ranges::find(attributes::kExamples, component.class_name, &attributes::Example::class_name);
-    const std::string lines = example == attributes::kExamples.end() ? "<" + std::string(component.class_name) + "/>"
-                                                                     : std::string(example->lines);
-    return pasted(std::string(attributes::kExampleScene), lines, category_of_);
+        std::ranges::find(attributes::examples(), component.class_name, &attributes::Example::class_name);
+    const std::string lines = example == attributes::examples().end() ? "<" + std::string(component.class_name) + "/>"
+                                                                      : std::string(example->lines);
+    return support::pasted(std::string(attributes::example_scene()), lines, category_of_);
   }
 
   template <class Visit>

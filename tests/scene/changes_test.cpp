@@ -319,7 +319,7 @@ TEST(Changes, ActInTheirStepAloneAndAreUndone) {
     const std::string_view class_name = description->class_name;
     if (description->takes_anything || description->category == "Test" || description->category == "Visual") continue;
     std::vector<attributes::Example> pieces;
-    for (const attributes::Example& each : attributes::kExamples)
+    for (const attributes::Example& each : attributes::examples())
       if (each.class_name == class_name) pieces.push_back(each);
     for (const attributes::Example& each : kMoreScenes)
       if (each.class_name == class_name) pieces.push_back(each);
@@ -327,8 +327,8 @@ TEST(Changes, ActInTheirStepAloneAndAreUndone) {
       if (piece.lines.find("ilename") != piece.lines.npos || piece.lines.find("fileTopology") != piece.lines.npos)
         continue;
       SCOPED_TRACE(piece.lines);
-      const Example example(*description,
-                            pasted(std::string(attributes::kExampleScene), std::string(piece.lines), category_of));
+      const Example example(*description, support::pasted(std::string(attributes::example_scene()),
+                                                          std::string(piece.lines), category_of));
       scene::Scene scene = read_and_init(example.text());
       const auto* changeable = dynamic_cast<const scene::Changeable*>(&example.component(scene));
       if (!changeable) continue;

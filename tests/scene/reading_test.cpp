@@ -69,20 +69,19 @@ TEST(SceneReading, NamesThatAreGoneSayWhatToWriteInstead) {
             "has no attribute 'triangles'\n  hint: take quads");
 
   std::set<std::string_view> gone;
-  for (const attributes::Gone& entry : attributes::kGone)
-    for (const std::string_view name : attributes::split_words(entry.names)) {
-      EXPECT_TRUE(gone.insert(name).second) << name << " is there twice";
-      const std::size_t dot = name.find('.');
-      const std::string_view owner = name.substr(0, dot);  // empty: any
-      bool is_there = owner.empty() || owner == "Node";
-      for (const attributes::Description* component : factory().descriptions()) {
-        if (!owner.empty() && owner != component->class_name) continue;
-        is_there = true;
-        EXPECT_EQ(std::ranges::count(component->attributes, name.substr(dot + 1), &attributes::Attribute::name), 0)
-            << name;
-      }
-      EXPECT_EQ(is_there, dot != name.npos) << name;
+  for (const auto& [name, instead] : attributes::gone()) {
+    EXPECT_TRUE(gone.insert(name).second) << name << " is there twice";
+    const std::size_t dot = name.find('.');
+    const std::string_view owner = name.substr(0, dot);  // empty: any
+    bool is_there = owner.empty() || owner == "Node";
+    for (const attributes::Description* component : support::factory().descriptions()) {
+      if (!owner.empty() && owner != component->class_name) continue;
+      is_there = true;
+      EXPECT_EQ(std::ranges::count(component->attributes, name.substr(dot + 1), &attributes::Attribute::name), 0)
+          << name;
     }
+    EXPECT_EQ(is_there, dot != name.npos) << name;
+  }
 }
 
 // What scenes need that ship with the program, in its documentation and its examples; the rest of SOFA is SOFA's.

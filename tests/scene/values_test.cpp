@@ -8,7 +8,7 @@
 #include "attributes/parts.hpp"
 #include "attributes/stock.hpp"
 #include "hexaplast/base/error.hpp"
-#include "scene/description.hpp"
+#include "scene/document.hpp"
 #include "scene/interfaces.hpp"
 #include "scene/value.hpp"
 #include "support/files.hpp"

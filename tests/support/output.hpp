@@ -58,6 +58,13 @@ inline std::vector<output::EmbeddedSurface> two_surfaces() {
   return surfaces;
 }
 
+/// What `--final` writes of a body after so many steps.
+inline void write_final(const std::filesystem::path& path, long step, double time, ConstPoints x, ConstPoints v,
+                        const Body& body) {
+  output::WholeFile file(path);
+  output::write_final(file, time, x, v, body, output::state_hash(step, x, v, &body));
+}
+
 /// Velocities that are all different.
 inline PointArray some_velocities(const Body& body) { return Random(5).field(body.mesh().num_nodes(), 0.7); }
 

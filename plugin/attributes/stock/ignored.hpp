@@ -3,19 +3,18 @@
 
 #include "attributes/attribute.hpp"
 
-/// What SOFA scenes hold that has no effect here: whole components, and attributes of others.
+/// What has no effect on a scene: components and attributes that are accepted unread, and what pictures show.
 namespace hexaplast::attributes {
 
 /// An attribute that is accepted unread.
 constexpr Attribute ignored_attribute(std::string_view name, std::string_view help) {
   return free_text(name, {.access = Access::kIgnored}, help);
 }
-constexpr Attribute visual_attribute(std::string_view name) { return ignored_attribute(name, "Visual: ignored here."); }
-
 template <class... Names>
-constexpr std::array<Attribute, sizeof...(Names)> visual_attributes(Names... names) {
-  return {visual_attribute(names)...};
+constexpr std::array<Attribute, sizeof...(Names)> ignored_attributes(std::string_view help, Names... names) {
+  return {ignored_attribute(names, help)...};
 }
+constexpr auto visual_attributes(auto... names) { return ignored_attributes("Visual: ignored here.", names...); }
 inline constexpr auto kDrawnCells =
     visual_attributes("drawEdges", "drawTriangles", "drawQuads", "drawTetrahedra", "drawHexahedra");
 
@@ -42,6 +41,53 @@ inline constexpr Description kIgnoredComponents[] = {
     bookkeeping_component("QuadSetTopologyModifier"),
     bookkeeping_component("QuadSetGeometryAlgorithms"),
     bookkeeping_component("TriangleSetGeometryAlgorithms"),
+};
+
+// ---- what pictures show
+
+inline constexpr Table kOglModel{
+    Category{"Visual", "Vec3 Vec3d ExtVec3 ExtVec3d ExtVec3f"}(
+        "OglModel",
+        "A surface without mechanics. With a BarycentricMapping or an IdentityMapping in its node, pictures show it in "
+        "place of the hexahedra, in their colours; without one they do not show it. What lies in removed hexahedra is "
+        "not shown."),
+    vectors3("position", {.unit = "m"},
+             "Points; default: those of the state that it follows by an IdentityMapping in its node."),
+    indices("triangles", "Groups of three points."),
+    indices("quads", "Groups of four points."),
+    visual_attributes("edges", "normals", "texcoords", "color", "material", "texturename", "flipNormals", "useNormals",
+                      "updateNormals", "handleDynamicTopology", "fixMergedUVSeams", "isEnabled", "alphaBlend",
+                      "depthTest", "cullFace", "lineWidth", "pointSize", "lineSmooth", "pointSmooth", "primitiveType",
+                      "blendEquation", "sourceFactor", "destFactor", "blendTransparency"),
+};
+
+inline constexpr Table kVisualStyle{
+    Category{"Visual"}("VisualStyle", "What pictures show. The first one in the scene counts."),
+    free_text(
+        "displayFlags",
+        "Words that begin with show or hide: VisualModels (surfaces; default show), BehaviorModels (hexahedra; "
+        "default: shown where no surface is; beside a surface as edges), ForceFields (arrows of loads; default show), "
+        "Wireframe (edges alone, in the colours of what they bound; default hide)."),
+};
+
+inline constexpr Table kInteractiveCamera{
+    Category{"Visual"}(
+        "InteractiveCamera",
+        "From where pictures are taken: from position towards lookAt, y pointing up, or by the orientation. Default: "
+        "from beside the body's longest axis and a little above. The first one in the scene counts."),
+    vectors3("position", {.unit = "m"}, "Where the viewer stands: one point."),
+    vectors3("lookAt", {.unit = "m"}, "What the viewer looks at: one point."),
+    reals("orientation",
+          "In place of lookAt: a quaternion x y z w that turns a camera that looks along -z, y pointing up."),
+    real("distance", {.initial = "1", .unit = "m", .range = kPositive},
+         "From the camera to what it looks at, with an orientation."),
+    real("fieldOfView", {.unit = "deg", .range = {.min = 0, .max = 180, .exclusive_min = true, .exclusive_max = true}},
+         "Angle from the lower to the upper border. With it, pictures are taken from the camera's very position; "
+         "without, its direction counts, and the distance is fitted to the run."),
+    one_of("projectionType", {.initial = "Perspective", .words = "Perspective Orthographic 0 1"},
+           "Beside fieldOfView; 0 is Perspective. Fitted pictures are orthographic."),
+    visual_attributes("zNear", "zFar", "computeZClip", "minBBox", "maxBBox", "widthViewport", "heightViewport",
+                      "activated", "fixedLookAt", "zoomSpeed", "panSpeed", "pivot"),
 };
 
 }  // namespace hexaplast::attributes

@@ -8,7 +8,6 @@
 
 #include "runner/command.hpp"
 #include "runner/look/component_page.hpp"
-#include "runner/report_errors.hpp"
 
 /// What shells and manuals say of the command, made from the tree that its arguments are parsed by.
 namespace hexaplast::runner {
@@ -67,7 +66,7 @@ std::string roff(const std::string& text) {
   return safe;
 }
 
-void add_option(const CLI::Option& option, std::string& page) {
+void add_entry(const CLI::Option& option, std::string& page) {
   page += ".TP\n";
   std::string separator;
   for (const std::string& name : names_of(option)) {
@@ -91,7 +90,7 @@ void add_command(const CLI::App& command, const std::string& path, std::string& 
                         is_group ? " \\fICOMMAND\\fR" : " [\\fIOPTION\\fR...]", roff(inner->get_description()));
     for (const CLI::Option* argument : arguments_of(*inner))
       page += fmt::format(".TP\n\\fI{}\\fR\n{}\n", roff(type_of(*argument)), roff(argument->get_description()));
-    for (const CLI::Option* option : options_of(*inner)) add_option(*option, page);
+    for (const CLI::Option* option : options_of(*inner)) add_entry(*option, page);
     if (is_program(*inner)) page += fmt::format(".PP\n\\fB{} \\-\\-help\\fR lists its options.\n", roff(inner_path));
     add_command(*inner, inner_path, page);
   }
@@ -154,7 +153,7 @@ std::string man_page(const CLI::App& app, const std::string& version) {
       "read strictly.\n",
       version, roff("hexahedral corotational elastoplastic finite elements in real time"));
   page += ".SH OPTIONS\n";
-  for (const CLI::Option* option : options_of(app)) add_option(*option, page);
+  for (const CLI::Option* option : options_of(app)) add_entry(*option, page);
   page += ".SH COMMANDS\n";
   add_command(app, "hexaplast", page);
   page +=

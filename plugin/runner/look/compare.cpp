@@ -13,16 +13,16 @@
 namespace hexaplast::runner {
 namespace {
 
-using Row = std::vector<std::string>;
+using TableRow = std::vector<std::string>;
 
 void print(const output::ComparisonTable& table) {
   fmt::print("{}\n", printable_line(table.title));
-  std::vector<Row> rows = table.rows;
+  std::vector<TableRow> rows = table.rows;
   if (!rows.empty()) rows.insert(rows.begin(), table.columns);
   std::vector<std::size_t> widths(table.columns.size());
-  for (const Row& row : rows)
+  for (const TableRow& row : rows)
     for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
-  for (const Row& row : rows) {
+  for (const TableRow& row : rows) {
     std::string line = " ";
     for (std::size_t c = 0; c < row.size(); ++c) line += fmt::format(" {:<{}} ", row[c], widths[c]);
     fmt::print("{}\n", printable_line(line.substr(0, line.find_last_not_of(' ') + 1)));
@@ -56,12 +56,10 @@ void add_compare(CLI::App& app, Call& call) {
   const auto [command, options] =
       add_subcommand(app, call, "compare", "Print where two runs of a body are farthest apart", compare,
                      [](const CompareOptions&) { return "hexaplast compare"; });
-  command.add_option("run_a", options.a, "Directory of a run")->type_name("RUN_A")->required();
-  command.add_option("run_b", options.b, "Directory of another one")->type_name("RUN_B")->required();
-  command
-      .add_option("-o,--out", options.out,
-                  "Write the comparison with the curves of both runs as a page; replaces an older file")
-      ->type_name("FILE.html");
+  add_option(command, "run_a", options.a, "RUN_A", "Directory of a run")->required();
+  add_option(command, "run_b", options.b, "RUN_B", "Directory of another one")->required();
+  add_option(command, "-o,--out", options.out, "FILE.html",
+             "Write the comparison with the curves of both runs as a page; replaces an older file");
 }
 
 }  // namespace hexaplast::runner

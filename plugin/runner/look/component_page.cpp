@@ -32,7 +32,8 @@ A scene is XML: nodes hold nodes and components, `<BoxROI .../>` or `<Object typ
 as `beam.scn` and try `hexaplast run beam.scn`, or `hexaplast check beam.scn` for a model check:
 
 ```xml
-{}```
+{}
+```
 
 The examples below are added at the end of its node `body`. A solver, topology, mechanical state, mass, body of hexahedra,
 animation loop or RunSettings replaces the one that is there.
@@ -151,8 +152,9 @@ std::string section(const Description& component, std::vector<Described>& earlie
   text += as_earlier;
   earlier.push_back({&component, rows});
 
-  const auto example = std::ranges::find(attributes::kExamples, component.class_name, &attributes::Example::class_name);
-  text += fmt::format("\n```xml\n{}\n```\n", example == attributes::kExamples.end()
+  const auto example =
+      std::ranges::find(attributes::examples(), component.class_name, &attributes::Example::class_name);
+  text += fmt::format("\n```xml\n{}\n```\n", example == attributes::examples().end()
                                                  ? fmt::format("<{}/>", component.class_name)
                                                  : std::string(example->lines));
   return text;
@@ -182,20 +184,6 @@ Descriptions known_components(const SceneOptions& options) {
   return components;
 }
 
-std::string_view describe(Access access) {
-  switch (access) {
-    case Access::kInput:
-      return "input";
-    case Access::kOutput:
-      return "output";
-    case Access::kState:
-      return "state";
-    case Access::kIgnored:
-      return "ignored";
-  }
-  return {};
-}
-
 std::vector<ComponentGroup> grouped(const Descriptions& components) {
   std::vector<ComponentGroup> groups;
   for (const std::string_view category :
@@ -215,7 +203,7 @@ std::vector<ComponentGroup> grouped(const Descriptions& components) {
 }
 
 std::string component_page(const Descriptions& components) {
-  std::string page = fmt::format(fmt::runtime(kIntroduction), attributes::kExampleScene);
+  std::string page = fmt::format(fmt::runtime(kIntroduction), attributes::example_scene());
   page += attribute_table(rows_with_effect(attributes::kCommon));
   std::vector<Described> described;
   for (const ComponentGroup& group : grouped(components)) {

@@ -24,9 +24,6 @@ struct ComponentGroup {
 /// The components that do something, by category, in the order in which a scene needs them; names ascend within each.
 std::vector<ComponentGroup> grouped(const Descriptions& components);
 
-/// Who writes an attribute: "input", "output", "state" or "ignored".
-std::string_view describe(attributes::Access access);
-
 /// The documentation page of all components, in Markdown.
 std::string component_page(const Descriptions& components);
 

@@ -11,7 +11,7 @@
 #include <optional>
 
 #include "attributes/admissible.hpp"
-#include "runner/exit_code.hpp"
+#include "runner/command.hpp"
 #include "runner/look/component_page.hpp"
 #include "runner/run/common_options.hpp"
 #include "runner/subcommand.hpp"
@@ -43,7 +43,7 @@ Json json_of(const Attribute& attribute) {
   if (!attribute.unit.empty()) json["unit"] = attribute.unit;
   if (!attribute.initial.empty()) json["default"] = attribute.initial;
   if (const Json range = json_of(attribute.range); !range.empty()) json["range"] = range;
-  json["access"] = describe(attribute.access);
+  json["access"] = attributes::kAccessNames[static_cast<std::size_t>(attribute.access)];
   json["help"] = attribute.help;
   return json;
 }
@@ -147,7 +147,7 @@ void add_list(CLI::App& app, Call& call) {
       add_subcommand(app, call, "list", "Print the components that scenes may name, and what they take", list,
                      [](const ListOptions&) { return "hexaplast"; });
   CLI::Option* component =
-      command.add_option("component", options.component, "One component with its attributes")->type_name("COMPONENT");
+      add_option(command, "component", options.component, "COMPONENT", "One component with its attributes");
   CLI::Option* json = command.add_flag("--json", options.json, "As JSON");
   command.add_flag("--markdown", options.markdown, "As the page docs/components.md")
       ->excludes(component)

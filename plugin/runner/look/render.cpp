@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -15,7 +14,7 @@
 #include "picture/section_page.hpp"
 #include "record/files.hpp"
 #include "record/recorded_run.hpp"
-#include "runner/exit_code.hpp"
+#include "runner/command.hpp"
 #include "runner/run/common_options.hpp"
 #include "runner/run/progress.hpp"
 #include "runner/run/staging.hpp"
@@ -54,29 +53,15 @@ constexpr const char* kRestShape = "rest shape";
   throw UsageError(fmt::format("{} {}: must be {}", option, text, allowed));
 }
 
-/// The finite numbers of a text between separators; empty where it is anything else.
-std::vector<double> numbers(std::string_view text, char separator) {
-  std::vector<double> all;
-  while (true) {
-    const std::string_view word = text.substr(0, text.find(separator));
-    double number = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(number)) return {};
-    all.push_back(number);
-    if (word.size() == text.size()) return all;
-    text.remove_prefix(word.size() + 1);
-  }
-}
-
 std::optional<Vec3> vector_of(std::string_view text) {
-  const std::vector<double> xyz = numbers(text, ',');
+  const std::vector<double> xyz = numbers_in(text, ',');
   if (xyz.size() != 3) return std::nullopt;
   return Vec3(xyz[0], xyz[1], xyz[2]);
 }
 
 std::optional<std::pair<double, double>> range_of(const std::string& text) {
   if (text.empty()) return std::nullopt;
-  const std::vector<double> ends = numbers(text, ':');
+  const std::vector<double> ends = numbers_in(text, ':');
   if (ends.size() != 2 || !(ends[0] < ends[1])) refuse("--range", text, "two numbers LO:HI, the lesser first");
   return std::pair(ends[0], ends[1]);
 }
@@ -84,7 +69,7 @@ std::optional<std::pair<double, double>> range_of(const std::string& text) {
 std::pair<int, int> size_of(const std::string& text) {
   if (text.empty()) return {1280, 720};
   const auto is_size = [](double side) { return side == std::floor(side) && side >= kMinSize && side <= kMaxSize; };
-  const std::vector<double> sides = numbers(text, 'x');
+  const std::vector<double> sides = numbers_in(text, 'x');
   if (sides.size() != 2 || !is_size(sides[0]) || !is_size(sides[1]))
     refuse("--size", text, "WIDTHxHEIGHT, each from 64 to 4096 pixels");
   return {static_cast<int>(sides[0]), static_cast<int>(sides[1])};
@@ -93,7 +78,7 @@ std::pair<int, int> size_of(const std::string& text) {
 /// "z:0.2" as axis and number.
 std::pair<int, double> axis_and_number(const char* option, const std::string& text, const char* allowed) {
   const std::vector<double> number =
-      text.size() > 2 && text[1] == ':' ? numbers(std::string_view(text).substr(2), ':') : std::vector<double>();
+      text.size() > 2 && text[1] == ':' ? numbers_in(std::string_view(text).substr(2), ':') : std::vector<double>();
   if (number.size() != 1 || text[0] < 'x' || text[0] > 'z') refuse(option, text, allowed);
   return {text[0] - 'x', number[0]};
 }
@@ -103,7 +88,7 @@ struct Side {
   std::string_view name;
   std::array<double, 3> towards;
 };
-constexpr std::array<Side, 6> kSides{{{"front", {0, 0, 1}},
+constexpr std::array<Side, 6> kViews{{{"front", {0, 0, 1}},
                                       {"back", {0, 0, -1}},
                                       {"right", {1, 0, 0}},
                                       {"left", {-1, 0, 0}},
@@ -112,8 +97,8 @@ constexpr std::array<Side, 6> kSides{{{"front", {0, 0, 1}},
 
 std::optional<output::Viewpoint> viewpoint_of(const RenderOptions& options, const Vec3& up) {
   if (!options.view.empty()) {
-    const auto side = std::ranges::find(kSides, options.view, &Side::name);
-    if (side != kSides.end())
+    const auto side = std::ranges::find(kViews, options.view, &Side::name);
+    if (side != kViews.end())
       return output::Viewpoint{output::standing(up).transpose() * Vec3(side->towards.data()), {}, {}};
     const std::optional<Vec3> towards = vector_of(options.view);
     if (!towards || towards->isZero(0))
@@ -128,7 +113,7 @@ std::optional<output::Viewpoint> viewpoint_of(const RenderOptions& options, cons
   if (first == last) refuse("--camera", options.camera, kAllowed);
   const std::optional<Vec3> position = vector_of(text.substr(0, first)),
                             target = vector_of(text.substr(first + 1, last - first - 1));
-  const std::vector<double> angle = numbers(text.substr(last + 1), ':');
+  const std::vector<double> angle = numbers_in(text.substr(last + 1), ':');
   if (!position || !target || *position == *target || angle.size() != 1 || !(angle[0] > 0 && angle[0] < 180))
     refuse("--camera", options.camera, kAllowed);
   return output::Viewpoint{*position - *target, {}, output::Viewpoint::Eye{*position, *target, angle[0], true}};
@@ -317,57 +302,38 @@ void add_render(CLI::App& app, Call& call) {
   const auto [command, options] =
       add_subcommand(app, call, "render", "Make a picture or a film of a run that is finished", render,
                      [](const RenderOptions& given) { return given.run.string(); });
-  command.add_option("run", options.run, "Directory of the run, or its .pvd file")->type_name("DIR|PVD")->required();
-  CLI::Option* out = command.add_option("-o,--out", options.out, "PNG file to write; replaces an older one")
-                         ->type_name("FILE")
+  add_option(command, "run", options.run, "DIR|PVD", "Directory of the run, or its .pvd file")->required();
+  CLI::Option* out = add_option(command, "-o,--out", options.out, "FILE", "PNG file to write; replaces an older one")
                          ->capture_default_str();
   CLI::Option* time =
-      command.add_option("--time", options.time, "The state nearest to this time [s]; otherwise the last one")
-          ->type_name("T");
-  CLI::Option* step =
-      command.add_option("--step", options.step, "The state after this step")->type_name("N")->excludes(time);
+      add_option(command, "--time", options.time, "T", "The state nearest to this time [s]; otherwise the last one");
+  CLI::Option* step = add_option(command, "--step", options.step, "N", "The state after this step")->excludes(time);
   const std::vector<CLI::Option*> pictures = add_pictures(command, options.pictures);
-  command.add_option("--range", options.range, "Values at the ends of the colour bar; otherwise those that are shown")
-      ->type_name("LO:HI");
-  CLI::Option* view = command
-                          .add_option("--view", options.view,
-                                      "Where the viewer stands: front, back, left, right, top, bottom, or a direction")
-                          ->type_name("SIDE|X,Y,Z");
+  add_option(command, "--range", options.range, "LO:HI",
+             "Values at the ends of the colour bar; otherwise those that are shown");
+  CLI::Option* view = add_option(command, "--view", options.view, "SIDE|X,Y,Z",
+                                 "Where the viewer stands: front, back, left, right, top, bottom, or a direction");
   CLI::Option* camera =
-      command
-          .add_option("--camera", options.camera,
-                      "Picture in perspective: where the camera stands [m], what it looks at [m], angle from the lower "
-                      "to the upper border [deg]")
-          ->type_name("X,Y,Z:X,Y,Z:DEG")
+      add_option(command, "--camera", options.camera, "X,Y,Z:X,Y,Z:DEG",
+                 "Picture in perspective: where the camera stands [m], what it looks at [m], angle from the lower "
+                 "to the upper border [deg]")
           ->excludes(view);
-  command.add_option("--size", options.size, "Of the picture [pixels]. Default 1280x720")->type_name("WxH");
-  CLI::Option* slice = command
-                           .add_option("--slice", options.slice,
-                                       "Cut the body through at a place on an axis [m] and leave the viewer's side out")
-                           ->type_name("AXIS:X");
-  CLI::Option* sections = command
-                              .add_option("--sections", options.sections,
-                                          "Instead of the body, so many sections across an axis, side by side")
-                              ->type_name("AXIS:N")
+  add_option(command, "--size", options.size, "WxH", "Of the picture [pixels]. Default 1280x720");
+  CLI::Option* slice = add_option(command, "--slice", options.slice, "AXIS:X",
+                                  "Cut the body through at a place on an axis [m] and leave the viewer's side out");
+  CLI::Option* sections = add_option(command, "--sections", options.sections, "AXIS:N",
+                                     "Instead of the body, so many sections across an axis, side by side")
                               ->excludes(slice)
                               ->excludes(pictures[1])
                               ->excludes(view)
                               ->excludes(camera);
-  command.add_option("--shape", options.shape, "The current shape of the body, or its rest shape, without loads")
-      ->check(CLI::IsMember({"current", "rest"}))
-      ->type_name("current|rest")
-      ->capture_default_str();
-  command.add_option("--ghost", options.ghost, "Pale shape behind the body")
-      ->check(CLI::IsMember({"initial", "rest", "none"}))
-      ->type_name("initial|rest|none")
-      ->capture_default_str();
-  command
-      .add_option(
-          "--show", options.show,
-          "Surfaces that the hexahedra carry, the hexahedra, or surfaces and edges of hexahedra. Default: as the "
-          "scene says")
+  add_choice(command, "--shape", options.shape, {"current", "rest"},
+             "The current shape of the body, or its rest shape, without loads");
+  add_choice(command, "--ghost", options.ghost, {"initial", "rest", "none"}, "Pale shape behind the body");
+  add_option(command, "--show", options.show, "surfaces|hexahedra|both",
+             "Surfaces that the hexahedra carry, the hexahedra, or surfaces and edges of hexahedra. Default: as the "
+             "scene says")
       ->check(CLI::IsMember({"surfaces", "hexahedra", "both"}))
-      ->type_name("surfaces|hexahedra|both")
       ->excludes(sections);
   command.add_flag("--no-edges", options.no_edges, "Leave out the edges of hexahedra");
   command.add_flag("--no-marks", options.no_marks, "Leave out fixed nodes, springs, loads, instruments and gravity");

@@ -13,12 +13,11 @@
 #include "hexaplast/base/parallel.hpp"
 #include "record/manifest.hpp"
 #include "record/recorder.hpp"
-#include "runner/exit_code.hpp"
+#include "runner/command.hpp"
+#include "runner/process.hpp"
 #include "runner/run/boundary_conditions.hpp"
 #include "runner/run/common_options.hpp"
-#include "runner/run/interrupt.hpp"
-#include "runner/run/regions.hpp"
-#include "runner/run/rounded.hpp"
+#include "runner/run/results.hpp"
 #include "runner/run/simulation.hpp"
 #include "runner/run/staging.hpp"
 #include "runner/subcommand.hpp"
@@ -77,20 +76,6 @@ scene::Element document_of(const SceneOptions& options, scene::Scene& scene) {
   scene::Diagnostics diagnostics;
   return scene::read_document(scene::read_scene_file(options.file), options.file, diagnostics, nullptr,
                               scene.root().files().search);
-}
-
-void print_outcome(Simulation& simulation, const std::string& title) {
-  const output::Bodies& bodies = *simulation.bodies();
-  const PointArray& x = simulation.positions();
-  const output::Measures measures = output::Measurement(bodies).measure(x);
-  fmt::print("{}: {} steps of {:.6g} s, to t = {:.6g} s\n", printable_line(title), simulation.latest().step,
-             simulation.dt(), simulation.time());
-  fmt::print("  plastic elongation  {:+.3f} %  (current {:+.3f} %)\n", rounded(100 * measures.plastic_elongation, 1e-3),
-             rounded(100 * measures.current_elongation, 1e-3));
-  fmt::print("  plastic strain      max {:.4f}\n", std::ranges::max(bodies.fields(x).plastic_strain));
-  fmt::print("  volume error        {:+.4f} %\n", rounded(100 * (measures.plastic_rest_volume_ratio - 1), 1e-4));
-  fmt::print("  dissipated energy   {:.4g} J\n", bodies.dissipated_energy());
-  fmt::print("  state hash          {}\n", simulation.state_hash());
 }
 
 /// What says where the hexahedra of a scene belong.
@@ -202,9 +187,9 @@ int view(const ViewOptions& options) {
   if (!session.failure().empty()) throw NumericalError(session.failure());
 
   if (final_state)
-    output::write_final(*final_state, simulation.latest().step, simulation.time(), simulation.positions(),
-                        simulation.velocities(), *simulation.bodies());
-  print_outcome(simulation, title);
+    output::write_final(*final_state, simulation.time(), simulation.positions(), simulation.velocities(),
+                        *simulation.bodies(), simulation.state_hash());
+  print_summary(simulation, options.scene.file);
   return exit_code();
 }
 
@@ -217,32 +202,25 @@ void add_view(CLI::App& app, Call& call) {
   add_scene(command, options.scene);
   add_pictures(command, options.pictures);
   command.add_flag("--run", options.is_running, "Run from the beginning; otherwise the scene waits for Space");
-  command
-      .add_option("--speed", options.speed, "Seconds of the simulation per second of the clock; default 1: real time")
-      ->type_name("F")
+  add_option(command, "--speed", options.speed, "F",
+             "Seconds of the simulation per second of the clock; default 1: real time")
       ->check(CLI::Range(0.001, 1000.0));
   command.add_flag("--free", options.is_free, "As fast as it goes, not in real time");
   CLI::Option* steps =
       add_steps(command, options.steps, "Run so many time steps as fast as they go, then close the window");
-  command.add_option("--picture", options.picture, "Write a picture of the window when --steps are done")
-      ->type_name("FILE.png")
+  add_option(command, "--picture", options.picture, "FILE.png", "Write a picture of the window when --steps are done")
       ->needs(steps);
-  command.add_option("--pictures", options.picture_folder, "Directory for the pictures that are taken by hand")
-      ->type_name("DIR")
+  add_option(command, "--pictures", options.picture_folder, "DIR", "Directory for the pictures that are taken by hand")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
   add_final_state(command, options.final_state);
-  command
-      .add_option("--record", options.record,
-                  "Write a scene that repeats, without the window, what was done in it: with hexaplast run")
-      ->type_name("FILE.scn");
+  add_option(command, "--record", options.record, "FILE.scn",
+             "Write a scene that repeats, without the window, what was done in it: with hexaplast run");
   add_threads(command, options.threads);
-  command.add_option("--width", options.width, "Width of the window [pixels]")
-      ->type_name("N")
+  add_option(command, "--width", options.width, "N", "Width of the window [pixels]")
       ->check(CLI::Range(800, 16'000))
       ->capture_default_str();
-  command.add_option("--height", options.height, "Height of the window [pixels]")
-      ->type_name("N")
+  add_option(command, "--height", options.height, "N", "Height of the window [pixels]")
       ->check(CLI::Range(500, 16'000))
       ->capture_default_str();
 }

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -13,17 +14,88 @@
 
 #include "formats/text.hpp"
 #include "hexaplast/base/error.hpp"
+#include "hexaplast/body.hpp"
+#include "hexaplast/geometry/cage.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/geometry/offset.hpp"
 #include "hexaplast/geometry/shapes.hpp"
-#include "runner/exit_code.hpp"
-#include "runner/mesh/command.hpp"
-#include "runner/mesh/file.hpp"
-#include "runner/mesh/info.hpp"
+#include "record/vtu.hpp"
+#include "runner/command.hpp"
+#include "runner/mesh/mesh.hpp"
+#include "runner/run/common_options.hpp"
+#include "runner/run/scene_file.hpp"
 #include "runner/subcommand.hpp"
 
 namespace hexaplast::runner {
 namespace {
+
+struct MeshExportOptions {
+  SceneOptions scene;
+  std::filesystem::path out;
+};
+
+/// Writes the bodies of a scene, as they are before the first step, for other programs.
+void export_mesh(const MeshExportOptions& options) {
+  require_vtu(options.out);
+  scene::Scene scene = load_scene(options.scene);
+  const std::filesystem::path out = output_place(options.out, scene.root().files().inputs);
+  std::vector<output::Bodies::Entry> entries;
+  for (const scene::SceneBody& body : scene::bodies_of(scene))
+    entries.push_back({.name = body.name, .body = body.field->body()});
+  if (entries.empty())
+    throw scene::SceneError(
+        scene::format_error(scene.root().place(), "no body in the scene: there is nothing to export"));
+  const output::Bodies bodies(std::move(entries));
+  const std::vector<scene::MechanicalState*> states = scene::shown_states(scene);
+  PointArray x, v;
+  const PointArray& positions = scene::positions_of(states, x);
+  output::write_vtu(out, bodies, positions, scene::velocities_of(states, v), bodies.fields(positions));
+}
+
+struct MeshCageOptions {
+  std::filesystem::path surface;
+  int cells = 0;  ///< cubes along the longest side of the surface's box
+  std::filesystem::path out;
+  bool allow_parts = false;
+};
+
+void save_cage(const Cage& cage, const MeshCageOptions& options) {
+  const HexMesh& mesh = cage.mesh;
+  std::vector<double> enclosed(static_cast<std::size_t>(mesh.num_elements()), 1);
+  std::fill_n(enclosed.begin(), cage.num_touched, 0);
+  save_mesh(options.out,
+            {.points = coordinates_of(mesh.positions()),
+             .hexahedra = mesh.hexahedra(),
+             .cell_fields = {{.name = "enclosed", .values = enclosed}}},
+            InputFiles({options.surface}));
+}
+
+void print_summary(const MeshCageOptions& options, const Cage& cage, const CageGrid& grid) {
+  fmt::print("{}: cage of cubes of {:.6g} m\n", printable_line(options.surface.stem().string()),
+             (grid.max[0] - grid.min[0]) / grid.cells[0]);
+  fmt::print("  nodes               {}\n", cage.mesh.num_nodes());
+  fmt::print("  hexahedra           {}  ({} touched by the surface, {} enclosed)\n", cage.mesh.num_elements(),
+             cage.num_touched, cage.mesh.num_elements() - cage.num_touched);
+  fmt::print("  parts               {}\n", cage.num_parts);
+}
+
+/// Writes the coarse hexahedra around a surface as .vtu, with the cell data `enclosed` (1 where the surface does not
+/// pass), and prints what they are.
+void make_cage(const MeshCageOptions& options) {
+  require_vtu(options.out);
+  const ImportedMesh surface = load_mesh(options.surface);
+  const CageGrid grid = cubes_around(surface.positions, options.cells);
+  const Cage cage = cage_around(surface.positions, surface.triangles, surface.quads, grid);
+  if (cage.num_parts > 1 && !options.allow_parts)
+    throw InputError(fmt::format("the cage has {} parts that share no face: use fewer, larger cells, or --allow-parts",
+                                 cage.num_parts));
+  if (cage.num_hinges > 0)
+    spdlog::warn("warning: hexahedra meet at {} nodes without sharing a face there: they fold freely about them",
+                 cage.num_hinges);
+
+  save_cage(cage, options);
+  print_summary(options, cage, grid);
+}
 
 // Lengths in m.
 struct ShapeOptions {
@@ -152,8 +224,7 @@ std::pair<CLI::App&, Options&> add_shape(CLI::App& mesh, Call& call, const char*
                                          const char* directions, void (*make)(const Options&)) {
   const auto defined = add_subcommand(mesh, call, name, help, make,
                                       [name](const Options&) { return fmt::format("hexaplast mesh {}", name); });
-  defined.first.add_option("--cells", defined.second.cells, fmt::format("Number of hexahedra {}", directions))
-      ->type_name("N N N")
+  add_option(defined.first, "--cells", defined.second.cells, "N N N", fmt::format("Number of hexahedra {}", directions))
       ->check(CLI::Range(1, kMaxAlong))
       ->required();
   add_out(defined.first, defined.second.out);
@@ -173,26 +244,44 @@ CLI::Option* add_length(CLI::App& command, const char* name, double& length, con
 
 }  // namespace
 
+void add_mesh_export(CLI::App& mesh, Call& call) {
+  const auto [command, options] =
+      add_subcommand(mesh, call, "export", "Write the scene's bodies for other programs", export_mesh,
+                     [](const MeshExportOptions& given) { return given.scene.file.string(); });
+  add_scene(command, options.scene);
+  add_out(command, options.out);
+}
+
+void add_mesh_cage(CLI::App& mesh, Call& call) {
+  const auto [command, options] =
+      add_subcommand(mesh, call, "cage", "Lay coarse hexahedra around a surface of triangles or quads", make_cage,
+                     [](const MeshCageOptions& given) { return given.surface.string(); });
+  add_option(command, "surface", options.surface, "SURFACE", "Mesh file: .obj, .stl, .vtk, .vtu or .msh")->required();
+  add_option(command, "--cells", options.cells, "N", "Number of cubes along the longest side of the surface's box")
+      ->check(CLI::Range(1, 1'000'000))
+      ->required();
+  add_out(command, options.out);
+  command.add_flag("--allow-parts", options.allow_parts, "Accept a cage with unconnected parts");
+}
+
 void add_mesh_grid(CLI::App& mesh, Call& call) {
   const auto [command, options] =
       add_shape(mesh, call, "grid", "Make a box of hexahedra", "along x, y and z", make_grid);
-  command.add_option("--size", options.size, "Lengths along x, y and z [m]")
-      ->type_name("M M M")
+  add_option(command, "--size", options.size, "M M M", "Lengths along x, y and z [m]")
       ->check(refuse_length)
       ->required();
-  command.add_option("--origin", options.origin, "Its lower corner [m]")->type_name("M M M")->capture_default_str();
+  add_option(command, "--origin", options.origin, "M M M", "Its lower corner [m]")->capture_default_str();
 }
 
 void add_mesh_sheet(CLI::App& mesh, Call& call) {
   const auto [command, options] = add_shape(mesh, call, "sheet", "Make a sheet, flat or bent, about the origin",
                                             "along x, along y and across", make_sheet);
-  command.add_option("--size", options.size, "Lengths along x and y, of the middle [m]")
-      ->type_name("M M")
+  add_option(command, "--size", options.size, "M M", "Lengths along x and y, of the middle [m]")
       ->check(refuse_length)
       ->required();
   add_length(command, "--thickness", options.thickness, "Thickness [m]");
-  command.add_option("--curvature", options.curvature, "One over the radius about y [1/m]; negative: ends upwards")
-      ->type_name("K")
+  add_option(command, "--curvature", options.curvature, "K",
+             "One over the radius about y [1/m]; negative: ends upwards")
       ->capture_default_str();
 }
 
@@ -201,17 +290,14 @@ void add_mesh_tube(CLI::App& mesh, Call& call) {
                                             "outward, around and along", make_tube);
   add_length(command, "--inner", options.inner, "Inner radius [m]");
   add_length(command, "--outer", options.outer, "Outer radius [m]");
-  CLI::Option* length = command.add_option("--length", options.length, "Length of a tube from the origin along z [m]")
-                            ->type_name("M")
-                            ->check(refuse_length);
-  command.add_option("--bend", options.bend, "Angle by which it is bent towards x on its way [deg]")
-      ->type_name("DEG")
+  CLI::Option* length =
+      add_option(command, "--length", options.length, "M", "Length of a tube from the origin along z [m]")
+          ->check(refuse_length);
+  add_option(command, "--bend", options.bend, "DEG", "Angle by which it is bent towards x on its way [deg]")
       ->check(CLI::Range(-359.0, 359.0))
       ->needs(length);
-  command
-      .add_option("--along", options.along,
-                  "Mesh file (.obj, ...) whose vertices, in their order, are points of a smooth centreline")
-      ->type_name("FILE")
+  add_option(command, "--along", options.along, "FILE",
+             "Mesh file (.obj, ...) whose vertices, in their order, are points of a smooth centreline")
       ->excludes(length);
 }
 
@@ -221,8 +307,7 @@ void add_mesh_sphere_patch(CLI::App& mesh, Call& call) {
                 "along x, along y and outward", make_sphere_patch);
   add_length(command, "--inner", options.inner, "Inner radius [m]");
   add_length(command, "--outer", options.outer, "Outer radius [m]");
-  command.add_option("--angle", options.angle, "Angle from side to side, seen from the centre [deg]")
-      ->type_name("DEG")
+  add_option(command, "--angle", options.angle, "DEG", "Angle from side to side, seen from the centre [deg]")
       ->check(CLI::Range(1e-3, 179.0))
       ->capture_default_str();
 }
@@ -231,20 +316,14 @@ void add_mesh_offset(CLI::App& mesh, Call& call) {
   const auto [command, options] =
       add_subcommand(mesh, call, "offset", "Grow a shell of hexahedra from a surface of quads", make_shell,
                      [](const MeshOffsetOptions& given) { return given.surface.string(); });
-  command.add_option("surface", options.surface, "Mesh file: .obj, .vtk, .vtu or .msh, with quads alone")
-      ->type_name("SURFACE")
+  add_option(command, "surface", options.surface, "SURFACE", "Mesh file: .obj, .vtk, .vtu or .msh, with quads alone")
       ->required();
   add_length(command, "--thickness", options.thickness, "Thickness, measured normal to the quads [m]");
-  command.add_option("--layers", options.layers, "Number of hexahedra across it")
-      ->type_name("N")
+  add_option(command, "--layers", options.layers, "N", "Number of hexahedra across it")
       ->check(CLI::Range(1, kMaxAlong))
       ->capture_default_str();
-  command
-      .add_option("--direction", options.direction,
-                  "outward: on the side from which the quads run counter-clockwise; both: half to either side")
-      ->type_name("inward|outward|both")
-      ->check(CLI::IsMember({"inward", "outward", "both"}))
-      ->capture_default_str();
+  add_choice(command, "--direction", options.direction, {"inward", "outward", "both"},
+             "outward: on the side from which the quads run counter-clockwise; both: half to either side");
   add_out(command, options.out);
 }
 

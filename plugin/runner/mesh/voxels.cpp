@@ -18,10 +18,9 @@
 #include "hexaplast/formats/volume_import.hpp"
 #include "hexaplast/formats/whole_file.hpp"
 #include "hexaplast/geometry/embed.hpp"
-#include "runner/mesh/command.hpp"
-#include "runner/mesh/file.hpp"
+#include "runner/command.hpp"
+#include "runner/mesh/mesh.hpp"
 #include "runner/mesh/voxel_scene.hpp"
-#include "runner/standard_output.hpp"
 #include "runner/subcommand.hpp"
 
 namespace hexaplast::runner {
@@ -248,20 +247,16 @@ void add_mesh_voxels(CLI::App& mesh, Call& call) {
   const auto [command, options] =
       add_subcommand(mesh, call, "voxels", "Make hexahedra of the labelled voxels of a segmented image", make_voxels,
                      [](const MeshVoxelsOptions& given) { return given.segmentation.string(); });
-  command
-      .add_option("segmentation", options.segmentation, "Volume of labels: .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd")
-      ->type_name("SEGMENTATION")
+  add_option(command, "segmentation", options.segmentation, "SEGMENTATION",
+             "Volume of labels: .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd")
       ->required();
   add_out(command, options.out);
-  command.add_option("--labels", options.labels, "Labels that become hexahedra. Default: all but 0, the background")
-      ->type_name("L,L,...")
+  add_option(command, "--labels", options.labels, "L,L,...",
+             "Labels that become hexahedra. Default: all but 0, the background")
       ->delimiter(',');
-  command
-      .add_option(
-          "--coarsen", options.coarsening,
-          "One hexahedron for N x N x N voxels, if at least half of them have a label; it has the most frequent "
-          "one")
-      ->type_name("N")
+  add_option(command, "--coarsen", options.coarsening, "N",
+             "One hexahedron for N x N x N voxels, if at least half of them have a label; it has the most frequent "
+             "one")
       ->check(CLI::Range(1, kMaxCoarsening))
       ->capture_default_str();
   command.add_flag("--cover", options.covers,
@@ -272,25 +267,17 @@ void add_mesh_voxels(CLI::App& mesh, Call& call) {
   command.add_flag("--surfaces", options.surfaces,
                    "Write a smooth surface around the hexahedra of each label, too: FILE_LABEL.obj");
   CLI::Option* scene =
-      command
-          .add_option("--scene", options.scene,
-                      "Write a scene of this mesh, too: a material for each label, supports, a ball that presses in, "
-                      "probes, and a smooth surface, FILE_surface.obj")
-          ->type_name("FILE.scn");
-  command
-      .add_option(
-          "--hold", options.hold,
-          "What that scene holds: the nodes of a side (left, right, back, front, head or foot), or of a box [m]")
-      ->type_name("SIDE|'X Y Z X Y Z'")
+      add_option(command, "--scene", options.scene, "FILE.scn",
+                 "Write a scene of this mesh, too: a material for each label, supports, a ball that presses in, "
+                 "probes, and a smooth surface, FILE_surface.obj");
+  add_option(command, "--hold", options.hold, "SIDE|'X Y Z X Y Z'",
+             "What that scene holds: the nodes of a side (left, right, back, front, head or foot), or of a box [m]")
       ->check(CLI::Validator([](const std::string& word) { return is_hold(word) ? "" : "must be a side or a box"; }, "",
                              "hold"))
       ->capture_default_str()
       ->needs(scene);
   command.add_flag("--force", options.force, "Replace an older scene")->needs(scene);
-  command.add_option("--unit", options.unit, "Unit of the coordinates that are written")
-      ->type_name("m|cm|mm")
-      ->check(CLI::IsMember({"m", "cm", "mm"}))
-      ->capture_default_str();
+  add_choice(command, "--unit", options.unit, {"m", "cm", "mm"}, "Unit of the coordinates that are written");
 }
 
 }  // namespace hexaplast::runner

@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -18,10 +17,9 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "record/recorder.hpp"
-#include "runner/exit_code.hpp"
+#include "runner/command.hpp"
 #include "runner/run/common_options.hpp"
 #include "runner/run/simulation.hpp"
-#include "runner/standard_output.hpp"
 #include "runner/subcommand.hpp"
 
 namespace hexaplast::runner {
@@ -47,13 +45,11 @@ constexpr long kSceneSteps = 100;        // of a scene that does not say how man
 constexpr long kSceneWarmUp = 3;         // first steps, which still allocate
 
 /// "800", "12.8k".
-int parse_size(const std::string& text) {
+int parse_size(std::string_view text) {
   const bool thousands = text.ends_with('k');
-  double value = 0;
-  const char* end = text.data() + text.size() - (thousands ? 1 : 0);
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  const double size = thousands ? 1000 * value : value;
-  if (error != std::errc() || stop != end || !(size >= 1 && size <= kLargestSize))
+  const std::vector<double> number = numbers_in(text.substr(0, text.size() - thousands), ',');
+  const double size = (thousands ? 1000 : 1) * (number.size() == 1 ? number[0] : 0);
+  if (!(size >= 1 && size <= kLargestSize))
     throw UsageError(fmt::format("--sizes: '{}' is no number of hexahedra from 1 to {}k, such as 800 or 12.8k", text,
                                  kLargestSize / 1000));
   return static_cast<int>(size + 0.5);
@@ -238,34 +234,28 @@ void add_bench(CLI::App& app, Call& call) {
       "implementation; check that results do not depend on threads",
       bench,
       [](const BenchOptions& given) { return given.scene.file.empty() ? "hexaplast" : given.scene.file.string(); });
-  command.add_option("--json", options.json, "Write the records as JSON; - for standard output, without the table")
-      ->type_name("FILE|-");
+  add_option(command, "--json", options.json, "FILE|-",
+             "Write the records as JSON; - for standard output, without the table");
   CLI::Option* sizes =
-      command
-          .add_option("--sizes", options.sizes,
-                      "Hexahedra of the bars; k for a thousand. Default 1k,10k,100k; with --batch 90,250,1k")
-          ->type_name("N,N,...")
+      add_option(command, "--sizes", options.sizes, "N,N,...",
+                 "Hexahedra of the bars; k for a thousand. Default 1k,10k,100k; with --batch 90,250,1k")
           ->delimiter(',');
-  command.add_option("--threads", options.threads, "Numbers of threads, which must agree bit for bit. Default 1,2")
-      ->type_name("N,N,...")
+  add_option(command, "--threads", options.threads, "N,N,...",
+             "Numbers of threads, which must agree bit for bit. Default 1,2")
       ->delimiter(',')
       ->check(CLI::Range(1, kMaxThreads));
   CLI::Option* quick = command.add_flag("--quick", options.quick, "One iteration count, one solver, few repetitions");
-  command.add_option("--simd", options.simd, "Instruction set of the kernels; otherwise the machine's best")
-      ->type_name("TARGET");
-  CLI::Option* baseline =
-      command.add_option("--baseline", options.baseline, "Fail where records fall behind those of an earlier --json")
-          ->type_name("FILE");
-  command
-      .add_option("--ratio", options.ratio,
-                  "Fraction of the baseline's speed relative to the dense reference that is required. Default 0.5")
-      ->type_name("R")
+  add_option(command, "--simd", options.simd, "TARGET", "Instruction set of the kernels; otherwise the machine's best");
+  CLI::Option* baseline = add_option(command, "--baseline", options.baseline, "FILE",
+                                     "Fail where records fall behind those of an earlier --json");
+  add_option(command, "--ratio", options.ratio, "R",
+             "Fraction of the baseline's speed relative to the dense reference that is required. Default 0.5")
       ->check(CLI::Range(0.0, 10.0))
       ->needs(baseline);
-  CLI::Option* scene = command.add_option("--scene", options.scene.file, "Measure a scene instead of the bars")
-                           ->type_name("SCENE")
-                           ->excludes(sizes)
-                           ->excludes(quick);
+  CLI::Option* scene =
+      add_option(command, "--scene", options.scene.file, "SCENE", "Measure a scene instead of the bars")
+          ->excludes(sizes)
+          ->excludes(quick);
   CLI::Option* flow = command
                           .add_flag("--flow", options.flow,
                                     "Measure what flow costs, step by step in turn: elastic bars, those of which a "
@@ -278,8 +268,7 @@ void add_bench(CLI::App& app, Call& call) {
                            ->excludes(scene)
                            ->excludes(flow)
                            ->excludes(baseline);
-  command.add_option("--bodies", options.bodies, "How many. Default 64")
-      ->type_name("N")
+  add_option(command, "--bodies", options.bodies, "N", "How many. Default 64")
       ->check(CLI::Range(1, 100'000))
       ->needs(batch);
   add_mesh_path(command, options.scene);

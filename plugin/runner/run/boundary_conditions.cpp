@@ -5,8 +5,7 @@
 #include <functional>
 
 #include "hexaplast/geometry/sections.hpp"
-#include "runner/run/loads.hpp"
-#include "scene/load.hpp"
+#include "scene/interfaces.hpp"
 #include "scene/visuals.hpp"
 
 namespace hexaplast::runner {
@@ -40,6 +39,25 @@ void for_each_load(double time, const scene::Node& root, scene::MechanicalState&
 }
 
 }  // namespace
+
+PointArray loads_at(double time, scene::Scene& scene, scene::MechanicalState& state) {
+  const PointArray& rest = state.rest_positions();
+  const PointArray at_rest = PointArray::Zero(rest.rows(), 3);
+  PointArray loads = at_rest;
+  state.add_external_force(loads);
+  for (const scene::Mass* mass : scene::masses_of(scene.root(), state))
+    mass->add_gravity(scene.root().clock().gravity, loads);
+  for (scene::ForceField* field : scene.root().all<scene::ForceField>())
+    if (!field->body() && scene::acts_on(*field, state)) field->add_force(time, rest, at_rest, loads);
+  return loads;
+}
+
+PointArray free_directions(scene::Scene& scene, scene::MechanicalState& state) {
+  NodeMask is_free = NodeMask::Ones(state.num_nodes(), 3);
+  for (const scene::ProjectiveConstraint* constraint : scene.root().all<scene::ProjectiveConstraint>())
+    if (scene::acts_on(*constraint, state)) constraint->fix(is_free);
+  return is_free.cast<double>();
+}
 
 output::BoundaryConditions conditions_of(Simulation& simulation) {
   const scene::Node& root = simulation.scene().root();

@@ -12,11 +12,11 @@
 
 #include "formats/text.hpp"
 #include "model_check.hpp"
+#include "runner/command.hpp"
+#include "runner/run/boundary_conditions.hpp"
 #include "runner/run/common_options.hpp"
-#include "runner/run/loads.hpp"
-#include "runner/run/regions.hpp"
 #include "runner/run/simulation.hpp"
-#include "runner/standard_output.hpp"
+#include "runner/run/staging.hpp"
 #include "runner/subcommand.hpp"
 
 namespace hexaplast::runner {
@@ -79,21 +79,12 @@ std::pair<double, double> greatest_loads(scene::Scene& scene, scene::MechanicalS
 
 /// Rejects the scene for what step 1 would end with. Last of all: what a step begins with is done.
 void try_step(scene::Scene& scene, Findings& found) {
-  try {
-    begin_step(scene.root());
-  } catch (const scene::Rejection& rejection) {
-    throw scene::SceneError(rejection.what());
-  }
-  for (scene::OdeSolver* solver : scene::integrators_of(scene)) {
-    try {
-      if (solver->try_step(found.loads_time, found.dt).at_threshold)
-        found.warnings.push_back(
-            fmt::format("the linear solver of {} '{}' stops at its threshold above its tolerance: {}",
-                        solver->class_name(), solver->name(), kThresholdRemedy));
-    } catch (const scene::Rejection& rejection) {
-      throw scene::SceneError(rejection.what());
-    }
-  }
+  begin_step(scene.root());
+  for (scene::OdeSolver* solver : scene::integrators_of(scene))
+    if (solver->try_step(found.loads_time, found.dt).at_threshold)
+      found.warnings.push_back(
+          fmt::format("the linear solver of {} '{}' stops at its threshold above its tolerance: {}",
+                      solver->class_name(), solver->name(), kThresholdRemedy));
 }
 
 Findings look_at(scene::Scene& scene) {

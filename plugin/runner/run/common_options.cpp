@@ -10,6 +10,7 @@
 
 #include "hexaplast/base/parallel.hpp"
 #include "picture/film.hpp"
+#include "runner/subcommand.hpp"
 
 namespace hexaplast::runner {
 namespace {
@@ -23,41 +24,37 @@ std::string names_of_fields() {
 }  // namespace
 
 void add_plugins(CLI::App& command, SceneOptions& options) {
-  command.add_option("--plugin", options.plugins, "Plugin to load, by name; may be repeated")
-      ->type_name("NAME")
+  add_option(command, "--plugin", options.plugins, "NAME", "Plugin to load, by name; may be repeated")
       ->allow_extra_args(false);
-  command.add_option("--plugin-path", options.plugin_path, "Directory to look for plugins in; may be repeated")
-      ->type_name("DIR")
+  add_option(command, "--plugin-path", options.plugin_path, "DIR", "Directory to look for plugins in; may be repeated")
       ->allow_extra_args(false);
 }
 
 void add_mesh_path(CLI::App& command, SceneOptions& options) {
-  command
-      .add_option("--mesh-path", options.mesh_path,
-                  "Directory to look for the scene's meshes and includes in; may be repeated")
-      ->type_name("DIR")
+  add_option(command, "--mesh-path", options.mesh_path, "DIR",
+             "Directory to look for the scene's meshes and includes in; may be repeated")
       ->allow_extra_args(false);
 }
 
 void add_scene(CLI::App& command, SceneOptions& options) {
-  command.add_option("scene", options.file, "Scene file")->type_name("SCENE")->required();
-  command.add_option("--set", options.overrides, "Replace an attribute of the scene; may be repeated")
-      ->type_name("PATH.attribute=VALUE")
+  add_option(command, "scene", options.file, "SCENE", "Scene file")->required();
+  add_option(command, "--set", options.overrides, "PATH.attribute=VALUE",
+             "Replace an attribute of the scene; may be repeated")
       ->allow_extra_args(false);
   add_mesh_path(command, options);
   add_plugins(command, options);
 }
 
 void add_threads(CLI::App& command, std::optional<int>& threads, const char* help) {
-  command.add_option("--threads", threads, help)->type_name("N")->check(CLI::Range(1, kMaxThreads));
+  add_option(command, "--threads", threads, "N", help)->check(CLI::Range(1, kMaxThreads));
 }
 
 CLI::Option* add_steps(CLI::App& command, std::optional<long>& steps, const char* help) {
-  return command.add_option("--steps", steps, help)->type_name("N")->check(CLI::Range(0L, 1'000'000'000L));
+  return add_option(command, "--steps", steps, "N", help)->check(CLI::Range(0L, 1'000'000'000L));
 }
 
 void add_final_state(CLI::App& command, std::optional<std::filesystem::path>& file) {
-  command.add_option("--final", file, "Write the last state as JSON")->type_name("FILE");
+  add_option(command, "--final", file, "FILE", "Write the last state as JSON");
 }
 
 std::string why_no_fields(const std::vector<std::string>& words) {
@@ -82,8 +79,7 @@ CLI::Option* add_fields(CLI::App& command, std::vector<output::Field>& fields) {
 }
 
 CLI::Option* add_every(CLI::App& command, long& every) {
-  return command.add_option("--every", every, "Steps between two states in data sets. Default 1")
-      ->type_name("N")
+  return add_option(command, "--every", every, "N", "Steps between two states in data sets. Default 1")
       ->check(CLI::Range(1L, 1'000'000'000L));
 }
 
@@ -109,10 +105,8 @@ std::vector<CLI::Option*> add_pictures(CLI::App& command, PictureOptions& option
       command.add_option("--field", options.field, "What colours show. Default plastic_strain; of --region: region")
           ->type_name(fmt::format("{}", fmt::join(words, "|")))
           ->check(CLI::IsMember(words)),
-      command
-          .add_option("--region", options.regions,
-                      "Show a region of the material within a translucent body; may be repeated")
-          ->type_name("NAME")
+      add_option(command, "--region", options.regions, "NAME",
+                 "Show a region of the material within a translucent body; may be repeated")
           ->allow_extra_args(false),
       command
           .add_option("--up", options.up, "What is up. Default: against gravity; without it the patient's head, or y")
@@ -124,7 +118,7 @@ CLI::Option* add_video(CLI::App& command, std::optional<std::filesystem::path>& 
   const auto refuse = [](const std::string& file) {
     return output::is_film_name(file) ? "" : fmt::format("{}: a film's name must end in .mp4, .png or .apng", file);
   };
-  return command.add_option("--video", video, help)->type_name("FILE")->check(refuse);
+  return add_option(command, "--video", video, "FILE", help)->check(refuse);
 }
 
 }  // namespace hexaplast::runner

@@ -9,7 +9,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "runner/program.hpp"
+#include "runner/process.hpp"
 
 namespace hexaplast::runner {
 

@@ -11,11 +11,11 @@
 #include "record/checkpoint.hpp"
 #include "record/files.hpp"
 #include "record/recorder.hpp"
-#include "runner/exit_code.hpp"
+#include "runner/command.hpp"
+#include "runner/process.hpp"
 #include "runner/run/common_options.hpp"
-#include "runner/run/directory_lock.hpp"
+#include "runner/run/journal.hpp"
 #include "runner/run/run.hpp"
-#include "runner/run/scene_record.hpp"
 #include "runner/run/simulation.hpp"
 #include "runner/subcommand.hpp"
 #include "scene/diagnostics.hpp"
@@ -125,18 +125,15 @@ void add_resume(CLI::App& app, Call& call) {
                                                  resume, [](const ResumeOptions& given) { return given.run.string(); });
   RunOptions& run_options = options.call;
   run_options.command = call.words;
-  command.add_option("run", options.run, "Directory of a run that wrote checkpoints, or one of them")
-      ->type_name("DIR|FILE")
+  add_option(command, "run", options.run, "DIR|FILE", "Directory of a run that wrote checkpoints, or one of them")
       ->required();
   add_steps(command, run_options.steps, "Number of time steps of the whole run, if it is to be another one")
       ->type_name("TOTAL");
   add_threads(command, run_options.threads);
   add_final_state(command, run_options.final_state);
-  command.add_option("--summary", run_options.summary, "Write what the run came to as JSON")->type_name("FILE");
-  command
-      .add_option("--plugin-path", run_options.scene.plugin_path,
-                  "Directory to look for plugins in, not below the run's; may be repeated")
-      ->type_name("DIR")
+  add_option(command, "--summary", run_options.summary, "FILE", "Write what the run came to as JSON");
+  add_option(command, "--plugin-path", run_options.scene.plugin_path, "DIR",
+             "Directory to look for plugins in, not below the run's; may be repeated")
       ->allow_extra_args(false);
   add_quiet(command, run_options.quiet);
   add_strict(command, run_options.strict);

@@ -18,28 +18,22 @@
 #include "page/plot.hpp"
 #include "record/files.hpp"
 #include "record/recorder.hpp"
-#include "runner/exit_code.hpp"
+#include "runner/command.hpp"
 #include "runner/log.hpp"
+#include "runner/process.hpp"
 #include "runner/run/boundary_conditions.hpp"
 #include "runner/run/common_options.hpp"
 #include "runner/run/data_file.hpp"
-#include "runner/run/directory_lock.hpp"
-#include "runner/run/figures.hpp"
-#include "runner/run/interrupt.hpp"
 #include "runner/run/journal.hpp"
-#include "runner/run/loads.hpp"
 #include "runner/run/progress.hpp"
-#include "runner/run/result_checks.hpp"
-#include "runner/run/scene_record.hpp"
+#include "runner/run/results.hpp"
 #include "runner/run/simulation.hpp"
 #include "runner/run/staging.hpp"
-#include "runner/run/summary_file.hpp"
-#include "runner/standard_output.hpp"
 #include "runner/study/measured.hpp"
 #include "runner/subcommand.hpp"
-#include "scene/blade.hpp"
-#include "scene/description.hpp"
+#include "scene/document.hpp"
 #include "scene/identity.hpp"
+#include "scene/interfaces.hpp"
 #include "scene/visuals.hpp"
 
 namespace hexaplast::runner {
@@ -240,13 +234,6 @@ void restore(Simulation& simulation, const output::Checkpoint& start) {
   }
 }
 
-void print_summary(Simulation& simulation, const path& scene_file) {
-  fmt::print("{}: {} steps of {:.6g} s, to t = {:.6g} s\n", printable_line(scene_file.stem().string()),
-             simulation.latest().step, simulation.dt(), simulation.time());
-  for (const output::Figure& figure : figures_of(simulation))
-    fmt::print("  {:<18}  {}\n", printable_line(figure.label), figure.value);
-}
-
 void warn_of_averaging(const Simulation& simulation) {
   if (const long steps = simulation.totals().stalled_averaging; steps > 0)
     spdlog::warn("warning: the rest-shape averaging stopped before its tolerance in {} of {} steps", steps,
@@ -299,8 +286,8 @@ void carry_out(Simulation& simulation, long num_steps, Files& files, const RunOp
   }
   if (files.recorder) complete(*files.recorder, simulation, options);
   if (files.final_state)
-    output::write_final(*files.final_state, simulation.latest().step, simulation.time(), simulation.positions(),
-                        simulation.velocities(), *simulation.bodies(), simulation.state_hash());
+    output::write_final(*files.final_state, simulation.time(), simulation.positions(), simulation.velocities(),
+                        *simulation.bodies(), simulation.state_hash());
   if (files.summary) {
     files.summary->write(summary_json(simulation).dump(1) + "\n");
     files.summary->commit();
@@ -464,16 +451,12 @@ void add_run(CLI::App& app, Call& call) {
   add_scene(command, options.scene);
   add_steps(command, options.steps);
   CLI::Option* out =
-      command
-          .add_option(
-              "--out", options.out,
-              "Write history.csv, mesh.pvd, frames, plot.svg, manifest.json and report.html into this directory")
-          ->type_name("DIR");
+      add_option(command, "--out", options.out, "DIR",
+                 "Write history.csv, mesh.pvd, frames, plot.svg, manifest.json and report.html into this directory");
   add_final_state(command, options.final_state);
-  command.add_option("--summary", options.summary, "Write the results of the run as JSON")->type_name("FILE");
-  CLI::Option* data =
-      command.add_option("--data", options.data, "Write states for other programs into an HDF5 file (docs/studies.md)")
-          ->type_name("FILE.h5");
+  add_option(command, "--summary", options.summary, "FILE", "Write the results of the run as JSON");
+  CLI::Option* data = add_option(command, "--data", options.data, "FILE.h5",
+                                 "Write states for other programs into an HDF5 file (docs/studies.md)");
   CLI::Option* fields = add_fields(command, options.fields);
   data->needs(fields);
   add_every(command, options.every)->needs(fields);
@@ -482,8 +465,7 @@ void add_run(CLI::App& app, Call& call) {
   command.add_option("--measure", options.measures)->delimiter(',')->group("");
   command.add_option("--parent", options.parent)->group("");
   add_threads(command, options.threads);
-  command.add_option("--frames", options.frames, "Number of pictures, spread over the run; 0 for none")
-      ->type_name("N")
+  add_option(command, "--frames", options.frames, "N", "Number of pictures, spread over the run; 0 for none")
       ->check(CLI::Range(0, 100'000))
       ->needs(out);
   command

@@ -20,13 +20,13 @@ struct RunOptions {
   std::optional<long> steps;                         ///< otherwise from the scene's RunSettings
   std::optional<std::filesystem::path> out;          ///< directory of the run's files; none are written without it
   std::optional<std::filesystem::path> final_state;  ///< JSON of the last state
-  std::optional<std::filesystem::path> summary;      ///< JSON of what the run came to (summary_file.hpp)
+  std::optional<std::filesystem::path> summary;      ///< JSON of what the run came to (results.hpp)
   std::optional<std::filesystem::path> data;         ///< HDF5 file of states (data_file.hpp)
   std::vector<output::Field> fields;                 ///< that it holds
   long every = 1;                                    ///< steps between its states
   int stream = -1;                                   ///< descriptor for a stream of states (state_stream.hpp); -1: none
   std::vector<std::string> measures;                 ///< that the stream holds (measured.hpp)
-  std::optional<int> parent;                         ///< process with which the run ends (interrupt.hpp)
+  std::optional<int> parent;                         ///< process with which the run ends (process.hpp)
   std::optional<int> threads;
   std::optional<int> frames;                   ///< pictures; needs `out`
   PictureOptions pictures;                     ///< need `out`

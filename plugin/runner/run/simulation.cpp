@@ -8,21 +8,13 @@
 #include <limits>
 
 #include "hexaplast/base/error.hpp"
-#include "runner/exit_code.hpp"
+#include "runner/command.hpp"
 #include "scene/identity.hpp"
 #include "scene/visuals.hpp"
 
 namespace hexaplast::runner {
 
 namespace {
-
-double reading_of(scene::Probe& probe, scene::Readings& readings) {
-  try {
-    return probe.read(readings);
-  } catch (const scene::Rejection& rejection) {
-    throw scene::SceneError(rejection.what());
-  }
-}
 
 std::vector<output::Bodies::Entry> entries_of(const std::vector<scene::SceneBody>& bodies) {
   std::vector<output::Bodies::Entry> entries;
@@ -190,7 +182,7 @@ output::StepRecord Simulation::record_of(long step, const SolveReport& solve, do
   record.residual = solve.residual;
   record.step_ms = step_ms;
   scene::Readings readings;
-  for (scene::Probe* probe : probes_) record.probes.push_back(reading_of(*probe, readings));
+  for (scene::Probe* probe : probes_) record.probes.push_back(probe->read(readings));
   return record;
 }
 

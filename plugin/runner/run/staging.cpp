@@ -6,13 +6,25 @@
 #include <algorithm>
 #include <optional>
 
-#include "runner/exit_code.hpp"
-#include "runner/run/regions.hpp"
+#include "hexaplast/body.hpp"
+#include "hexaplast/material/rows.hpp"
+#include "runner/command.hpp"
+#include "scene/region.hpp"
 #include "scene/visuals.hpp"
 
 namespace hexaplast::runner {
-
 namespace {
+
+std::string path_of(const scene::Component& component) {
+  const std::string node = component.node().path();
+  return (node == "/" ? "" : node.substr(1) + "/") + component.name();
+}
+
+std::vector<double> numbers_of(const scene::Value& value) {
+  if (const double* number = std::get_if<double>(&value)) return {*number};
+  const auto* numbers = std::get_if<std::vector<double>>(&value);
+  return numbers ? *numbers : std::vector<double>();
+}
 
 std::optional<output::Viewpoint> viewpoint_of(const scene::Camera& camera) {
   const std::optional<scene::Viewpoint>& said = camera.viewpoint();
@@ -22,16 +34,6 @@ std::optional<output::Viewpoint> viewpoint_of(const scene::Camera& camera) {
     viewpoint.eye = output::Viewpoint::Eye{said->eye->position, said->eye->looks_at, said->eye->field_of_view,
                                            said->eye->is_perspective};
   return viewpoint;
-}
-
-/// Whether arrows are wanted: of the words about force fields the last one counts.
-bool shows_loads(scene::VisualStyle& style) {
-  bool is_shown = true;
-  for (const std::string_view flag : scene::split_words(style.text("displayFlags"))) {
-    if (flag == "showForceFields" || flag == "showBehavior" || flag == "showAll") is_shown = true;
-    if (flag == "hideForceFields" || flag == "hideBehavior" || flag == "hideAll") is_shown = false;
-  }
-  return is_shown;
 }
 
 /// The body of the nearest node above that has one; null: there is none, or it is the only one.
@@ -45,6 +47,51 @@ const output::Bodies::Entry* carrier_of(const scene::VisualModel& model, Simulat
 
 }  // namespace
 
+std::vector<RegionFigure> regions_of(scene::Scene& scene) {
+  std::vector<RegionFigure> figures;
+  for (scene::MaterialRegion* region : scene.root().all<scene::MaterialRegion>()) {
+    RegionFigure& figure =
+        figures.emplace_back(RegionFigure{.path = path_of(*region), .num_hexahedra = region->hexahedra().size()});
+    for (const Row<Material>& row : material_rows()) {
+      scene::Data* data = region->find_data(row.name);
+      if (!data || !data->is_given()) continue;
+      const std::vector<double> numbers = numbers_of(data->value());
+      if (numbers.empty()) continue;
+      const auto [min, max] = std::ranges::minmax(numbers);
+      figure.values.push_back({row.name, row.unit, min, max});
+    }
+  }
+  return figures;
+}
+
+output::Regions shown_regions(scene::Scene& scene, const output::Bodies& bodies) {
+  output::Regions regions;
+  for (scene::MaterialRegion* region : scene.root().all<scene::MaterialRegion>()) {
+    regions.names.push_back(path_of(*region));
+    const Body* body = region->field() ? region->field()->body() : nullptr;
+    const auto owner = std::ranges::find(bodies.all(), body, &output::Bodies::Entry::body);
+    if (owner == bodies.all().end()) continue;
+    regions.of_hexahedra.resize(static_cast<std::size_t>(bodies.mesh().num_elements()), 0);
+    for (const int hexahedron : region->hexahedra())
+      regions.of_hexahedra[static_cast<std::size_t>(owner->first_hexahedron + hexahedron)] =
+          static_cast<int>(regions.names.size());
+  }
+  if (regions.of_hexahedra.empty()) regions.names.clear();
+  return regions;
+}
+
+std::string describe(const RegionFigure& region) {
+  std::string text = fmt::format("{} {}", region.num_hexahedra, region.num_hexahedra == 1 ? "hexahedron" : "hexahedra");
+  for (const RegionFigure::Value& value : region.values)
+    text += fmt::format(", {} {}{}{}", value.name, min_to_max(value.min, value.max), value.unit.empty() ? "" : " ",
+                        value.unit);
+  return text;
+}
+
+std::string min_to_max(double min, double max) {
+  return min == max ? fmt::format("{:.6g}", min) : fmt::format("{:.6g} to {:.6g}", min, max);
+}
+
 output::Staging staging_of(Simulation& simulation) {
   scene::Scene& scene = simulation.scene();
   scene::Node& root = scene.root();
@@ -54,7 +101,7 @@ output::Staging staging_of(Simulation& simulation) {
     shows_embedded_surfaces = styles.front()->shows_visual_models();
     shows_hexahedra = styles.front()->shows_behaviour_models();
     staging.is_wireframe = styles.front()->shows_wireframe();
-    staging.shows_loads = shows_loads(*styles.front());
+    staging.shows_loads = styles.front()->shows_loads();
   }
   for (const scene::VisualModel* model : root.all<scene::VisualModel>())
     if (model->is_carried() && model->points().rows() > 0 && shows_embedded_surfaces.value_or(true)) {

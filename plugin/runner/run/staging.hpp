@@ -1,12 +1,45 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "picture/bodies.hpp"
 #include "picture/gallery.hpp"
+#include "picture/regions.hpp"
 #include "record/manifest.hpp"
 #include "runner/run/common_options.hpp"
 #include "runner/run/simulation.hpp"
+#include "scene/scene.hpp"
 
 namespace hexaplast::runner {
+
+/// A region of the body as reports tell of it.
+struct RegionFigure {
+  /// A value that it gives; of values per hexahedron the smallest and the largest.
+  struct Value {
+    std::string_view name, unit;
+    double min = 0, max = 0;
+  };
+
+  std::string path;  ///< from the root, as --set takes it: "bar/tumour"
+  std::size_t num_hexahedra = 0;
+  std::vector<Value> values = {};
+};
+
+/// Those of a scene that is ready, in its order.
+std::vector<RegionFigure> regions_of(scene::Scene& scene);
+
+/// The regions as pictures and files tell of them: a hexahedron is in the last one that gives it values.
+output::Regions shown_regions(scene::Scene& scene, const output::Bodies& bodies);
+
+/// "12 hexahedra, youngModulus 30000 Pa, yieldStress 2000 to 2500 Pa"
+std::string describe(const RegionFigure& region);
+
+/// "5000", "5000 to 8000"
+std::string min_to_max(double min, double max);
 
 /// How pictures show a scene: its embedded surfaces, its camera, and what of it.
 output::Staging staging_of(Simulation& simulation);

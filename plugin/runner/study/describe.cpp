@@ -7,7 +7,7 @@
 
 #include "base/simd.hpp"
 #include "hexaplast/base/error.hpp"
-#include "runner/exit_code.hpp"
+#include "runner/command.hpp"
 #include "runner/run/boundary_conditions.hpp"
 #include "runner/run/common_options.hpp"
 #include "runner/study/measured.hpp"

@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -332,25 +331,15 @@ std::vector<PathPoint> read_path(const std::filesystem::path& file) {
   for (int line_number = 1; std::getline(in, line); ++line_number) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (line.empty() || line[0] == '#' || (line_number == 1 && line.starts_with("time"))) continue;
-    std::array<double, 10> values;
-    const char *at = line.data(), *end = line.data() + line.size();
-    for (int k = 0; k < 10; ++k) {
-      while (at != end && *at == ' ') ++at;
-      const auto [next, error] = std::from_chars(at, end, values[k]);
-      const bool separated = k == 9 ? next == end : next != end && *next == ',';
-      if (error != std::errc() || !separated || !std::isfinite(values[k]))
-        throw InputError(
-            fmt::format("{}:{}: \"{}\": must be ten numbers time,F11,F12,F13,F21,...,F33 separated by commas",
-                        file.string(), line_number, line));
-      at = k == 9 ? next : next + 1;
-    }
+    const std::vector<double> values = numbers_in(line, ',');
+    if (values.size() != 10)
+      throw InputError(
+          fmt::format("{}:{}: \"{}\": must be ten numbers time,F11,F12,F13,F21,...,F33 separated by commas",
+                      file.string(), line_number, line));
     if (!rows.empty() && values[0] <= rows.back().time)
       throw InputError(fmt::format("{}:{}: time {} does not come after {}", file.string(), line_number, values[0],
                                    rows.back().time));
-    Mat3 F;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) F(i, j) = values[1 + 3 * i + j];
-    rows.push_back({values[0], F});
+    rows.push_back({values[0], Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&values[1])});
   }
   if (rows.size() < 2) throw InputError(fmt::format("{}: at least two rows needed", file.string()));
   return rows;
@@ -409,13 +398,10 @@ void add_element(CLI::App& app, Call& call) {
   const auto [command, options] =
       add_subcommand(app, call, "element", "Print all intermediate results of one hexahedron as JSON", run_element,
                      [](const ElementOptions& given) { return given.file; });
-  command
-      .add_option("file", options.file, "JSON that describes the hexahedron (docs/element.md); - for standard input")
-      ->type_name("FILE.json|-");
-  command
-      .add_option("--path", options.path,
-                  "CSV rows time,F11,F12,...,F33: deform the hexahedron along them and print its response as CSV")
-      ->type_name("FILE.csv");
+  add_option(command, "file", options.file, "FILE.json|-",
+             "JSON that describes the hexahedron (docs/element.md); - for standard input");
+  add_option(command, "--path", options.path, "FILE.csv",
+             "CSV rows time,F11,F12,...,F33: deform the hexahedron along them and print its response as CSV");
 }
 
 }  // namespace hexaplast::runner

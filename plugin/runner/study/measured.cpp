@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "geometry/axial_pull.hpp"
-#include "runner/exit_code.hpp"
-#include "runner/run/loads.hpp"
+#include "runner/command.hpp"
+#include "runner/run/boundary_conditions.hpp"
 
 namespace hexaplast::runner {
 

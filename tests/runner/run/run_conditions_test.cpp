@@ -2,7 +2,7 @@
 // What a run writes about that which holds and loads its body, against what the scene says, and of several bodies,
 // against runs of each alone.
 #include "hexaplast/formats/mesh_import.hpp"
-#include "record/springs_vtu.hpp"
+#include "record/conditions_vtu.hpp"
 #include "support/command.hpp"
 #include "support/compare.hpp"
 #include "support/golden.hpp"
