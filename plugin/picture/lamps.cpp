@@ -159,7 +159,7 @@ void light_up(Geometry& geometry, const Camera& camera) {
     const float reach = 1 / seen.topLeftCorner<1, 3>().norm();
     const Vector3f normal = reach * seen.topLeftCorner<3, 3>() * geometry.cut->normal.cast<float>();
     const Vector4f on_it = seen * (geometry.cut->offset * geometry.cut->normal).cast<float>().homogeneous();
-    cut << normal, kHalf * normal.dot(on_it.head<3>());
+    cut = Vector4f(normal.x(), normal.y(), normal.z(), kHalf * normal.dot(on_it.head<3>()));
   }
   std::vector<std::pair<Geometry::Vertices*, Seen>> lit;
   for (Geometry::Vertices* vertices : {&geometry.surface, &geometry.walls, &geometry.veil, &geometry.cut_faces})
@@ -172,8 +172,8 @@ void light_up(Geometry& geometry, const Camera& camera) {
       return (places * turn.transpose()).rowwise() + Eigen::RowVector3f(kHalf, kHalf, 0);
     };
     const Vector3f normal = turn * cut.head<3>();
-    Vector4f level;
-    level << normal, cut.w() + kHalf * (normal.x() + normal.y()) - 0.5f * normal.x();
+    const Vector4f level(normal.x(), normal.y(), normal.z(),
+                         cut.w() + kHalf * (normal.x() + normal.y()) - 0.5f * normal.x());
     map.clear();
     for (const auto& [vertices, own] : lit) {
       const bool is_cut_face = vertices == &geometry.cut_faces;

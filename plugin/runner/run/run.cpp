@@ -220,7 +220,7 @@ void advance(Simulation& simulation, long num_steps, Files& files, const RunOpti
 }
 
 /// Brings a simulation to where a checkpoint of its scene was written.
-void restore(Simulation& simulation, const output::Checkpoint& start) {
+void continue_from(Simulation& simulation, const output::Checkpoint& start) {
   const std::string file = start.file().string();
   if (start.scene_hash() != simulation.scene_identity()) throw another_scene(start);
   Archive scene = start.section("scene"), totals = start.section("totals");
@@ -378,7 +378,7 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   simulation.keep_energy_balance();
   if (options.out) plan = plan_of(simulation, num_steps, options);
   manifest.pictures = record_of(plan.staging);
-  if (start) restore(simulation, *start);
+  if (start) continue_from(simulation, *start);
 
   std::optional<DirectoryLock> lock;
   if (options.out) {
