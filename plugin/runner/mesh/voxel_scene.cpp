@@ -96,7 +96,8 @@ std::string scene_of_voxels(const VoxelScene& options, const VoxelMesh& made, co
   const Box body(Vec3(x.colwise().minCoeff().transpose()), Vec3(x.colwise().maxCoeff().transpose()));
   const double edge = quality(made.mesh).longest_edge;
   const auto [held, away] = support_of(options.hold, body, edge);
-  const auto num_held = std::ranges::count_if(x.rowwise(), [&](const auto& p) { return held.contains(Vec3(p)); });
+  const auto num_held =
+      std::ranges::count_if(x.rowwise(), [&held = held](const auto& p) { return held.contains(Vec3(p)); });
   if (num_held == 0 || num_held == x.rows())
     throw InputError(fmt::format("{} of {} nodes lie in the box {}, {} that is held: the body lies between {} and {}",
                                  num_held, x.rows(), numbers(held.min()), numbers(held.max()), numbers(body.min()),

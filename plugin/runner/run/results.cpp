@@ -18,6 +18,8 @@
 namespace hexaplast::runner {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr double kManyInverted = 0.01;       // of the hexahedra: single ones may pass through and recover
 constexpr double kLargestUnexplained = 0.2;  // of the energy put in
 constexpr double kLargestGain = 100;         // times the energy put in
@@ -220,8 +222,6 @@ void print_summary(Simulation& simulation, const std::filesystem::path& scene_fi
   for (const output::Figure& figure : figures_of(simulation))
     fmt::print("  {:<18}  {}\n", printable_line(figure.label), figure.value);
 }
-
-using Json = nlohmann::ordered_json;
 
 Json summary_json(Simulation& simulation) {
   const output::Bodies& bodies = *simulation.bodies();
