@@ -82,6 +82,8 @@ class Forceps:
 
     @opening.setter
     def opening(self, opening):
+        if not np.isfinite(opening):
+            raise ValueError(f"opening: {opening}, must be finite")
         self._move(opening=float(opening))
 
     @property

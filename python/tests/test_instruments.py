@@ -101,6 +101,8 @@ def test_forceps_are_two_instruments_that_open_and_go_together():
     assert forceps.grip_force == (right.force[0] - left.force[0]) / 2 > 0.1
     with pytest.raises(ValueError, match="both jaws are in one place"):
         hexaplast.Forceps(left, left)
+    with pytest.raises(ValueError, match="opening: nan, must be finite"):
+        forceps.opening = np.nan
 
 
 def test_forceps_of_a_scene_turn_about_their_middle():
