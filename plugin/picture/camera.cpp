@@ -2,6 +2,7 @@
 #include "picture/camera.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -27,6 +28,13 @@ Mat3 standing(const Vec3& up) {
   Mat3 rows;
   rows << right.transpose(), upright.transpose(), right.cross(upright).transpose();
   return rows;
+}
+
+std::optional<Vec3> side_named(std::string_view word, const Vec3& up) {
+  constexpr std::array<std::string_view, 6> kSides{"right", "top", "front", "left", "bottom", "back"};
+  const auto side = std::ranges::find(kSides, word) - kSides.begin();
+  if (side == std::ssize(kSides)) return std::nullopt;
+  return standing(up).row(side % 3).transpose() * (side < 3 ? 1 : -1);
 }
 
 Viewpoint beside(int long_axis, const Vec3& up) {

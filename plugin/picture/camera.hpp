@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "hexaplast/base/types.hpp"
 
@@ -82,6 +83,10 @@ class Camera {
 
 /// How a body stands: rows to the right, up and to the front, unit vectors. To the right is x, unless that is up.
 Mat3 standing(const Vec3& up);
+
+/// Towards the viewer who looks at the "front", "back", "right", "left", "top" or "bottom" of a body; none: another
+/// word.
+std::optional<Vec3> side_named(std::string_view word, const Vec3& up);
 
 /// Beside the long axis of a body, which runs to the right unless it is upright, and a little above.
 Viewpoint beside(int long_axis, const Vec3& up = Vec3::UnitY());

@@ -4,6 +4,16 @@
 Lengths in m, forces in N, times in s, stresses in Pa. n nodes, m hexahedra.
 """
 
+try:
+    from . import _hexaplast
+except ModuleNotFoundError as error:
+    if error.name != "hexaplast._hexaplast":
+        raise
+    import sys
+    raise ModuleNotFoundError(
+        f"hexaplast is not built for Python {sys.version_info[0]}.{sys.version_info[1]}: build its target "
+        "hexaplast_python, and call the Python that it is for (/usr/bin/python3)", name=error.name) from None
+
 from ._hexaplast import (
     Batch,
     Body,

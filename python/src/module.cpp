@@ -48,6 +48,9 @@ py::tuple grid(std::array<int, 3> cells, std::array<double, 3> min, std::array<d
 }
 
 py::tuple read(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file))
+    throw std::filesystem::filesystem_error("cannot be read", file,
+                                            std::make_error_code(std::errc::no_such_file_or_directory));
   ImportedMesh mesh = read_mesh(file);
   return py::make_tuple(taken(std::move(mesh.positions)), cells_of(mesh.hexahedra));
 }

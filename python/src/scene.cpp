@@ -14,6 +14,7 @@
 #include "instrument.hpp"
 #include "motion_record.hpp"
 #include "page/html.hpp"
+#include "picture.hpp"
 #include "record/checkpoint.hpp"
 #include "record/files.hpp"
 #include "record/recorder.hpp"
@@ -24,6 +25,7 @@
 #include "scene/reader.hpp"
 #include "scene/visuals.hpp"
 #include "values.hpp"
+#include "view/shown_scene.hpp"
 
 namespace hexaplast::python {
 namespace {
@@ -170,6 +172,7 @@ class Scene {
     changes_.put_back();
     scene_->reset();
     num_steps_ = 0;
+    load_time_ = 0;
     refresh();
     if (record_) begin_record();
   }
@@ -198,6 +201,7 @@ class Scene {
     }
     Archive archive = saved.section("scene");
     serialize(archive);
+    load_time_ = std::max(0.0, time() - dt());
     refresh();
     if (record_) begin_record();
     warn(*scene_);
@@ -223,6 +227,18 @@ class Scene {
   }
 
   scene::Scene& get() { return *scene_; }
+
+  py::array picture(const PictureOptions& options) {
+    const Turn turn(taken());
+    if (entries_.empty()) throw InputError("the scene has no body");
+    const output::Bodies bodies(entries_);
+    const view::ShownScene shown{*scene_, &bodies, scene_bodies_, load_time_};
+    return picture_of({bodies, title_, dt(), num_steps_, time(), positions(), velocities(), view::conditions_of(shown)},
+                      view::staging_of(shown), options);
+  }
+
+  /// That the poses to which instruments have been sent are of: another one after each step, load and reset.
+  long moment() const { return moment_; }
 
   void record() {
     const Turn turn(taken());
@@ -306,6 +322,7 @@ class Scene {
   }
 
   void refresh() {
+    ++moment_;
     if (shown_states_.size() > 1) {
       scene::positions_of(shown_states_, positions_);
       scene::velocities_of(shown_states_, velocities_);
@@ -319,6 +336,7 @@ class Scene {
     try {
       const py::gil_scoped_release others_may_run;
       try {
+        load_time_ = scene_->time();
         const SolveReport solved = scene_->step();
         report.add(solved, scene::flow_of(scene_bodies_));
       } catch (const NumericalError& error) {
@@ -347,7 +365,8 @@ class Scene {
   PointArray positions_, velocities_;  // of several shown states
   ShownField shown_positions_, shown_velocities_;
   std::optional<long> planned_steps_;
-  long num_steps_ = 0;
+  long num_steps_ = 0, moment_ = 0;
+  double load_time_ = 0;  // [s] at which the latest step took its loads
   std::string title_;
   std::shared_ptr<MotionRecord> record_;  // null: not wanted
 };
@@ -367,6 +386,8 @@ class SceneInstrument final : public Instrument {
   const std::string& path() const { return path_; }
   py::object force() const override { return scene_.get(path_ + ".force"); }
   Pose pose() const override { return instrument_->pose(scene_.time()); }
+  Pose target() const override { return target_ && sent_at_ == scene_.moment() ? *target_ : pose(); }
+  bool touches() const override { return instrument_->contact_energy().has_value(); }
 
   void set_pose(const Pose& to) override {
     const Pose from = pose();
@@ -379,6 +400,8 @@ class SceneInstrument final : public Instrument {
     if (turns)
       scene_.set(path_ + ".orientations",
                  py::make_tuple(list(from.orientation.coeffs()), list(to.orientation.coeffs())));
+    target_ = to;
+    sent_at_ = scene_.moment();
   }
 
  private:
@@ -392,6 +415,8 @@ class SceneInstrument final : public Instrument {
   std::string path_;
   scene::Object* owner_;
   const scene::Instrument* instrument_;
+  std::optional<Pose> target_;
+  long sent_at_ = 0;
 };
 
 std::unique_ptr<Scene> make_scene(const path& file, const py::dict& overrides, const std::vector<std::string>& plugins,
@@ -412,9 +437,12 @@ void add_scene(py::module_& module) {
                                                                             "An instrument or grip of a Scene")
       .def_property_readonly("path", &SceneInstrument::path);
 
-  py::class_<Scene>(module, "Scene",
-                    "A scene file in motion, step by step: the same bits as `hexaplast run` computes. positions and\n"
-                    "velocities are read-only views that follow it.")
+  py::class_<Scene> of_scene(
+      module, "Scene",
+      "A scene file in motion, step by step: the same bits as `hexaplast run` computes. positions and\n"
+      "velocities are read-only views that follow it.");
+  def_picture(of_scene, [](Scene& s, const PictureOptions& options) { return s.picture(options); });
+  of_scene
       .def(py::init(&make_scene), py::arg("file"), py::arg("overrides") = py::dict(), py::kw_only(),
            py::arg("plugins") = std::vector<std::string>(), py::arg("plugin_path") = std::vector<path>(),
            py::arg("mesh_path") = std::vector<path>(),

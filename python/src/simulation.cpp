@@ -6,20 +6,20 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <sstream>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/saved_stream.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
 #include "mesh/lumped_mass.hpp"
-#include "picture/gallery.hpp"
+#include "model_check.hpp"
 
 namespace hexaplast::python {
 namespace {
 
 constexpr std::array<std::string_view, 3> kPreconditioners{"auto", "multigrid", "diagonal"};  // as Preconditioner
 constexpr SavedKind kSavedSimulation{{'H', 'X', 'P', 'T', 'O', 'O', 'L', '\0'}, 2, "simulation"};
-constexpr int kSmallestPicture = 64, kLargestPicture = 4096;  // [pixels]
 
 /// Of a saved state, and of the simulation that loads it.
 void require_same_tools(const std::vector<std::vector<std::string>>& saved,
@@ -195,31 +195,23 @@ std::string Simulation::page() {
   return shown->page(moving_->steps(), moving_->positions, moving_->velocities, conditions());
 }
 
-py::array Simulation::picture(int width, int height) {
-  for (const auto& [name, size] : {std::pair{"width", width}, std::pair{"height", height}})
-    if (size < kSmallestPicture || size > kLargestPicture)
-      throw InputError(fmt::format("{} = {} must lie in [{}, {}]", name, size, kSmallestPicture, kLargestPicture));
+py::array Simulation::picture(const PictureOptions& options) {
   const Turn turn(taken());
-  static output::Renderer* const renderer = output::load_renderer().release();  // as long as the process
   output::Staging staging;
   staging.gravity = arguments_.motion().gravity;
-  staging.width = width;
-  staging.height = height;
-  const hexaplast::Body& body = moving_->body;
   output::BoundaryConditions shown = conditions();
   for (const std::shared_ptr<Tool>& tool : tools_) {
     shown.instruments.push_back(tool->shown());
     shown.instruments.back().id = static_cast<int>(shown.instruments.size());
+    PointArray forces = PointArray::Zero(num_nodes(), 3);
+    tool->acting().add_load(moving_->time(), ConstPoints(moving_->positions), ConstPoints(moving_->velocities),
+                            Points(forces));
+    shown.instruments.back().press(forces);
+    shown.loads += forces;
   }
-  output::Gallery gallery(body.mesh(), "Simulation", output::time_decimals(moving_->dt()), staging);
-  gallery.add(moving_->steps(), moving_->time(), moving_->positions,
-              output::values_of(staging.quantity, body, moving_->positions, moving_->velocities, staging.regions),
-              body.alive(), shown);
-  output::Image image;
-  gallery.for_each_drawing([&](int, const output::Drawing& drawing) { image = renderer->render(drawing); });
-  py::array_t<std::uint8_t> pixels({height, width, 3});
-  std::ranges::copy(image.pixels, pixels.mutable_data());
-  return pixels;
+  return picture_of({moving_->body, "Simulation", moving_->dt(), moving_->steps(), moving_->time(), moving_->positions,
+                     moving_->velocities, shown},
+                    std::move(staging), options);
 }
 
 py::bytes Simulation::save() const {
@@ -311,18 +303,24 @@ void add_simulation(py::module_& module) {
       .def_readonly("flow", &RunReport::flow,
                     "FlowReport of the plastic steps: the greatest counts of a step, but all that were removed");
 
-  py::class_<Simulation>(
+  py::class_<Simulation> simulation(
       module, "Simulation",
       "A body in motion: lumped masses, gravity, nodal forces, fixed nodes and prescribed displacements. One step is "
       "one implicit\n"
-      "Euler step of the positions and one plastic flow. positions and velocities are read-only views that follow it.")
+      "Euler step of the positions and one plastic flow. positions and velocities are read-only views that follow it.");
+  def_picture(simulation, [](Simulation& s, const PictureOptions& options) { return s.picture(options); });
+  simulation
       .def(
           py::init([](std::shared_ptr<Body> body, double density, double dt, std::array<double, 3> gravity,
                       double rayleigh_mass, double rayleigh_stiffness, const std::string& solver, double tolerance,
                       int iterations, const std::string& preconditioner, bool reactions) {
-            return std::make_unique<Simulation>(
+            auto made = std::make_unique<Simulation>(
                 std::move(body), Arguments{density, dt, gravity, rayleigh_mass, rayleigh_stiffness, solver, tolerance,
                                            iterations, preconditioner, reactions});
+            const std::vector<double>& mass = made->get().mass();
+            warn(size_warnings(check_model(made->get().body, std::reduce(mass.begin(), mass.end()), dt),
+                               Vec3(gravity.data())));
+            return made;
           }),
           py::arg("body").none(false), py::kw_only(), py::arg("density") = 1000.0, py::arg("dt") = 0.01,
           py::arg("gravity") = std::array<double, 3>{0, 0, 0}, py::arg("rayleigh_mass") = 0.0,
@@ -365,7 +363,9 @@ void add_simulation(py::module_& module) {
           py::arg("steps"), py::arg("forces") = py::none(),
           "Several steps under constant nodal forces (n, 3) [N]; reports the worst of them")
       .def("fix", in_turn([](Simulation& s, py::handle nodes) {
-             s.get().fix(indices("nodes", nodes, s.num_nodes()));
+             const std::vector<int> numbers = indices("nodes", nodes, s.num_nodes());
+             if (numbers.empty()) warn({"fix: no node is chosen"});
+             s.get().fix(numbers);
              s.refresh();
            }),
            py::arg("nodes"), "Nodes (numbers, or a mask) keep their positions from now on")
@@ -431,9 +431,11 @@ void add_simulation(py::module_& module) {
           "are given,\n"
           "by springs of stiffness [N/m] and dashpots [N s/m] together, with max_force [N] at most")
       .def_property_readonly(
-          "instruments", [](const Simulation& s) { return s.all<SolidTool>(); }, "of add_instrument, in their order")
+          "instruments", [](const Simulation& s) { return py::tuple(py::cast(s.all<SolidTool>())); },
+          "of add_instrument, in their order")
       .def_property_readonly(
-          "grips", [](const Simulation& s) { return s.all<Grip>(); }, "of add_grip, in their order")
+          "grips", [](const Simulation& s) { return py::tuple(py::cast(s.all<Grip>())); },
+          "of add_grip, in their order")
       .def_property_readonly("reactions", in_turn([](Simulation& s) { return s.shown_reactions(); }),
                              "(n, 3) [N] by which nodes were fixed or prescribed in the latest step; of reactions=True")
       .def("set_state", &Simulation::set_state, py::arg("positions"), py::arg("velocities"),
@@ -442,9 +444,6 @@ void add_simulation(py::module_& module) {
            "From now on, states are kept for show(): of all steps at most 60, at equal distances. reset, load and\n"
            "set_state begin anew")
       .def("_page", &Simulation::page)
-      .def(
-          "picture", &Simulation::picture, py::arg("width") = 640, py::arg("height") = 360,
-          "(height, width, 3) uint8: the body as `hexaplast render` draws it. RuntimeError where nothing can draw here")
       .def("reset", &Simulation::reset, "Back to the beginning, instruments and grips too; fixed nodes stay fixed")
       .def(
           "save", in_turn([](Simulation& s) { return s.save(); }),

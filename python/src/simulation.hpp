@@ -8,6 +8,7 @@
 #include "body.hpp"
 #include "hexaplast/moving_body.hpp"
 #include "motion_record.hpp"
+#include "picture.hpp"
 #include "tools.hpp"
 
 namespace hexaplast::python {
@@ -81,7 +82,7 @@ class Simulation {
   void reset();
   void record();
   std::string page();
-  py::array picture(int width, int height);  ///< (height, width, 3)
+  py::array picture(const PictureOptions& options);
   py::bytes save() const;
   void load(const py::bytes& data);
 

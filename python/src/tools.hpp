@@ -32,6 +32,7 @@ class Tool {
   const py::dict& arguments() const { return arguments_; }  ///< that it was made with
 
   const Pose& now() const { return now_; }
+  const Pose& goal() const { return target_; }
   void go_to(const Pose& pose);
   const Vec3& velocity() const { return velocity_; }  ///< [m/s]
   void set_velocity(const Vec3& velocity);
@@ -68,6 +69,8 @@ class SolidTool final : public Instrument, public Tool {  // pybind11 wants the 
   std::atomic_flag& taken() override { return body_taken(); }
   Pose pose() const override { return now(); }
   void set_pose(const Pose& pose) override { go_to(pose); }
+  Pose target() const override { return goal(); }
+  bool touches() const override { return true; }
   py::object force() const override { return array_of(part_.contact().force()); }
   Vec3 torque() const { return part_.contact().torque(); }
   int num_touching() const { return part_.contact().num_touching(); }

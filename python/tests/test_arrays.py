@@ -170,7 +170,7 @@ def test_mesh_files_and_grids_give_arrays(tmp_path):
     positions, hexahedra = hexaplast.read_mesh(file)
     assert positions.shape == (8, 3) and positions[6].tolist() == [2, 1, 1]
     assert hexahedra.tolist() == [[0, 1, 2, 3, 4, 5, 6, 7]]
-    with pytest.raises(ValueError, match="missing.vtk"):
+    with pytest.raises(OSError, match="missing.vtk"):
         hexaplast.read_mesh(tmp_path / "missing.vtk")
 
     assert POSITIONS.shape == (36, 3) and HEXAHEDRA.shape == (12, 8)

@@ -99,10 +99,37 @@ def test_forceps_are_two_instruments_that_open_and_go_together():
         assert forceps.opening == gap and forceps.pose[2] == height
     assert (simulation.positions == by_hand.positions).all() and (forceps.force == left.force + right.force).all()
     assert forceps.grip_force == (right.force[0] - left.force[0]) / 2 > 0.1
-    with pytest.raises(ValueError, match="both jaws are in one place"):
-        hexaplast.Forceps(left, left)
-    with pytest.raises(ValueError, match="opening: nan, must be finite"):
-        forceps.opening = np.nan
+    for wrong, message in [((left, left), "both jaws are one instrument"), ((left, jaws[0]), "of two simulations"),
+                           ((*jaws, np.nan), "opening: nan, must be a finite number")]:
+        with pytest.raises(ValueError, match=message):
+            hexaplast.Forceps(*wrong)
+    for name, value in [("opening", np.nan), ("opening", "wide"), ("pose", (0, 0, 0, 0, 0, 0, 0))]:
+        with pytest.raises(ValueError, match=name):
+            setattr(forceps, name, value)
+    with pytest.raises(AttributeError):
+        forceps.active = False
+
+
+def test_forceps_know_nothing_of_what_was_taken_back():
+    simulation = block(rayleigh_stiffness=0.02)
+    scene = hexaplast.Scene(SCENES / "forceps_fat.scn")
+    for moving, jaws in ((simulation, [simulation.add_instrument("box", size=(0.01, 0.02, 0.02), pose=(x, 0.1, 0.3))
+                                       for x in (0.05, 0.15)]),
+                         (scene, [scene.instrument(f"strip/{name}") for name in ("left", "right")])):
+        forceps = hexaplast.Forceps(*jaws, opening=0.05)
+        moving.step()
+        saved = moving.save()
+        for take_back in (lambda: moving.load(saved), moving.reset):
+            forceps.pose = forceps.pose[:3] + [0, 0, 0.01]
+            assert (jaws[0].target != jaws[0].pose).any()
+            take_back()
+            assert (jaws[0].target == jaws[0].pose).all()
+            pose, opening = forceps.pose, forceps.opening
+            forceps.opening -= 0.01
+            moving.step()
+            assert forceps.pose == pytest.approx(pose, abs=1e-15) and forceps.opening == pytest.approx(opening - 0.01)
+    with pytest.raises(ValueError, match="touches, not one that grasps"):
+        hexaplast.Forceps(jaws[0], hexaplast.Scene(SCENES / "fold.scn").instrument("sheet/forceps"))
 
 
 def test_forceps_of_a_scene_turn_about_their_middle():
@@ -324,7 +351,7 @@ def test_instruments_and_grips_that_cannot_be_are_refused():
     ]:
         with pytest.raises(error, match=message):
             make()
-    assert simulation.instruments == simulation.grips == []
+    assert simulation.instruments == simulation.grips == ()
     grip = simulation.add_grip((5, 5, 5), radius=0.1)
     grip.close()
     with pytest.warns(UserWarning, match="radius: the grip closes on nothing"):
@@ -359,3 +386,20 @@ def test_pictures_show_instruments():
     before = simulation.picture()
     simulation.add_instrument("sphere", radius=0.05, pose=(0.1, 0.1, 0.16))
     assert (before != simulation.picture()).any()
+
+
+def test_pictures_of_a_simulation_and_of_a_scene_have_views_and_scales():
+    scene = hexaplast.Scene(SCENES / "forceps_fat.scn")
+    camera = ((0.03, 0.05, 0.11), (0, 0.007, 0), 19)
+    for moving in (block(), scene):
+        seen = [moving.picture(320, 180, **how) for how in ({}, {"view": "top"}, {"view": (1, 1, 0)}, {"camera": camera},
+                                                           {"field": "speed"}, {"range": (0, 7)})]
+        assert all(picture.shape == (180, 320, 3) for picture in seen)
+        assert len({picture.tobytes() for picture in seen}) == 6
+        assert (moving.picture(320, 180, camera=camera) == seen[3]).all()
+        for how in ({"view": "above"}, {"view": (0, 0, 0)}, {"camera": (1, 2)}, {"camera": (camera[0], camera[0], 19)},
+                    {"field": "colour"}, {"range": (1, 1)}, {"field": "region"}, {"width": 1}):
+            with pytest.raises((ValueError, TypeError), match=next(iter(how))):
+                moving.picture(**how)
+    scene.run(40)  # the jaws have moved, and nothing else is drawn anew: the camera stays
+    assert (scene.picture(320, 180, camera=camera) != seen[3]).any()

@@ -83,23 +83,9 @@ std::pair<int, double> axis_and_number(const char* option, const std::string& te
   return {text[0] - 'x', number[0]};
 }
 
-/// To the right, up and to the front.
-struct Side {
-  std::string_view name;
-  std::array<double, 3> towards;
-};
-constexpr std::array<Side, 6> kViews{{{"front", {0, 0, 1}},
-                                      {"back", {0, 0, -1}},
-                                      {"right", {1, 0, 0}},
-                                      {"left", {-1, 0, 0}},
-                                      {"top", {0, 1, 0}},
-                                      {"bottom", {0, -1, 0}}}};
-
 std::optional<output::Viewpoint> viewpoint_of(const RenderOptions& options, const Vec3& up) {
   if (!options.view.empty()) {
-    const auto side = std::ranges::find(kViews, options.view, &Side::name);
-    if (side != kViews.end())
-      return output::Viewpoint{output::standing(up).transpose() * Vec3(side->towards.data()), {}, {}};
+    if (const std::optional<Vec3> side = output::side_named(options.view, up)) return output::Viewpoint{*side, {}, {}};
     const std::optional<Vec3> towards = vector_of(options.view);
     if (!towards || towards->isZero(0))
       refuse("--view", options.view, "front, back, left, right, top, bottom, or a direction X,Y,Z that is not 0,0,0");
@@ -121,6 +107,10 @@ std::optional<output::Viewpoint> viewpoint_of(const RenderOptions& options, cons
 
 const RecordedRun::Entry& chosen(const RecordedRun& run, const RenderOptions& options) {
   const std::vector<RecordedRun::Entry>& entries = run.entries();
+  const auto [first, last] = std::ranges::minmax(entries, {}, &RecordedRun::Entry::time);
+  if (const double rounding = 1e-6 * last.time;
+      options.time && !(*options.time >= first.time - rounding && *options.time <= last.time + rounding))
+    throw UsageError(fmt::format("--time {}: this run holds {:.6g} to {:.6g} s", *options.time, first.time, last.time));
   if (options.time)
     return *std::ranges::min_element(entries, {},
                                      [&](const auto& entry) { return std::abs(entry.time - *options.time); });

@@ -83,7 +83,7 @@ view::Names names_of(Simulation& simulation) {
   view::Names names;
   for (const output::Bodies::Entry& body : simulation.bodies()->all())
     names.bodies.push_back({body.name, body.first_hexahedron});
-  names.regions = shown_regions(simulation.scene(), *simulation.bodies());
+  names.regions = view::shown_regions(simulation.scene(), *simulation.bodies());
   for (scene::Probe* probe : simulation.probes()) names.probes.push_back({probe->name(), std::string(probe->unit())});
   return names;
 }
@@ -162,14 +162,14 @@ int view(const ViewOptions& options) {
     record.emplace(*record_place);
   }
   const std::string title = options.scene.file.stem().string();
-  output::Staging staging = staging_of(simulation);
+  output::Staging staging = view::staging_of(simulation.shown());
   stage(options.pictures, staging);
   view::Session session({.title = title,
                          .scene = simulation.scene(),
                          .step = [&]() -> const output::StepRecord& { return simulation.step(); },
                          .reset = [&] { simulation.reset(); },
                          .serialize = [&](Archive& archive) { simulation.serialize(archive); },
-                         .conditions = [&] { return conditions_of(simulation); }},
+                         .conditions = [&] { return view::conditions_of(simulation.shown()); }},
                         make_component);
   view::WindowCall call{.source = session,
                         .session = &session,

@@ -156,7 +156,7 @@ std::string scene_of_voxels(const VoxelScene& options, const VoxelMesh& made, co
   <RequiredPlugin pluginName="Sofa.Component.Visual"/>
   <RequiredPlugin pluginName="Sofa.GL.Component.Rendering3D"/>
   <DefaultAnimationLoop/>
-  <VisualStyle displayFlags="showVisualModels showBehaviorModels"/>
+  <VisualStyle displayFlags="showVisualModels hideBehaviorModels"/>
   <RunSettings steps="350" outputEvery="25"/>
 
   <Node name="organ">

@@ -107,7 +107,7 @@ Findings look_at(scene::Scene& scene) {
   found.load_size = 0;
   bool is_pushed = false;
   for (scene::MechanicalState* state : states) {
-    const Eigen::ArrayXd directions = free_directions(scene, *state).rowwise().sum();
+    const Eigen::ArrayXd directions = view::free_directions(scene, *state).rowwise().sum();
     const long num_held = (directions == 0).count(), num_free = (directions == 3).count();
     const PointArray loads = loads_at(found.loads_time, scene, *state);
     const Vec3 load = loads.colwise().sum().transpose();

@@ -97,7 +97,7 @@ output::RunPlan plan_of(Simulation& simulation, long num_steps, const RunOptions
       [&](const scene::ForceField& field) { plan.has_openings = plan.has_openings || tears(field); });
   plan.has_springs = !simulation.scene().root().all<scene::ShowsSprings>().empty();
   for (const scene::Probe* probe : simulation.probes()) plan.probes.push_back(probe->name());
-  plan.staging = staging_of(simulation);
+  plan.staging = view::staging_of(simulation.shown());
   stage(options.pictures, plan.staging);
   if (options.video) plan.video = place_of(*options.video, options, plan.inputs);
   return plan;
@@ -172,7 +172,7 @@ void record_state(Simulation& simulation, Files& files) {
                           .time = latest.time,
                           .positions = simulation.positions(),
                           .velocities = simulation.velocities(),
-                          .conditions = conditions_of(simulation),
+                          .conditions = view::conditions_of(simulation.shown()),
                           .probes = latest.probes,
                           .measures = files.measured ? files.measured->now() : std::vector<double>()});
 }
@@ -183,7 +183,8 @@ void advance(Simulation& simulation, long num_steps, Files& files, const RunOpti
   std::optional<output::Recorder>& recorder = files.recorder;
   const auto record = [&] {
     if (recorder)
-      recorder->record(simulation.latest(), simulation.positions(), simulation.velocities(), conditions_of(simulation));
+      recorder->record(simulation.latest(), simulation.positions(), simulation.velocities(),
+                       view::conditions_of(simulation.shown()));
     if (files.states() && files.states()->wants(simulation.latest().step)) record_state(simulation, files);
   };
   std::optional<long> saved;  // step of the newest checkpoint

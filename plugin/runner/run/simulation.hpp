@@ -9,6 +9,7 @@
 #include "record/recorder.hpp"
 #include "runner/run/scene_file.hpp"
 #include "scene/parts.hpp"
+#include "view/shown_scene.hpp"
 
 namespace hexaplast::runner {
 
@@ -84,6 +85,7 @@ class Simulation {
   /// [s] at which the latest step took its loads, its beginning; before the first step, that of the first.
   double load_time() const { return load_time_; }
   scene::Scene& scene() { return scene_; }
+  view::ShownScene shown() { return {scene_, bodies(), scene_bodies_, load_time_}; }
 
   /// Those of the bodies; null: there are only masses.
   const output::Bodies* bodies() const { return bodies_ ? &*bodies_ : nullptr; }

@@ -6,12 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "picture/bodies.hpp"
 #include "picture/gallery.hpp"
-#include "picture/regions.hpp"
 #include "record/manifest.hpp"
 #include "runner/run/common_options.hpp"
-#include "runner/run/simulation.hpp"
 #include "scene/scene.hpp"
 
 namespace hexaplast::runner {
@@ -32,17 +29,11 @@ struct RegionFigure {
 /// Those of a scene that is ready, in its order.
 std::vector<RegionFigure> regions_of(scene::Scene& scene);
 
-/// The regions as pictures and files tell of them: a hexahedron is in the last one that gives it values.
-output::Regions shown_regions(scene::Scene& scene, const output::Bodies& bodies);
-
 /// "12 hexahedra, youngModulus 30000 Pa, yieldStress 2000 to 2500 Pa"
 std::string describe(const RegionFigure& region);
 
 /// "5000", "5000 to 8000"
 std::string min_to_max(double min, double max);
-
-/// How pictures show a scene: its embedded surfaces, its camera, and what of it.
-output::Staging staging_of(Simulation& simulation);
 
 /// What the command line says of it. Throws UsageError for a region that is not there.
 void stage(const PictureOptions& options, output::Staging& staging);

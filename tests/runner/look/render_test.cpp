@@ -162,7 +162,8 @@ TEST_F(Render, FindsStatesByStepAndByTime) {
   EXPECT_EQ(fifth.substr(16, 8), std::string("\0\0\0\xa0\0\0\0\x5a", 8)) << "160 x 90 pixels";
   EXPECT_NE(fifth, picture(""));
   EXPECT_EQ(fifth, picture("--time 0.06"));
-  EXPECT_EQ(picture("--time 99"), picture("--step 10"));
+  EXPECT_EQ(picture("--time 0.1"), picture("--step 10"));
+  expect_refusal("bar --time 99", 2, "--time 99: this run holds 0 to 0.1 s");
   expect_refusal("bar --step 7", 2, "--step 7: this run holds 0, 5, 10");
 }
 
