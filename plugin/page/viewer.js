@@ -426,7 +426,8 @@ class Viewer {
       ["surface", isEmbedded, "surface", true],
       ["edges", true, isEmbedded ? "hexahedra around it" : "mesh edges", data[0].showsHexahedra],
       ["ghost", true, "initial shape", true],
-      ["fixed", this.runs.some(run => run.fixedNodes.some(nodes => nodes.length > 0)), "fixed nodes", true],
+      ["fixed", this.runs.some(run => run.fixedNodes.some(nodes => nodes.length > 0)), "fixed nodes",
+       !isEmbedded || data[0].showsHexahedra],  // those of a cage that is hidden would hang in the air
       ["springs", some(state => state.springs), "springs, paler where slack", true],
       ["loads", load > 0, `loads, up to ${withUnit(load, "N")} per node`, true],
       ["tools", some(state => state.tools), tool > 0 ? `instruments, force up to ${withUnit(tool, "N")}` : "instruments",

@@ -5,7 +5,6 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <map>
 #include <numeric>
 #include <sstream>
 
@@ -123,11 +122,8 @@ std::shared_ptr<Grip> Simulation::add_grip(const py::dict& arguments) { return a
 
 std::vector<std::vector<std::string>> Simulation::names_of_tools() const {
   std::vector<std::vector<std::string>> all;
-  std::map<std::string, int> counts;
-  for (const std::shared_ptr<Tool>& tool : tools_) {
-    std::string& name = all.emplace_back(tool->made_with()).front();
-    name += fmt::format("[{}]", counts[name]++);
-  }
+  const std::vector<std::string> names = names_of(tools_);
+  for (std::size_t k = 0; k < tools_.size(); ++k) all.emplace_back(tools_[k]->made_with()).front() = names[k];
   return all;
 }
 

@@ -6,6 +6,7 @@
 #include <pybind11/stl.h>
 
 #include <cctype>
+#include <map>
 #include <optional>
 #include <span>
 #include <type_traits>
@@ -197,11 +198,21 @@ std::shared_ptr<Grip> make_grip(std::shared_ptr<Body> body, const py::dict& argu
   return std::make_shared<Grip>(std::move(body), position, std::move(options), arguments);
 }
 
+std::vector<std::string> names_of(const std::vector<std::shared_ptr<Tool>>& tools) {
+  std::vector<std::string> names;
+  std::map<std::string, int> counts;
+  for (const std::shared_ptr<Tool>& tool : tools) {
+    const std::string& list = tool->made_with().front();
+    names.push_back(fmt::format("{}[{}]", list, counts[list]++));
+  }
+  return names;
+}
+
 std::vector<std::string> take_warnings(const std::vector<std::shared_ptr<Tool>>& tools) {
   std::vector<std::string> all;
-  for (const std::shared_ptr<Tool>& tool : tools)
-    for (const parts::Remark& remark : tool->acting().take_warnings())
-      all.push_back(fmt::format("{}: {}", snake_case(remark.attribute), remark.text));
+  for (std::size_t k = 0; k < tools.size(); ++k)
+    for (const parts::Remark& remark : tools[k]->acting().take_warnings())
+      all.push_back(fmt::format("{}: {}: {}", names_of(tools)[k], snake_case(remark.attribute), remark.text));
   return all;
 }
 

@@ -114,7 +114,10 @@ class Grip final : public Tool {
 std::shared_ptr<SolidTool> make_solid_tool(std::shared_ptr<Body> body, const py::dict& arguments);
 std::shared_ptr<Grip> make_grip(std::shared_ptr<Body> body, const py::dict& arguments);
 
-/// What tools have to say since the last call.
+/// "instruments[0]", "grips[0]": where a simulation lists them.
+std::vector<std::string> names_of(const std::vector<std::shared_ptr<Tool>>& tools);
+
+/// What tools have to say since the last call, with their names.
 std::vector<std::string> take_warnings(const std::vector<std::shared_ptr<Tool>>& tools);
 
 /// All of them as Python's warnings; then throws the first one that Python makes an exception of.
