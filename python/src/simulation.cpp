@@ -49,7 +49,7 @@ Motion Arguments::motion() const {
 
 std::unique_ptr<LinearSolver> Arguments::linear_solver() const {
   if (solver == "direct") return nullptr;
-  if (solver != "cg") throw InputError(fmt::format("solver = '{}' must be one of direct, cg", solver));
+  if (solver != "cg") throw InputError(fmt::format("solver = '{}' must be one of cg, direct", solver));
   if (!(tolerance > 0 && tolerance < 1))
     throw InputError(fmt::format("tolerance = {} must lie between 0 and 1", tolerance));
   if (iterations < 1) throw InputError(fmt::format("iterations = {} must be at least 1", iterations));
@@ -320,11 +320,11 @@ void add_simulation(py::module_& module) {
           }),
           py::arg("body").none(false), py::kw_only(), py::arg("density") = 1000.0, py::arg("dt") = 0.01,
           py::arg("gravity") = std::array<double, 3>{0, 0, 0}, py::arg("rayleigh_mass") = 0.0,
-          py::arg("rayleigh_stiffness") = 0.0, py::arg("solver") = "direct", py::arg("tolerance") = 1e-6,
+          py::arg("rayleigh_stiffness") = 0.0, py::arg("solver") = "cg", py::arg("tolerance") = 1e-6,
           py::arg("iterations") = 1000, py::arg("preconditioner") = "auto", py::arg("reactions") = false,
-          "density [kg/m^3], dt [s], gravity [m/s^2], rayleigh_mass [1/s], rayleigh_stiffness [s]; solver: direct\n"
-          "(sparse Cholesky), or cg (conjugate gradients to a relative residual of tolerance), with a preconditioner:\n"
-          "multigrid, diagonal, or auto, which takes what suits the system. reactions: whether they are measured")
+          "density [kg/m^3], dt [s], gravity [m/s^2], rayleigh_mass [1/s], rayleigh_stiffness [s]; solver: cg\n"
+          "(conjugate gradients to a relative residual of tolerance), with a preconditioner: multigrid, diagonal, or auto,\n"
+          "which takes what suits the system; or direct (sparse Cholesky). reactions: whether they are measured")
       .def_property_readonly("body", &Simulation::body)
       .def_property_readonly("positions", in_turn([](Simulation& s) { return s.shown_positions(); }), "(n, 3) [m]")
       .def_property_readonly("velocities", in_turn([](Simulation& s) { return s.shown_velocities(); }), "(n, 3) [m/s]")

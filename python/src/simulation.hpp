@@ -18,7 +18,7 @@ struct Arguments {
   double density = 1000, dt = 0.01;
   std::array<double, 3> gravity = {};
   double rayleigh_mass = 0, rayleigh_stiffness = 0;
-  std::string solver = "direct";
+  std::string solver = "cg";
   double tolerance = 1e-6;
   int iterations = 1000;
   std::string preconditioner = "auto";
