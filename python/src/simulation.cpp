@@ -306,25 +306,25 @@ void add_simulation(py::module_& module) {
       "Euler step of the positions and one plastic flow. positions and velocities are read-only views that follow it.");
   def_picture(simulation, [](Simulation& s, const PictureOptions& options) { return s.picture(options); });
   simulation
-      .def(
-          py::init([](std::shared_ptr<Body> body, double density, double dt, std::array<double, 3> gravity,
-                      double rayleigh_mass, double rayleigh_stiffness, const std::string& solver, double tolerance,
-                      int iterations, const std::string& preconditioner, bool reactions) {
-            auto made = std::make_unique<Simulation>(
-                std::move(body), Arguments{density, dt, gravity, rayleigh_mass, rayleigh_stiffness, solver, tolerance,
-                                           iterations, preconditioner, reactions});
-            const std::vector<double>& mass = made->get().mass();
-            warn(size_warnings(check_model(made->get().body, std::reduce(mass.begin(), mass.end()), dt),
-                               Vec3(gravity.data())));
-            return made;
-          }),
-          py::arg("body").none(false), py::kw_only(), py::arg("density") = 1000.0, py::arg("dt") = 0.01,
-          py::arg("gravity") = std::array<double, 3>{0, 0, 0}, py::arg("rayleigh_mass") = 0.0,
-          py::arg("rayleigh_stiffness") = 0.0, py::arg("solver") = "cg", py::arg("tolerance") = 1e-6,
-          py::arg("iterations") = 1000, py::arg("preconditioner") = "auto", py::arg("reactions") = false,
-          "density [kg/m^3], dt [s], gravity [m/s^2], rayleigh_mass [1/s], rayleigh_stiffness [s]; solver: cg\n"
-          "(conjugate gradients to a relative residual of tolerance), with a preconditioner: multigrid, diagonal, or auto,\n"
-          "which takes what suits the system; or direct (sparse Cholesky). reactions: whether they are measured")
+      .def(py::init([](std::shared_ptr<Body> body, double density, double dt, std::array<double, 3> gravity,
+                       double rayleigh_mass, double rayleigh_stiffness, const std::string& solver, double tolerance,
+                       int iterations, const std::string& preconditioner, bool reactions) {
+             auto made = std::make_unique<Simulation>(
+                 std::move(body), Arguments{density, dt, gravity, rayleigh_mass, rayleigh_stiffness, solver, tolerance,
+                                            iterations, preconditioner, reactions});
+             const std::vector<double>& mass = made->get().mass();
+             warn(size_warnings(check_model(made->get().body, std::reduce(mass.begin(), mass.end()), dt),
+                                Vec3(gravity.data())));
+             return made;
+           }),
+           py::arg("body").none(false), py::kw_only(), py::arg("density") = 1000.0, py::arg("dt") = 0.01,
+           py::arg("gravity") = std::array<double, 3>{0, 0, 0}, py::arg("rayleigh_mass") = 0.0,
+           py::arg("rayleigh_stiffness") = 0.0, py::arg("solver") = "cg", py::arg("tolerance") = 1e-6,
+           py::arg("iterations") = 1000, py::arg("preconditioner") = "auto", py::arg("reactions") = false,
+           "density [kg/m^3], dt [s], gravity [m/s^2], rayleigh_mass [1/s], rayleigh_stiffness [s]; solver: cg\n"
+           "(conjugate gradients to a relative residual of tolerance), with a preconditioner: multigrid, diagonal, or "
+           "auto,\n"
+           "which takes what suits the system; or direct (sparse Cholesky). reactions: whether they are measured")
       .def_property_readonly("body", &Simulation::body)
       .def_property_readonly("positions", in_turn([](Simulation& s) { return s.shown_positions(); }), "(n, 3) [m]")
       .def_property_readonly("velocities", in_turn([](Simulation& s) { return s.shown_velocities(); }), "(n, 3) [m/s]")
