@@ -72,7 +72,7 @@ void plot(const char* title, const char* unit, std::initializer_list<Curve> curv
 
   double min = 0, max = 0;
   for (const Curve& curve : curves) curve.trace.extend_range(begin, min, max);
-  if (!(max > min)) max = min + 1e-12;
+  if (!(max > min)) max = 1;  // all is 0, which is always within
   const double room = 0.08 * (max - min);
   const auto place = [&](double time, double value) {
     return ImVec2(corner.x + size.x * static_cast<float>((time - begin) / (end - begin)),
