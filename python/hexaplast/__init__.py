@@ -5,40 +5,37 @@ Lengths in m, forces in N, times in s, stresses in Pa. n nodes, m hexahedra.
 """
 
 try:
-    from . import _hexaplast
+    from ._hexaplast import (
+        Batch,
+        Body,
+        BodyState,
+        Fields,
+        FlowReport,
+        Grip,
+        Instrument,
+        Joints,
+        Material,
+        Scene,
+        SceneBody,
+        SceneInstrument,
+        Settings,
+        Simulation,
+        SolidInstrument,
+        StepReport,
+        __version__,
+        grid,
+        num_threads,
+        read_mesh,
+        run,
+        set_num_threads,
+        simd_target,
+    )
 except ModuleNotFoundError as error:
     if error.name != "hexaplast._hexaplast":
         raise
     import sys
-    raise ModuleNotFoundError(
-        f"hexaplast is not built for Python {sys.version_info[0]}.{sys.version_info[1]}: build its target "
-        "hexaplast_python, and call the Python that it is for (/usr/bin/python3)", name=error.name) from None
-
-from ._hexaplast import (
-    Batch,
-    Body,
-    BodyState,
-    Fields,
-    FlowReport,
-    Grip,
-    Instrument,
-    Joints,
-    Material,
-    Scene,
-    SceneBody,
-    SceneInstrument,
-    Settings,
-    Simulation,
-    SolidInstrument,
-    StepReport,
-    __version__,
-    grid,
-    num_threads,
-    read_mesh,
-    run,
-    set_num_threads,
-    simd_target,
-)
+    raise ModuleNotFoundError(f"hexaplast is not built for Python {sys.version_info[0]}.{sys.version_info[1]}: its target is "
+                              "hexaplast_python", name=error.name) from None
 from ._forceps import Forceps
 from ._notebook import Viewer, show
 

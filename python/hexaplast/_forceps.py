@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Forceps: two instruments that are moved as one."""
 
+import math
+
 import numpy as np
 
 from ._hexaplast import Instrument, _require_jaws
@@ -29,17 +31,21 @@ def _motion(pose, turn=None):
 
 
 def _finite(opening):
-    if not isinstance(opening, (int, float, np.number)) or not np.isfinite(opening):
+    try:
+        value = float(opening)
+    except (TypeError, ValueError, OverflowError):
+        value = math.nan
+    if not math.isfinite(value):
         raise ValueError(f"opening: {opening!r}, must be a finite number")
-    return float(opening)
+    return value
 
 
 class Forceps:
     """Two jaws, which are instruments of a Simulation or of a Scene. They open along the line from one to the other.
 
     opening: [m] between them as they are now; without it, that between their frames. What is set of `pose` and `opening`
-    before a step is reached together, steadily within it. Those of a copy: Forceps(*copy.instruments,
-    opening=forceps.opening).
+    before a step is reached together, steadily within it. A copy of a simulation needs Forceps of its own, of its instruments
+    and with opening=forceps.opening.
     """
 
     __slots__ = ("_jaws", "_closed", "_axis", "_turn")

@@ -61,8 +61,7 @@ Pose pose_from(py::handle given, const Pose& present) {
 void add_instrument(py::module_& module) {
   module.def("_require_jaws", [](Instrument& left, Instrument& right) {
     if (!left.touches() || !right.touches())
-      throw InputError("forceps: a jaw must be an instrument that touches, not one that grasps");
-    if (&left == &right) throw InputError("forceps: both jaws are one instrument");
+      throw InputError("forceps: a jaw must be an InstrumentContactForceField, which touches");
     if (&left.taken() != &right.taken()) throw InputError("forceps: the jaws are of two simulations");
   });
   py::class_<Instrument, std::shared_ptr<Instrument>>(module, "Instrument",
@@ -74,7 +73,7 @@ void add_instrument(py::module_& module) {
                     "moves there steadily within the next step, and stays there")
       .def_property_readonly(
           "target", in_turn([](Instrument& i) { return array_of(i.target()); }),
-          "(7,) the pose that was set since the latest step, which the next one reaches; else the pose")
+          "(7,) the pose that was set since the latest step, which the next one reaches; if none was, the present pose")
       .def_property_readonly("force", in_turn([](Instrument& i) { return i.force(); }),
                              "(3,) [N] of the body on it, in the latest step");
 }

@@ -15,8 +15,8 @@ class Instrument {
   virtual std::atomic_flag& taken() = 0;
   virtual Pose pose() const = 0;
   virtual void set_pose(const Pose& pose) = 0;
-  virtual Pose target() const = 0;   ///< where the next step takes it, if it was sent there by its pose; else its pose
-  virtual bool touches() const = 0;  ///< `force` is that of the body on it
+  virtual Pose target() const = 0;       ///< that was set since the latest step; if none was, the present one
+  virtual bool touches() const = 0;      ///< `force` is that of the body on it
   virtual py::object force() const = 0;  ///< (3,) [N]
 };
 

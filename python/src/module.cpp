@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <cerrno>
 #include <filesystem>
 
 #include "base/simd.hpp"
@@ -48,9 +49,11 @@ py::tuple grid(std::array<int, 3> cells, std::array<double, 3> min, std::array<d
 }
 
 py::tuple read(const std::filesystem::path& file) {
-  if (!std::filesystem::exists(file))
-    throw std::filesystem::filesystem_error("cannot be read", file,
-                                            std::make_error_code(std::errc::no_such_file_or_directory));
+  if (!std::filesystem::exists(file)) {
+    errno = ENOENT;
+    PyErr_SetFromErrnoWithFilename(PyExc_OSError, file.c_str());
+    throw py::error_already_set();
+  }
   ImportedMesh mesh = read_mesh(file);
   return py::make_tuple(taken(std::move(mesh.positions)), cells_of(mesh.hexahedra));
 }

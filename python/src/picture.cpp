@@ -6,6 +6,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "hexaplast/base/error.hpp"
 #include "instrument.hpp"
@@ -15,6 +16,7 @@ namespace hexaplast::python {
 namespace {
 
 constexpr int kSmallestPicture = 64, kLargestPicture = 4096;  // [pixels]
+constexpr double kShortest = 1e-100;                          // of a direction
 constexpr const char* kViews = "front, back, left, right, top, bottom, or a direction (3,) that is not 0";
 constexpr const char* kCameras = "(place, target, angle): (3,), another (3,) [m], and a number between 0 and 180 [deg]";
 
@@ -25,7 +27,8 @@ output::Viewpoint viewpoint_in(const py::object& view, const Vec3& up) {
     throw InputError(fmt::format("view = '{}': must be {}", word, kViews));
   }
   const Vec3 towards = vector_from("view", view);
-  if (towards.isZero(0)) throw InputError(fmt::format("view: must be {}", kViews));
+  if (!(towards.stableNorm() > kShortest && std::isfinite(towards.norm())))
+    throw InputError(fmt::format("view: must be {}", kViews));
   return {towards, {}, {}};
 }
 
@@ -34,8 +37,10 @@ output::Viewpoint viewpoint_of_camera(const py::object& camera) {
     throw py::type_error(fmt::format("camera: must be {}", kCameras));
   const py::sequence parts = camera;
   const Vec3 place = vector_from("camera[0]", parts[0]), target = vector_from("camera[1]", parts[1]);
-  const double angle = py::float_(parts[2]).cast<double>();
-  if (place == target || !(angle > 0 && angle < 180)) throw InputError(fmt::format("camera: must be {}", kCameras));
+  const py::object of_view = parts[2];
+  const double angle = PyNumber_Check(of_view.ptr()) ? py::float_(of_view).cast<double>() : 0;
+  if (!((place - target).stableNorm() > kShortest) || !(angle > 0 && angle < 180))
+    throw InputError(fmt::format("camera: must be {}", kCameras));
   return {place - target, {}, output::Viewpoint::Eye{place, target, angle, true}};
 }
 
@@ -53,9 +58,10 @@ output::Quantity quantity_called(const std::string& word, const output::Regions&
 
 std::pair<double, double> range_in(const py::object& given) {
   const RealArray range = RealArray::ensure(given);
-  if (!range || range.ndim() != 1 || range.size() != 2 || !(range.at(0) < range.at(1)))
+  if (!range || range.ndim() != 1 || range.size() != 2 || !(range.at(0) < range.at(1)) ||
+      !std::isfinite(range.at(1) - range.at(0)))
     throw InputError(
-        fmt::format("range = {}: must be (min, max), the lesser first", py::repr(given).cast<std::string>()));
+        fmt::format("range = {}: must be (min, max), finite, the lesser first", py::repr(given).cast<std::string>()));
   return {range.at(0), range.at(1)};
 }
 

@@ -46,7 +46,9 @@ void def_picture(Of& of, const Function& function) {
       "front, back, left, right, top, bottom or a direction (3,); the distance is fitted to what is shown. camera:\n"
       "(place, target, angle), (3,) [m] twice and the field of view [deg]; so that pictures can be compared. field: "
       "what\n"
-      "the colours show; range: (min, max) of them. RuntimeError where there is no renderer");
+      "the colours show; range: (min, max) of them. Forces are those of the latest step; where a scene was loaded or "
+      "copied, contact shows\n"
+      "none before the next one. RuntimeError where there is no renderer");
 }
 
 }  // namespace hexaplast::python

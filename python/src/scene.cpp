@@ -237,9 +237,6 @@ class Scene {
                       view::staging_of(shown), options);
   }
 
-  /// That the poses to which instruments have been sent are of: another one after each step, load and reset.
-  long moment() const { return moment_; }
-
   void record() {
     const Turn turn(taken());
     begin_record();
@@ -322,7 +319,6 @@ class Scene {
   }
 
   void refresh() {
-    ++moment_;
     if (shown_states_.size() > 1) {
       scene::positions_of(shown_states_, positions_);
       scene::velocities_of(shown_states_, velocities_);
@@ -336,8 +332,9 @@ class Scene {
     try {
       const py::gil_scoped_release others_may_run;
       try {
-        load_time_ = scene_->time();
+        const double before = scene_->time();
         const SolveReport solved = scene_->step();
+        load_time_ = before;
         report.add(solved, scene::flow_of(scene_bodies_));
       } catch (const NumericalError& error) {
         throw NumericalError(fmt::format("step {}: {}", num_steps_ + 1, error.what()));
@@ -365,7 +362,7 @@ class Scene {
   PointArray positions_, velocities_;  // of several shown states
   ShownField shown_positions_, shown_velocities_;
   std::optional<long> planned_steps_;
-  long num_steps_ = 0, moment_ = 0;
+  long num_steps_ = 0;
   double load_time_ = 0;  // [s] at which the latest step took its loads
   std::string title_;
   std::shared_ptr<MotionRecord> record_;  // null: not wanted
@@ -385,8 +382,11 @@ class SceneInstrument final : public Instrument {
   std::atomic_flag& taken() override { return scene_.taken(); }
   const std::string& path() const { return path_; }
   py::object force() const override { return scene_.get(path_ + ".force"); }
-  Pose pose() const override { return instrument_->pose(scene_.time()); }
-  Pose target() const override { return target_ && sent_at_ == scene_.moment() ? *target_ : pose(); }
+  Pose pose() const override { return pose_at(scene_.time()); }
+  Pose target() const override {
+    const std::vector<double> times = numbers("keyTimes");
+    return times.size() == 2 && times[0] == scene_.time() ? pose_at(times[1]) : pose();
+  }
   bool touches() const override { return instrument_->contact_energy().has_value(); }
 
   void set_pose(const Pose& to) override {
@@ -400,11 +400,29 @@ class SceneInstrument final : public Instrument {
     if (turns)
       scene_.set(path_ + ".orientations",
                  py::make_tuple(list(from.orientation.coeffs()), list(to.orientation.coeffs())));
-    target_ = to;
-    sent_at_ = scene_.moment();
   }
 
  private:
+  /// Of an attribute, as it is from the next step on; none where it is not there.
+  std::vector<double> numbers(std::string_view name) const {
+    scene::Data* data = owner_->find_data(name);
+    const auto* values = data && data->is_given() ? std::get_if<std::vector<double>>(&data->value()) : nullptr;
+    return values ? *values : std::vector<double>();
+  }
+
+  /// Paths of two key times, as set_pose writes them, are read from the attributes: what is set, or was loaded, reaches
+  /// the component in the next step.
+  Pose pose_at(double time) const {
+    Pose pose = instrument_->pose(time);
+    const std::vector<double> times = numbers("keyTimes");
+    if (times.size() != 2 || (times[0] < time && time < times[1])) return pose;
+    const bool is_behind = time >= times[1];
+    const std::vector<double> positions = numbers("positions"), orientations = numbers("orientations");
+    if (positions.size() == 6) pose.position = Vec3(&positions[is_behind ? 3 : 0]);
+    if (orientations.size() == 8) pose.orientation = Eigen::Quaterniond(&orientations[is_behind ? 4 : 0]).normalized();
+    return pose;
+  }
+
   static py::list list(const Eigen::Ref<const Eigen::VectorXd>& numbers) {
     py::list all;
     for (const double number : numbers) all.append(number);
@@ -415,8 +433,6 @@ class SceneInstrument final : public Instrument {
   std::string path_;
   scene::Object* owner_;
   const scene::Instrument* instrument_;
-  std::optional<Pose> target_;
-  long sent_at_ = 0;
 };
 
 std::unique_ptr<Scene> make_scene(const path& file, const py::dict& overrides, const std::vector<std::string>& plugins,

@@ -5,7 +5,6 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <numeric>
 #include <sstream>
 
 #include "hexaplast/base/error.hpp"
@@ -199,11 +198,6 @@ py::array Simulation::picture(const PictureOptions& options) {
   for (const std::shared_ptr<Tool>& tool : tools_) {
     shown.instruments.push_back(tool->shown());
     shown.instruments.back().id = static_cast<int>(shown.instruments.size());
-    PointArray forces = PointArray::Zero(num_nodes(), 3);
-    tool->acting().add_load(moving_->time(), ConstPoints(moving_->positions), ConstPoints(moving_->velocities),
-                            Points(forces));
-    shown.instruments.back().press(forces);
-    shown.loads += forces;
   }
   return picture_of({moving_->body, "Simulation", moving_->dt(), moving_->steps(), moving_->time(), moving_->positions,
                      moving_->velocities, shown},
@@ -309,13 +303,12 @@ void add_simulation(py::module_& module) {
       .def(py::init([](std::shared_ptr<Body> body, double density, double dt, std::array<double, 3> gravity,
                        double rayleigh_mass, double rayleigh_stiffness, const std::string& solver, double tolerance,
                        int iterations, const std::string& preconditioner, bool reactions) {
-             auto made = std::make_unique<Simulation>(
+             if (density > 0 && dt > 0)  // before the body is taken
+               warn(size_warnings(check_model(body->body(), density * body->body().initial_volume(), dt),
+                                  Vec3(gravity.data())));
+             return std::make_unique<Simulation>(
                  std::move(body), Arguments{density, dt, gravity, rayleigh_mass, rayleigh_stiffness, solver, tolerance,
                                             iterations, preconditioner, reactions});
-             const std::vector<double>& mass = made->get().mass();
-             warn(size_warnings(check_model(made->get().body, std::reduce(mass.begin(), mass.end()), dt),
-                                Vec3(gravity.data())));
-             return made;
            }),
            py::arg("body").none(false), py::kw_only(), py::arg("density") = 1000.0, py::arg("dt") = 0.01,
            py::arg("gravity") = std::array<double, 3>{0, 0, 0}, py::arg("rayleigh_mass") = 0.0,

@@ -148,7 +148,8 @@ output::Instrument SolidTool::shown() const {
   const parts::InstrumentShape shape = parts::shape_of(part_.options());
   return {.place = now().position,
           .nodes = {},
-          .forces = PointArray(0, 3),
+          .forces =
+              part_.contact().num_touching() > 0 ? PointArray(-part_.contact().force().transpose()) : PointArray(0, 3),
           .shape_points = shape.at(now()),
           .shape_triangles = shape.triangles};
 }
@@ -167,7 +168,9 @@ void Grip::serialize(Archive& archive) {
   archive(is_closed_);
 }
 
-output::Instrument Grip::shown() const { return {.place = now().position, .nodes = {}, .forces = PointArray(0, 3)}; }
+output::Instrument Grip::shown() const {
+  return {.place = now().position, .nodes = {}, .forces = PointArray(part_.force().transpose())};
+}
 
 std::shared_ptr<SolidTool> make_solid_tool(std::shared_ptr<Body> body, const py::dict& arguments) {
   parts::InstrumentOptions options;
@@ -210,9 +213,10 @@ std::vector<std::string> names_of(const std::vector<std::shared_ptr<Tool>>& tool
 
 std::vector<std::string> take_warnings(const std::vector<std::shared_ptr<Tool>>& tools) {
   std::vector<std::string> all;
+  const std::vector<std::string> names = names_of(tools);
   for (std::size_t k = 0; k < tools.size(); ++k)
     for (const parts::Remark& remark : tools[k]->acting().take_warnings())
-      all.push_back(fmt::format("{}: {}: {}", names_of(tools)[k], snake_case(remark.attribute), remark.text));
+      all.push_back(fmt::format("{}: {}: {}", names[k], snake_case(remark.attribute), remark.text));
   return all;
 }
 

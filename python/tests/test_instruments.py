@@ -99,11 +99,11 @@ def test_forceps_are_two_instruments_that_open_and_go_together():
         assert forceps.opening == gap and forceps.pose[2] == height
     assert (simulation.positions == by_hand.positions).all() and (forceps.force == left.force + right.force).all()
     assert forceps.grip_force == (right.force[0] - left.force[0]) / 2 > 0.1
-    for wrong, message in [((left, left), "both jaws are one instrument"), ((left, jaws[0]), "of two simulations"),
+    for wrong, message in [((left, left), "both jaws are in one place"), ((left, jaws[0]), "of two simulations"),
                            ((*jaws, np.nan), "opening: nan, must be a finite number")]:
         with pytest.raises(ValueError, match=message):
             hexaplast.Forceps(*wrong)
-    for name, value in [("opening", np.nan), ("opening", "wide"), ("pose", (0, 0, 0, 0, 0, 0, 0))]:
+    for name, value in [("opening", np.nan), ("opening", "wide"), ("opening", 10**400), ("pose", (0, 0, 0, 0, 0, 0, 0))]:
         with pytest.raises(ValueError, match=name):
             setattr(forceps, name, value)
     with pytest.raises(AttributeError):
@@ -128,7 +128,14 @@ def test_forceps_know_nothing_of_what_was_taken_back():
             forceps.opening -= 0.01
             moving.step()
             assert forceps.pose == pytest.approx(pose, abs=1e-15) and forceps.opening == pytest.approx(opening - 0.01)
-    with pytest.raises(ValueError, match="touches, not one that grasps"):
+    again = scene.instrument("strip/left")  # whoever asks knows of it, and so does a copy
+    forceps.pose = forceps.pose[:3] + [0, 0, 0.01]
+    copied = scene.copy()
+    assert (again.target == jaws[0].target).all() and (copied.instrument("strip/left").target == jaws[0].target).all()
+    hexaplast.Forceps(*(copied.instrument(jaw.path) for jaw in jaws), opening=forceps.opening).opening -= 0.001
+    copied.step()
+    assert copied.instrument("strip/left").pose[2] == pytest.approx(jaws[0].target[2], abs=2e-3)
+    with pytest.raises(ValueError, match="must be an InstrumentContactForceField"):
         hexaplast.Forceps(jaws[0], hexaplast.Scene(SCENES / "fold.scn").instrument("sheet/forceps"))
 
 
@@ -385,7 +392,13 @@ def test_pictures_show_instruments():
     simulation = block()
     before = simulation.picture()
     simulation.add_instrument("sphere", radius=0.05, pose=(0.1, 0.1, 0.16))
-    assert (before != simulation.picture()).any()
+    untouched = simulation.picture()
+    assert (before != untouched).any()
+    simulation.instruments[0].pose = (0.1, 0.1, 0.14)
+    simulation.add_grip((0, 0, 0.1), radius=0.06).close()
+    simulation.grips[0].velocity = (0, 0, 0.1)
+    simulation.run(2)
+    assert (simulation.picture() == simulation.copy().picture()).all()
 
 
 def test_pictures_of_a_simulation_and_of_a_scene_have_views_and_scales():
@@ -398,7 +411,8 @@ def test_pictures_of_a_simulation_and_of_a_scene_have_views_and_scales():
         assert len({picture.tobytes() for picture in seen}) == 6
         assert (moving.picture(320, 180, camera=camera) == seen[3]).all()
         for how in ({"view": "above"}, {"view": (0, 0, 0)}, {"camera": (1, 2)}, {"camera": (camera[0], camera[0], 19)},
-                    {"field": "colour"}, {"range": (1, 1)}, {"field": "region"}, {"width": 1}):
+                    {"field": "colour"}, {"range": (1, 1)}, {"range": (0, np.inf)},
+                    {"range": (-1e308, 1e308)}, {"view": (1e-320, 0, 0)}, {"field": "region"}, {"width": 1}):
             with pytest.raises((ValueError, TypeError), match=next(iter(how))):
                 moving.picture(**how)
     scene.run(40)  # the jaws have moved, and nothing else is drawn anew: the camera stays

@@ -4,6 +4,7 @@ import concurrent.futures
 import pickle
 import threading
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -17,6 +18,19 @@ def bar(cells=(1, 1, 4), **material):
     """0.1 x 0.1 x 0.4 m along z."""
     positions, hexahedra = hexaplast.grid(cells, (0, 0, 0), (0.1, 0.1, 0.4))
     return hexaplast.Body(positions, hexahedra, hexaplast.Material(**material))
+
+
+def test_sizes_that_no_tissue_has_and_empty_selections_are_warned_of():
+    positions, hexahedra = hexaplast.grid((1, 1, 1), (0, 0, 0), (60, 40, 30))  # millimetres
+    body = hexaplast.Body(positions, hexahedra)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(UserWarning, match="60 m long"):
+            hexaplast.Simulation(body)
+    with pytest.warns(UserWarning, match="60 m long"):
+        simulation = hexaplast.Simulation(body)  # it has not been taken
+    with pytest.warns(UserWarning, match="fix: no node"):
+        simulation.fix(positions[:, 2] > 60)
 
 
 def test_free_fall_is_that_of_implicit_euler():

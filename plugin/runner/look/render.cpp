@@ -62,7 +62,8 @@ std::optional<Vec3> vector_of(std::string_view text) {
 std::optional<std::pair<double, double>> range_of(const std::string& text) {
   if (text.empty()) return std::nullopt;
   const std::vector<double> ends = numbers_in(text, ':');
-  if (ends.size() != 2 || !(ends[0] < ends[1])) refuse("--range", text, "two numbers LO:HI, the lesser first");
+  if (ends.size() != 2 || !(ends[0] < ends[1]) || !std::isfinite(ends[1] - ends[0]))
+    refuse("--range", text, "two numbers LO:HI, the lesser first");
   return std::pair(ends[0], ends[1]);
 }
 
@@ -108,7 +109,7 @@ std::optional<output::Viewpoint> viewpoint_of(const RenderOptions& options, cons
 const RecordedRun::Entry& chosen(const RecordedRun& run, const RenderOptions& options) {
   const std::vector<RecordedRun::Entry>& entries = run.entries();
   const auto [first, last] = std::ranges::minmax(entries, {}, &RecordedRun::Entry::time);
-  if (const double rounding = 1e-6 * last.time;
+  if (const double rounding = 1e-5 * last.time;  // of what the message shows
       options.time && !(*options.time >= first.time - rounding && *options.time <= last.time + rounding))
     throw UsageError(fmt::format("--time {}: this run holds {:.6g} to {:.6g} s", *options.time, first.time, last.time));
   if (options.time)
@@ -295,8 +296,8 @@ void add_render(CLI::App& app, Call& call) {
   add_option(command, "run", options.run, "DIR|PVD", "Directory of the run, or its .pvd file")->required();
   CLI::Option* out = add_option(command, "-o,--out", options.out, "FILE", "PNG file to write; replaces an older one")
                          ->capture_default_str();
-  CLI::Option* time =
-      add_option(command, "--time", options.time, "T", "The state nearest to this time [s]; otherwise the last one");
+  CLI::Option* time = add_option(command, "--time", options.time, "T",
+                                 "The state nearest to this time [s] of the run; otherwise the last one");
   CLI::Option* step = add_option(command, "--step", options.step, "N", "The state after this step")->excludes(time);
   const std::vector<CLI::Option*> pictures = add_pictures(command, options.pictures);
   add_option(command, "--range", options.range, "LO:HI",

@@ -15,7 +15,6 @@
 #include "record/recorder.hpp"
 #include "runner/command.hpp"
 #include "runner/process.hpp"
-#include "runner/run/boundary_conditions.hpp"
 #include "runner/run/common_options.hpp"
 #include "runner/run/results.hpp"
 #include "runner/run/simulation.hpp"
@@ -23,6 +22,7 @@
 #include "runner/subcommand.hpp"
 #include "scene/reader.hpp"
 #include "view/recording.hpp"
+#include "view/shown_scene.hpp"
 #include "view/window.hpp"
 
 namespace hexaplast::runner {

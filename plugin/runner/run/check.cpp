@@ -18,6 +18,7 @@
 #include "runner/run/simulation.hpp"
 #include "runner/run/staging.hpp"
 #include "runner/subcommand.hpp"
+#include "view/shown_scene.hpp"
 
 namespace hexaplast::runner {
 namespace {

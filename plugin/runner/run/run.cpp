@@ -35,6 +35,7 @@
 #include "scene/identity.hpp"
 #include "scene/interfaces.hpp"
 #include "scene/visuals.hpp"
+#include "view/shown_scene.hpp"
 
 namespace hexaplast::runner {
 namespace {
