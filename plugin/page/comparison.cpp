@@ -123,7 +123,8 @@ ComparisonTable table_of_histories(const HistoryComparison& found) {
     table.rows.push_back({column.column, number(column.difference), fmt::format("{:.2e}", relative),
                           fmt::format("{}", column.step), number(column.time), number(column.a), number(column.b)});
   }
-  std::ranges::stable_partition(table.rows, [](const auto& row) { return row[0].starts_with("probe_"); });
+  std::stable_partition(table.rows.begin(), table.rows.end(),
+                        [](const auto& row) { return row[0].starts_with("probe_"); });
   table.note = fmt::format("{} rows at common times, of {} and {}. Relative to the largest magnitude in the column.",
                            found.num_common, found.num_rows_a, found.num_rows_b);
   return table;
