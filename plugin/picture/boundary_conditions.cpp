@@ -26,14 +26,6 @@ Vec3 Instrument::acts_at(ConstPoints positions) const {
   return weight > 0 ? Vec3(sum / weight) : place;
 }
 
-void Instrument::press(const PointArray& on_nodes, int first_node) {
-  std::vector<int> pressed;
-  for (int node = 0; node < on_nodes.rows(); ++node)
-    if (!on_nodes.row(node).isZero(0)) pressed.push_back(node);
-  forces = on_nodes(pressed, Eigen::all);
-  for (const int node : pressed) nodes.push_back(first_node + node);
-}
-
 std::vector<NodalLoad> shown_loads(const HexMesh& mesh, std::span<const unsigned char> alive,
                                    const BoundaryConditions& conditions) {
   if (conditions.loads.rows() == 0) return {};

@@ -23,9 +23,6 @@ struct Instrument {
   /// touches. Without a shape, or without a force: place. positions: of the body's nodes [m].
   Vec3 acts_at(ConstPoints positions) const;
 
-  /// Takes the forces [N] on the nodes of a body, of which the first has this number.
-  void press(const PointArray& on_nodes, int first_node = 0);
-
   /// [N] on the body.
   Vec3 force() const { return forces.rows() == 0 ? Vec3::Zero() : Vec3(forces.colwise().sum()); }
 };

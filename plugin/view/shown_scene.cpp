@@ -109,7 +109,13 @@ output::BoundaryConditions conditions_of(const ShownScene& shown) {
     for_each_load(shown.load_time, root, state, [&](const scene::ForceField* field, const PointArray& forces) {
       output::Bodies::rows(body, conditions.loads) += forces;
       const auto* instrument = dynamic_cast<const scene::Instrument*>(field);
-      if (output::Instrument* seen = instrument ? show(*instrument) : nullptr) seen->press(forces, body.first_node);
+      output::Instrument* seen = instrument ? show(*instrument) : nullptr;
+      if (!seen) return;
+      std::vector<int> nodes;
+      for (int node = 0; node < forces.rows(); ++node)
+        if (!forces.row(node).isZero(0)) nodes.push_back(node);
+      seen->forces = forces(nodes, Eigen::all);
+      for (const int node : nodes) seen->nodes.push_back(body.first_node + node);
     });
   }
   for (const scene::Instrument* instrument : all)
