@@ -18,7 +18,6 @@
 #include "hexaplast/material/rows.hpp"
 #include "mesh/trilinear.hpp"
 #include "plastic/isolated_flow.hpp"
-#include "plastic/point_flow.hpp"
 #include "plastic/rest_shape.hpp"
 
 namespace hexaplast {

@@ -12,7 +12,6 @@
 #include "kinematics/gradients.hpp"
 #include "plain/plain.hpp"
 #include "plastic/isolated_flow.hpp"
-#include "plastic/point_flow.hpp"
 #include "plastic/rest_shape.hpp"
 
 namespace hexaplast {

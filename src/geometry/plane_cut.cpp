@@ -221,21 +221,4 @@ std::pair<double, double> extent_along(const Vec3& normal, ConstPoints x, std::s
   return min <= max ? std::pair(min, max) : std::pair(0.0, 0.0);
 }
 
-int part_above(const std::array<double, 3>& height, std::array<TriangleWeights, 4>& part) {
-  int count = 0;
-  for (int k = 0; k < 3; ++k) {
-    const int next = (k + 1) % 3;
-    if (height[k] >= 0) {
-      part[count] = {};
-      part[count++][k] = 1;
-    }
-    if ((height[k] >= 0) == (height[next] >= 0)) continue;
-    const double fraction = fraction_at_plane(height[k], height[next]);
-    part[count] = {};
-    part[count][k] = 1 - fraction;
-    part[count++][next] = fraction;
-  }
-  return count;
-}
-
 }  // namespace hexaplast

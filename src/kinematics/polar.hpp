@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <span>
-
 #include "hexaplast/base/types.hpp"
 
 namespace hexaplast {
@@ -24,10 +22,6 @@ struct Polar {
 };
 Polar polar(const Mat3& F);
 Polar polar(const SignedSvd& F);
-
-/// The rotations of many gradients at once, by the closed form of the kernels (theory.md section 9.2) and, where that
-/// leaves the rotation open, by the decomposition above. R: as many as F.
-void rotations(std::span<const Mat3> F, std::span<Mat3> R);
 
 /// Rotation vector (axis times angle, angle in [0, pi]) of a rotation matrix.
 Vec3 rotation_log(const Mat3& R);

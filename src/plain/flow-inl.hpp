@@ -14,8 +14,8 @@
 #include "kinematics/rotation-inl.hpp"
 #include "material/stress_norm-inl.hpp"
 #include "plain/element-inl.hpp"
+#include "plastic/isolated_flow.hpp"
 #include "plastic/point_flow-inl.hpp"
-#include "plastic/point_flow.hpp"
 #include "plastic/rest_shape-inl.hpp"
 #include "plastic/rest_shape.hpp"
 

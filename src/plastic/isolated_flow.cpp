@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "plastic/isolated_flow.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,9 +9,9 @@
 #include "base/tensors-inl.hpp"
 #include "element/isolated-inl.hpp"
 #include "element/relaxation-inl.hpp"
+#include "material/stress_norm-inl.hpp"
 #include "mesh/trilinear.hpp"
 #include "plastic/point_flow-inl.hpp"
-#include "plastic/point_flow.hpp"
 
 namespace hexaplast {
 
@@ -23,6 +24,12 @@ void branch_stretches(const ElementSamples& samples, scalar::Sym<double> (&B)[kC
 }
 
 }  // namespace
+
+double stress_norm(const Mat3& sigma, YieldNorm norm) {
+  if (norm == YieldNorm::kSpectral)
+    return Eigen::SelfAdjointEigenSolver<Mat3>(sigma, Eigen::EigenvaluesOnly).eigenvalues().cwiseAbs().maxCoeff();
+  return scalar::stress_norm_bound(scalar::symmetric_entries(sigma), norm);
+}
 
 IsolatedStress isolated_stress(const ElementPoints& initial, const CornerTensors& plastic_inverse,
                                const ElementSamples& samples, YieldStressMeasure measure) {
@@ -80,7 +87,7 @@ IsolatedStep isolated_flow(const ElementSamples& samples, const IsolatedStress& 
     step.strain[i] =
         std::sqrt(2.0 / 3) * (step.log_stretch[i] - step.log_stretch[i].trace() / 3 * Mat3::Identity()).norm();
     step.plastic_inverse[i] = to_eigen(scalar::flowed_plastic_inverse(scalar::entries(plastic_inverse[i]), M[i]));
-    step.yield_stress[i] = hardened(yield_stress[i], material.hardening, step.fraction[i], step.norm[i]);
+    step.yield_stress[i] = scalar::hardened(yield_stress[i], material.hardening, step.fraction[i], step.norm[i]);
     step.dissipated +=
         samples.volume / kCorners * (samples.polar[i].S * stress.corotated[i]).cwiseProduct(step.log_stretch[i]).sum();
   }

@@ -6,6 +6,9 @@
 
 namespace hexaplast {
 
+/// Size of a stress [Pa] in the given norm.                                                   theory.md eq. 20
+double stress_norm(const Mat3& sigma, YieldNorm norm);
+
 /// What yields at the samples of a hexahedron with isolated rest shapes.                         theory.md section 5.9
 struct IsolatedStress {
   CornerTensors normals;    ///< rows n_in                                                                    eq. P6

@@ -77,7 +77,6 @@ NewtonReport NewtonRaphson::solve(MechanicalSystem& system, LinearSolver& solver
       residual = residual_at(trial_, trial_force_);
       decreased = residual < report.residual;
     }
-    if (!decreased) ++report.failed_line_searches;
     require_finite(trial_force_, "force");
 
     const double moved = step * norm(increment_);

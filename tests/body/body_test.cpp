@@ -3,7 +3,6 @@
 
 #include "element/samples.hpp"
 #include "plastic/isolated_flow.hpp"
-#include "plastic/point_flow.hpp"
 #include "support/bar.hpp"
 #include "support/core.hpp"
 

@@ -209,26 +209,5 @@ TEST(PlaneCut, MeetsHexahedraWithinTheirExtent) {
   EXPECT_GT(cut(mesh, {normal, -0.79}).area(), 0);
 }
 
-TEST(PartAbove, OfATriangleHasTheShareOfItsAreaThatItsHeightsSay) {
-  const std::array<Vec3, 3> corner{Vec3(0, 0, 0), Vec3(3, 0, 0), Vec3(0, 2, 0)};
-  const auto area_above = [&](const std::array<double, 3>& height) {
-    std::array<TriangleWeights, 4> part;
-    const int count = part_above(height, part);
-    std::vector<Vec3> places;
-    for (int k = 0; k < count; ++k)
-      places.push_back(part[k][0] * corner[0] + part[k][1] * corner[1] + part[k][2] * corner[2]);
-    double area = 0;  // signed: a part that turned the other way would count negative
-    for (int k = 2; k < count; ++k) area += (places[k - 1] - places[0]).cross(places[k] - places[0]).z() / 2;
-    return area;
-  };
-  EXPECT_DOUBLE_EQ(area_above({1, 1, 1}), 3);
-  EXPECT_DOUBLE_EQ(area_above({0, 0, 0}), 3);
-  EXPECT_DOUBLE_EQ(area_above({-1, -1, -2}), 0);
-  // one corner above: similar triangles, shares 1/2 and 1/4 of the edges; and the other way round
-  EXPECT_NEAR(area_above({1, -1, -3}), 3 * 0.5 * 0.25, 1e-15);
-  EXPECT_NEAR(area_above({-1, 1, 3}), 3 * (1 - 0.5 * 0.25), 1e-15);
-  EXPECT_NEAR(area_above({-3, 1, -1}), 3 * 0.5 * 0.25, 1e-15);
-}
-
 }  // namespace
 }  // namespace hexaplast

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "kinematics/polar.hpp"
 #include "plain/plain.hpp"
-#include "plastic/point_flow.hpp"
+#include "plastic/isolated_flow.hpp"
+#include "plastic/point_flow-inl.hpp"
 #include "plastic/rest_shape-inl.hpp"
 #include "plastic/rest_shape.hpp"
 #include "support/archive.hpp"
@@ -25,6 +26,7 @@ TEST(StressNorm, HasTheHandValues) {
 }
 
 TEST(Hardened, GrowsByWhatFlowsAndIsNeverNegative) {
+  const auto hardened = HWY_NAMESPACE::hardened<double>;
   EXPECT_DOUBLE_EQ(hardened(300, 2, 0.01, 400), 308);
   EXPECT_EQ(hardened(300, -100, 0.01, 400), 0);
   EXPECT_EQ(hardened(300, 2, 0, 400), 300);

@@ -64,11 +64,4 @@ class PlaneCut {
 std::pair<double, double> extent_along(const Vec3& normal, ConstPoints x, std::span<const Hexahedron> hexahedra,
                                        std::span<const unsigned char> alive = {});
 
-/// A place in a triangle: how much each of its corners counts.
-using TriangleWeights = std::array<double, 3>;
-
-/// The part of a triangle on or above a plane, from the heights of its corners: three or four corners in the triangle's
-/// order of turning, or none. Returns how many of `part` are set.
-int part_above(const std::array<double, 3>& height, std::array<TriangleWeights, 4>& part);
-
 }  // namespace hexaplast

@@ -31,10 +31,9 @@ enum class NewtonStatus {
 struct NewtonReport {
   NewtonStatus status = NewtonStatus::kNotConverged;
   int iterations = 0;
-  int linear_iterations = 0;     ///< of the linear solver, all Newton iterations together
-  int failed_line_searches = 0;  ///< iterations in which no tried step lowered the residual
-  double initial_residual = 0;   ///< [N] |r_0|
-  double residual = 0;           ///< [N] |r| at the end
+  int linear_iterations = 0;    ///< of the linear solver, all Newton iterations together
+  double initial_residual = 0;  ///< [N] |r_0|
+  double residual = 0;          ///< [N] |r| at the end
   PreconditionedBy preconditioner = PreconditionedBy::kNothing;  ///< of the last linear solution
   bool at_threshold = false;                                     ///< SolveReport::at_threshold of some linear solution
 };
