@@ -9,7 +9,8 @@
 #include "base/require.hpp"
 #include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
-#include "kinematics/gradients.hpp"
+#include "kinematics/sampling.hpp"
+#include "mesh/trilinear.hpp"
 #include "plain/plain.hpp"
 #include "plastic/isolated_flow.hpp"
 #include "plastic/rest_shape.hpp"
@@ -58,21 +59,18 @@ HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Mate
   const History history = history_of(model, state);
   plain::Elasticity elasticity;
   elasticity.linearize(model, history, state.current);
-  const Sampling sampling = sampling_of(settings);
-  const RestOperator rest = rest_operator(state.plastic_rest, sampling);
+  const plain::Element element(state.plastic_rest, state.current, model.lame[0], model.settings,
+                               history.plastic_inverse_of(0));
 
   HexahedronElasticity found;
-  for (int i = 0; i < kCorners; ++i) {
-    found.corner_jacobian[i] = corner_jacobian(state.plastic_rest, i);
-    if (!sampling.assumes_strain)
-      found.sample_gradient[i] = sample_gradient(rest, i);
-    else
-      found.sample_gradient[i].setConstant(std::numeric_limits<double>::quiet_NaN());
-  }
+  for (int i = 0; i < kCorners; ++i) found.corner_jacobian[i] = corner_jacobian(state.plastic_rest, i);
+  found.sample_gradient = element.sample_gradients();
+  if (sampling_of(settings).assumes_strain)
+    for (ElementPoints& g : found.sample_gradient) g.setConstant(std::numeric_limits<double>::quiet_NaN());
   found.centre_jacobian = centre_jacobian(state.plastic_rest);
-  found.volume = rest.volume;
-  found.sample_volume = rest.volume / kCorners;
-  found.mean_gradient = mean_gradient(state.plastic_rest);
+  found.volume = element.samples().volume;
+  found.sample_volume = found.volume / kCorners;
+  found.mean_gradient = element.mean_gradient();
 
   found.energy = plain::energy(model, history, state.current);
   PointArray force = PointArray::Zero(kCorners, 3);

@@ -11,7 +11,7 @@
 
 #include "body_state.hpp"
 #include "hexaplast/material/rows.hpp"
-#include "kinematics/gradients.hpp"
+#include "kinematics/sampling.hpp"
 
 namespace hexaplast {
 namespace {

@@ -22,6 +22,14 @@ Mat3 corner_jacobian(const ElementPoints& x, int corner) {
 
 Mat3 centre_jacobian(const ElementPoints& x) { return x.transpose() * shape_derivatives(Vec3::Zero()); }
 
+Mat3 cofactor(const Mat3& J) {
+  Mat3 cof;
+  cof.col(0) = J.col(1).cross(J.col(2));
+  cof.col(1) = J.col(2).cross(J.col(0));
+  cof.col(2) = J.col(0).cross(J.col(1));
+  return cof;
+}
+
 double volume(const ElementPoints& x) {
   double sum = 0;
   for_each_gauss_point(x, [&](const ElementPoints&, const Mat3& J) { sum += J.determinant(); });

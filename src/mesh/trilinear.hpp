@@ -18,6 +18,9 @@ Mat3 corner_jacobian(const ElementPoints& x, int corner);
 /// Centre: J_o = dx/ds at s = 0.                                                              theory.md eq. 3
 Mat3 centre_jacobian(const ElementPoints& x);
 
+/// det(J) J^-T, defined for singular J too.
+Mat3 cofactor(const Mat3& J);
+
 /// Exact volume [m^3] (2x2x2 Gauss points of det J).                                          theory.md eq. 4
 double volume(const ElementPoints& x);
 

@@ -390,8 +390,9 @@ class Element {
     return stress(law_, mooney_fraction_, polar[sample].S, mu_, pressure(sample) + volume_pressure());
   }
   HEXAPLAST_INLINE N volume_pressure() const { return of_volume_ * volume_excess; }  ///< [Pa]
-  HEXAPLAST_INLINE N volume() const { return gradients_.volume; }                    ///< [m^3] of the rest shape
-  HEXAPLAST_INLINE N jacobian(int i) const { return gradients_.jacobian[i]; }        ///< [m^3] of the rest shape
+  HEXAPLAST_INLINE const SampleGradients<N>& sample_gradients() const { return gradients_; }
+  HEXAPLAST_INLINE N volume() const { return gradients_.volume; }              ///< [m^3] of the rest shape
+  HEXAPLAST_INLINE N jacobian(int i) const { return gradients_.jacobian[i]; }  ///< [m^3] of the rest shape
 
   Mat<N> F[kCorners];  ///< of isolated rest shapes F^e
   PolarLanes<N> polar[kCorners];

@@ -91,6 +91,20 @@ ElementPoints Element::force_increment(const ElementPoints& dx) const {
   return to_eigen(numbers_->element.force_increment(corners_of(dx)));
 }
 
+ElementPoints Element::mean_gradient() const { return to_eigen(numbers_->element.sample_gradients().mean); }
+std::array<ElementPoints, kCorners> Element::sample_gradients() const {
+  std::array<ElementPoints, kCorners> found;
+  for (int a = 0; a < kCorners; ++a) {
+    scalar::CornerLanes<double> moved;  // corner a along x
+    set_zero(moved);
+    moved.at[a][0] = 1;
+    scalar::Mat<double> F[kCorners];
+    numbers_->element.sample_gradients().gradients(moved, F);
+    for (int i = 0; i < kCorners; ++i) found[i].row(a) << F[i](0, 0), F[i](0, 1), F[i](0, 2);
+  }
+  return found;
+}
+
 ElementStep flow_element(const Model& model, int e, const ElementPoints& plastic_rest, const ElementPoints& current,
                          const Mat3& frame, const ElementHistory& before, double dt) {
   scalar::Element<double> element;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
@@ -32,6 +33,10 @@ class Element {
   ElementPoints force() const;                                   ///< [N] per corner  eq. 15, E3, E6, E13, E15, P14
   ElementPoints force_increment(const ElementPoints& dx) const;  ///< [N] rotations fixed    eq. 16, E4, E7, E20
   const ElementSamples& samples() const { return samples_; }     ///< of isolated rest shapes: of F^e
+
+  /// [1/m] g~_ia, one row per corner a: dF~_i = sum_a dx_a (x) g~_ia, but for strain that is assumed.            eq. 7
+  std::array<ElementPoints, kCorners> sample_gradients() const;
+  ElementPoints mean_gradient() const;  ///< [1/m] Gm_a = (1/V) int grad N_a dV, exactly                         eq. 9
 
  private:
   struct Numbers;

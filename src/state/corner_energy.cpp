@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "kinematics/gradients.hpp"
 #include "mesh/trilinear.hpp"
 
 namespace hexaplast {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "hexaplast/base/error.hpp"
-#include "kinematics/gradients.hpp"
+#include "mesh/trilinear.hpp"
 #include "state/history.hpp"
 
 namespace hexaplast {

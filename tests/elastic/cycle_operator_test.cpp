@@ -2,8 +2,8 @@
 #include "elastic/cycle_operator.hpp"
 
 #include "elastic/cell_operator.hpp"
-#include "kinematics/gradients.hpp"
 #include "kinematics/polar.hpp"
+#include "plain/plain.hpp"
 #include "support/core.hpp"
 
 namespace hexaplast {
@@ -132,10 +132,11 @@ struct Cells {
     BlockMatrix K(mesh.num_nodes());
     for (int e = 0; e < mesh.num_elements(); ++e) {
       const Hexahedron& corners = mesh.hexahedra()[e];
-      const RestOperator rest = rest_operator(gather(mesh.positions(), corners));
+      const ElementPoints shape = gather(mesh.positions(), corners);
+      const auto gradients = plain::Element(shape, shape, {1, 1}, {.bending = Bending::kBlended}).sample_gradients();
       for (int i = 0; i < kCorners; ++i) {
         const auto& [mu, lambda, Gm] = children[e][i];
-        ElementPoints g = sample_gradient(rest, i);
+        ElementPoints g = gradients[i];
         if (has_flowed) g = (g * Gm).eval();
         const Mat3 R = polar(gather(x, corners).transpose() * g).R;
         g = kLength * (g * R.transpose()).eval();
