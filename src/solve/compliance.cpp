@@ -9,7 +9,6 @@
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "solve/column_products.hpp"
 #include "solve/constants.hpp"
 
 namespace hexaplast {
@@ -145,8 +144,8 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
   parallel_for((num_rows + kColumns - 1) / kColumns, [&](int part) {
     const int first = kColumns * part, count = std::min(kColumns, num_rows - first);
     // K is symmetric: its lower half
-    column_products(x_.rightCols(num_rows - first), r_.middleCols(first, count),
-                    K.block(first, first, num_rows - first, count));
+    K.block(first, first, num_rows - first, count).noalias() =
+        x_.rightCols(num_rows - first).transpose() * r_.middleCols(first, count);
   });
   K = G - K;
   factorise(K);

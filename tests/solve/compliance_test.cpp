@@ -6,7 +6,6 @@
 #include <Eigen/SparseCholesky>
 
 #include "hexaplast/base/block_matrix.hpp"
-#include "solve/column_products.hpp"
 #include "support/core.hpp"
 #include "support/slab.hpp"
 
@@ -186,18 +185,6 @@ TEST(Compliance, RowsMayBeManyNoneDependentOrHeld) {
   }
   rows.push_back({{slab.num_nodes(), Vec3::UnitX()}});
   EXPECT_THROW(compliance.find(slab, rows), InputError);
-}
-
-TEST(ColumnProducts, AreThoseOfEigen) {
-  Random random(5);
-  for (const auto& [rows, first, second] :
-       std::vector<std::array<int, 3>>{{1, 1, 1}, {7, 4, 2}, {517, 6, 3}, {1030, 9, 1}}) {
-    const Eigen::MatrixXd X = random.matrix(rows, first), R = random.matrix(rows, second);
-    Eigen::MatrixXd products = Eigen::MatrixXd::Constant(first + 1, second, 3);
-    column_products(X, R, products.topRows(first));
-    EXPECT_LE((products.topRows(first) - X.transpose() * R).cwiseAbs().maxCoeff(), 1e-12);
-    EXPECT_EQ(products.row(first).minCoeff(), 3) << "nothing else is written";
-  }
 }
 
 }  // namespace
