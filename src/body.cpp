@@ -8,7 +8,6 @@
 #include <cmath>
 #include <functional>
 
-#include "base/finite.hpp"
 #include "base/require.hpp"
 #include "body_state.hpp"
 #include "element/samples.hpp"
@@ -18,7 +17,6 @@
 #include "hexaplast/material/rows.hpp"
 #include "mesh/trilinear.hpp"
 #include "plastic/isolated_flow.hpp"
-#include "plastic/rest_shape.hpp"
 
 namespace hexaplast {
 
@@ -461,14 +459,11 @@ ElementFields Body::fields(ConstPoints x) const {
   const int num_elements = state_->model.mesh.num_elements();
   const std::vector<BranchStep> branches = branch_steps(settings(), 0);  // stress is that of the moment
   ElementFields out;
-  for (auto* field : {&out.plastic_strain, &out.yield_stress, &out.volume_ratio, &out.stress_norm, &out.strain})
-    field->resize(num_elements);
+  out.plastic_strain = plastic_strains(*this);
+  out.yield_stress = present_yield_stresses(*this);
+  for (auto* field : {&out.volume_ratio, &out.stress_norm, &out.strain}) field->resize(num_elements);
 
   parallel_for(num_elements, [&](int e) {
-    const auto& plastic_strain = state_->history.plastic_strain[e];
-    const auto& yield_stress = state_->history.yield_stress[e];
-    for (const double strain : plastic_strain) out.plastic_strain[e] += strain / kCorners;
-    out.yield_stress[e] = *std::max_element(yield_stress.begin(), yield_stress.end());
     if (!state_->history.alive[e] || !state_->is_plain()) return;
 
     const Hexahedron& corners = state_->model.mesh.hexahedra()[e];
@@ -533,6 +528,41 @@ void Body::add_to(StateHash& hash) const {
   add_array(hash, state_->history.opened);
   add_array(hash, state_->history.crossings);
   add_array(hash, state_->history.end_of_opening);
+}
+
+std::vector<double> plastic_strains(const Body& body) {
+  std::vector<double> means;
+  means.reserve(body.plastic_strain().size());
+  for (const CornerValues& corners : body.plastic_strain()) {
+    double mean = 0;
+    for (const double strain : corners) mean += strain / kCorners;
+    means.push_back(mean);
+  }
+  return means;
+}
+
+std::vector<double> present_yield_stresses(const Body& body) {
+  std::vector<double> largest;
+  largest.reserve(body.yield_stress().size());
+  for (const CornerValues& corners : body.yield_stress())
+    largest.push_back(*std::max_element(corners.begin(), corners.end()));
+  return largest;
+}
+
+std::vector<double> element_volumes(const Body& body, ConstPoints x) {
+  require_rows("element_volumes", "x", x, body.mesh().num_nodes());
+  const std::vector<Hexahedron>& hexahedra = body.mesh().hexahedra();
+  std::vector<double> volumes(hexahedra.size(), 0);
+  for (std::size_t e = 0; e < volumes.size(); ++e)
+    if (body.alive()[e]) volumes[e] = volume(gather(x, hexahedra[e]));
+  return volumes;
+}
+
+std::vector<double> plastic_volume_ratios(const Body& body) {
+  // of isolated rest shapes the mesh, whose volumes flow keeps
+  std::vector<double> ratios = element_volumes(body, body.state().history.plastic_rest_positions);
+  for (std::size_t e = 0; e < ratios.size(); ++e) ratios[e] /= body.initial_volume(static_cast<int>(e));
+  return ratios;
 }
 
 }  // namespace hexaplast

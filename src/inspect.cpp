@@ -9,11 +9,11 @@
 #include "base/require.hpp"
 #include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
+#include "kinematics/polar.hpp"
 #include "kinematics/sampling.hpp"
 #include "mesh/trilinear.hpp"
 #include "plain/plain.hpp"
 #include "plastic/isolated_flow.hpp"
-#include "plastic/rest_shape.hpp"
 
 namespace hexaplast {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hexaplast/material/material.hpp"
-#include "state/element_history.hpp"
+#include "state/history.hpp"
 
 namespace hexaplast {
 

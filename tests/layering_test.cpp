@@ -35,7 +35,6 @@ const std::map<std::string, int> kHeight{
     {"body", 8},
     {"contact", 8},
     {"inspect", 9},
-    {"element_values", 9},
     {"model_check", 9},
     {"moving_body", 9},
     {"attributes", 10},

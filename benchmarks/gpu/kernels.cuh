@@ -14,7 +14,7 @@
 
 #include "elastic/assumed-inl.hpp"
 #include "element/isolated-inl.hpp"
-#include "material/stress_norm-inl.hpp"
+#include "material/law-inl.hpp"
 #include "plastic/point_flow-inl.hpp"
 
 namespace hexaplast::one_number {

@@ -9,7 +9,7 @@
 
 #include "elastic/element_kernels-inl.hpp"
 #include "element/isolated-inl.hpp"
-#include "material/stress_norm-inl.hpp"
+#include "material/law-inl.hpp"
 #include "plastic/point_flow-inl.hpp"
 
 namespace hexaplast::gpu {

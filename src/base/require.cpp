@@ -22,4 +22,12 @@ void require_nodes(const char* call, std::span<const int> nodes, Eigen::Index nu
     if (n < 0 || n >= num_rows) throw InputError(fmt::format("{}: node {} must lie in [0, {})", call, n, num_rows));
 }
 
+void require_finite(ConstPoints field, const char* what) {
+  if (field.allFinite()) return;
+  for (int n = 0; n < field.rows(); ++n)
+    if (!field.row(n).allFinite())
+      throw NumericalError(
+          fmt::format("the {} of node {} is not finite: ({}, {}, {})", what, n, field(n, 0), field(n, 1), field(n, 2)));
+}
+
 }  // namespace hexaplast

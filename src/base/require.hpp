@@ -23,4 +23,7 @@ void require_time_step(double dt);
 /// Throws InputError unless every one of `nodes` is a row of something that has `num_rows`.
 void require_nodes(const char* call, std::span<const int> nodes, Eigen::Index num_rows);
 
+/// Throws NumericalError naming the first node whose row is not finite; `what` is the field's name, e.g. "velocity".
+void require_finite(ConstPoints field, const char* what);
+
 }  // namespace hexaplast

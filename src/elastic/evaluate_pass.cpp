@@ -6,7 +6,7 @@
 //
 #include "elastic/body_elements-inl.hpp"
 #include "elastic/evaluate_pass.hpp"
-#include "material/stress_norm-inl.hpp"
+#include "material/law-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {

@@ -7,7 +7,6 @@
 #define HEXAPLAST_ELEMENT_LANE_ELEMENTS_INL
 #endif
 
-#include "base/corner_tensors.hpp"
 #include "base/tensors-inl.hpp"
 #include "base/transpose-inl.hpp"
 #include "element/element-inl.hpp"

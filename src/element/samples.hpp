@@ -3,7 +3,6 @@
 
 #include <array>
 
-#include "base/corner_tensors.hpp"
 #include "hexaplast/material/material.hpp"
 #include "kinematics/polar.hpp"
 #include "material/relaxation.hpp"

@@ -8,7 +8,6 @@
 #include <limits>
 #include <utility>
 
-#include "base/finite.hpp"
 #include "base/require.hpp"
 #include "geometry/box_tree.hpp"
 #include "geometry/nearest_place.hpp"

@@ -18,6 +18,8 @@ Polar polar(const SignedSvd& F) { return {F.U * F.V.transpose(), F.V * F.d.asDia
 
 Polar polar(const Mat3& F) { return polar(signed_svd(F)); }
 
+Mat3 fit_rotation(const ElementPoints& from, const ElementPoints& to) { return polar(to.transpose() * from).R; }
+
 Vec3 rotation_log(const Mat3& R) {
   const scalar::RotationVector<double> w = scalar::rotation_log(scalar::entries(R));
   return {w.axis_angle[0], w.axis_angle[1], w.axis_angle[2]};

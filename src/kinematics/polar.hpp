@@ -23,6 +23,9 @@ struct Polar {
 Polar polar(const Mat3& F);
 Polar polar(const SignedSvd& F);
 
+/// The rotation R that minimises sum_i |R from_i - to_i|^2; both about their own means.
+Mat3 fit_rotation(const ElementPoints& from, const ElementPoints& to);
+
 /// Rotation vector (axis times angle, angle in [0, pi]) of a rotation matrix.
 Vec3 rotation_log(const Mat3& R);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// The elastic laws, for samples in lanes and for one sample.                                    theory.md section 3
+// The elastic laws and the size of a stress, for samples in lanes and for one sample. theory.md section 3
 #if defined(HEXAPLAST_MATERIAL_LAW_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HEXAPLAST_MATERIAL_LAW_INL
 #undef HEXAPLAST_MATERIAL_LAW_INL
@@ -155,6 +155,15 @@ HEXAPLAST_INLINE N tangent_guard(ElasticLaw law, double mooney_fraction, const S
   const N guard = max(none, abs(k) * sqrt(I) - (mu + mu + more));
   if (law != ElasticLaw::kMooneyRivlin) return guard;
   return guard + N(T(mooney_fraction)) * mu * max(none, I - N(T(3)));
+}
+
+/// The stress norm of the yield condition; of the spectral norm, which takes eigenvalues, an upper bound.       eq. 20
+template <class N>
+HEXAPLAST_INLINE N stress_norm_bound(const Sym<N>& s, YieldNorm norm) {
+  const N mean = norm == YieldNorm::kVonMises ? N(1.0 / 3) * (s.xx + s.yy + s.zz) : N(0.0);
+  const N xx = s.xx - mean, yy = s.yy - mean, zz = s.zz - mean;
+  const N squared = xx * xx + yy * yy + zz * zz + N(2.0) * (s.yz * s.yz + s.zx * s.zx + s.xy * s.xy);
+  return sqrt(norm == YieldNorm::kVonMises ? N(1.5) * squared : squared);
 }
 
 }  // namespace hexaplast::HWY_NAMESPACE

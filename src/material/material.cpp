@@ -234,4 +234,11 @@ std::vector<std::string> check_time_step(const std::vector<Material>& materials,
   return warnings;
 }
 
+Material filled(Material material, double fraction) {
+  material.young_modulus *= fraction;
+  material.yield_stress *= fraction;
+  material.fracture_stress *= fraction;
+  return material;
+}
+
 }  // namespace hexaplast

@@ -18,6 +18,9 @@ Mat3 corner_jacobian(const ElementPoints& x, int corner);
 /// Centre: J_o = dx/ds at s = 0.                                                              theory.md eq. 3
 Mat3 centre_jacobian(const ElementPoints& x);
 
+/// The rows about their own mean.
+inline ElementPoints about_mean(const ElementPoints& x) { return x.rowwise() - x.colwise().mean(); }
+
 /// det(J) J^-T, defined for singular J too.
 Mat3 cofactor(const Mat3& J);
 

@@ -12,15 +12,15 @@
 #include <limits>
 
 #include "kinematics/rotation-inl.hpp"
-#include "material/stress_norm-inl.hpp"
+#include "material/law-inl.hpp"
 #include "plain/element-inl.hpp"
 #include "plastic/isolated_flow.hpp"
 #include "plastic/point_flow-inl.hpp"
-#include "plastic/rest_shape-inl.hpp"
-#include "plastic/rest_shape.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
+
+inline constexpr double kRepairRate = 5;  ///< [1/s] a jammed shape is back within a few tenths of a second
 
 /// The stress norm. Lanes have a bound of the spectral one only.                                               eq. 20
 template <class V>

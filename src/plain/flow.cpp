@@ -5,15 +5,14 @@
 #include <cmath>
 #include <limits>
 
-#include "base/finite.hpp"
+#include "base/require.hpp"
 #include "hexaplast/base/error.hpp"
 #include "kinematics/polar.hpp"
 #include "mesh/trilinear.hpp"
 #include "plain/plain.hpp"
 #include "plastic/fracture.hpp"
 #include "plastic/isolated_flow.hpp"
-#include "plastic/rest_shape-inl.hpp"
-#include "plastic/rest_shape.hpp"
+#include "plastic/point_flow-inl.hpp"
 
 namespace hexaplast::plain {
 

@@ -2,7 +2,6 @@
 #include <limits>
 
 #include "plain/plain.hpp"
-#include "plastic/rest_shape.hpp"
 
 namespace hexaplast::plain {
 

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "element/lane_elements-inl.hpp"
-#include "material/stress_norm-inl.hpp"
+#include "material/law-inl.hpp"
 #include "plastic/flow_pass.hpp"
 #include "plastic/point_flow-inl.hpp"
 

@@ -9,7 +9,7 @@
 #include "base/tensors-inl.hpp"
 #include "element/isolated-inl.hpp"
 #include "element/relaxation-inl.hpp"
-#include "material/stress_norm-inl.hpp"
+#include "material/law-inl.hpp"
 #include "mesh/trilinear.hpp"
 #include "plastic/point_flow-inl.hpp"
 

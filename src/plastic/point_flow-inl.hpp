@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Plastic flow at a corner, for corners in lanes and for one corner.                      theory.md sections 5.1, 5.2
+// Plastic flow at a corner and restitution of volume, in lanes and for one corner.        theory.md sections 5.1 to 5.3
 #if defined(HEXAPLAST_PLASTIC_POINT_FLOW_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HEXAPLAST_PLASTIC_POINT_FLOW_INL
 #undef HEXAPLAST_PLASTIC_POINT_FLOW_INL
@@ -170,6 +170,20 @@ HEXAPLAST_INLINE Mat<N> stretch_increment(const Sym<N>& S, const Sym<N>& sigma, 
   dissipated += dot(matrix(sigma), log);
   strain += N(0.81649658092772603) * sqrt(dot(log, log));
   return increment;
+}
+
+inline constexpr double kVolumeAtRest = 1e-12;  ///< a relative volume error below is rounding
+
+// lengths may not change more by restitution in one step, whatever beta
+inline constexpr double kMinScale = 0.5, kGreatestScale = 2.0;
+
+/// The factor of the lengths of a rest shape: 1 + c dt (1 - beta) within [1/2, 2], and 1 where beta is 1 but for
+/// rounding.                                                                                                   eq. 28
+template <class N>
+HEXAPLAST_INLINE N restitution_scale(N volume_ratio, N rate_dt) {
+  const N one(1.0);
+  const N scale = min(max(one + rate_dt * (one - volume_ratio), N(kMinScale)), N(kGreatestScale));
+  return select(abs(volume_ratio - one) < N(kVolumeAtRest), one, scale);
 }
 
 }  // namespace hexaplast::HWY_NAMESPACE

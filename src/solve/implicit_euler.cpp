@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "base/finite.hpp"
 #include "base/require.hpp"
 #include "solve/constrained_operator.hpp"
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "base/finite.hpp"
 #include "base/irregular_field.hpp"
 #include "base/require.hpp"
 #include "hexaplast/base/parallel.hpp"

@@ -8,10 +8,20 @@
 #include "hexaplast/base/archive.hpp"
 #include "hexaplast/base/types.hpp"
 #include "material/relaxation.hpp"
-#include "state/element_history.hpp"
 #include "state/model.hpp"
 
 namespace hexaplast {
+
+/// The plastic history of one element, by value.
+struct ElementHistory {
+  ElementPoints rest_shape;       ///< [m] y: isolated rest shape, about the element's own mean
+  CornerTensors rotation_map;     ///< Pi: rest frame -> material frame; eight equal ones where the mode has one
+  CornerValues yield_stress;      ///< [Pa] tau; infinite if it never yields
+  CornerValues rotation_yield;    ///< [rad] tau^R
+  CornerValues plastic_strain;    ///< [-] accumulated sqrt(2/3) gamma |dev log D|_F
+  CornerTensors plastic_stretch;  ///< product of the S^p, in the rest frame; identity unless the model tracks it
+  CornerTensors plastic_inverse;  ///< G = (F^p)^-1 of isolated rest shapes; identity elsewhere
+};
 
 /// Everything plastic; changes once per accepted time step, by flow(), and between two steps when the host takes
 /// elements out or changes the material (Body). A checkpoint saves exactly this.

@@ -3,10 +3,10 @@
 // gaps between its rows gives the same as one without.
 #include <type_traits>
 
-#include "geometry/axial_pull.hpp"
 #include "geometry/pick.hpp"
 #include "hexaplast/geometry/embed.hpp"
 #include "hexaplast/geometry/plane_cut.hpp"
+#include "hexaplast/geometry/sections.hpp"
 #include "hexaplast/solve/grip.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
 #include "mesh/selection.hpp"

@@ -16,9 +16,8 @@
 #include "element/relaxation-inl.hpp"
 #include "kinematics/polar-inl.hpp"
 #include "kinematics/rotation-inl.hpp"
-#include "material/stress_norm-inl.hpp"
+#include "material/law-inl.hpp"
 #include "plastic/point_flow-inl.hpp"
-#include "plastic/rest_shape-inl.hpp"
 
 namespace hexaplast::one_number {
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/geometry/sections.hpp"
 
-#include "geometry/axial_pull.hpp"
 #include "support/core.hpp"
 
 namespace hexaplast {

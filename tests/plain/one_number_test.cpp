@@ -5,9 +5,8 @@
 #include "element/isolated-inl.hpp"
 #include "element/relaxation-inl.hpp"
 #include "kinematics/rotation-inl.hpp"
-#include "material/stress_norm-inl.hpp"
+#include "material/law-inl.hpp"
 #include "plastic/point_flow-inl.hpp"
-#include "plastic/rest_shape-inl.hpp"
 
 #if defined(HIGHWAY_HWY_BASE_H_) || defined(EIGEN_WORLD_VERSION)
 #error "a formula includes what a device does not have"

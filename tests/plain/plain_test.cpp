@@ -5,7 +5,7 @@
 
 #include "base/simd.hpp"
 #include "hexaplast/material/rows.hpp"
-#include "plastic/rest_shape.hpp"
+#include "mesh/trilinear.hpp"
 #include "support/core.hpp"
 #include "support/history.hpp"
 

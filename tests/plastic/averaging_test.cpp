@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "hexaplast/geometry/sections.hpp"
+#include "kinematics/polar.hpp"
+#include "mesh/trilinear.hpp"
 #include "plain/plain.hpp"
-#include "plastic/rest_shape.hpp"
 #include "support/core.hpp"
 
 namespace hexaplast {

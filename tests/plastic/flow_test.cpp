@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "kinematics/polar.hpp"
+#include "mesh/trilinear.hpp"
 #include "plain/plain.hpp"
 #include "plastic/isolated_flow.hpp"
 #include "plastic/point_flow-inl.hpp"
-#include "plastic/rest_shape-inl.hpp"
-#include "plastic/rest_shape.hpp"
 #include "support/archive.hpp"
 #include "support/core.hpp"
 #include "support/history.hpp"

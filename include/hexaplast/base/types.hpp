@@ -36,9 +36,10 @@ struct Pair {
   Field first, second;
 };
 
-/// One row (x, y, z) per corner, and one number per corner.
+/// One row (x, y, z), one number and one tensor per corner.
 using ElementPoints = Eigen::Matrix<double, kCorners, 3>;
 using CornerValues = std::array<double, kCorners>;
+using CornerTensors = std::array<Mat3, kCorners>;
 
 /// The same for all cells of the same nodes, whatever their order.
 template <std::size_t N>

@@ -200,4 +200,8 @@ inline constexpr double kRecommendedRestitutionPerStep = 0.3;
 std::vector<std::string> check_time_step(const std::vector<Material>& materials, const Settings& settings, double dt,
                                          Names names = Names::kMembers);
 
+/// A material of which a hexahedron holds a fraction (0, 1], the rest of it being empty: at the same strain it carries
+/// that fraction of the stress, and it yields and tears at the same strains.
+Material filled(Material material, double fraction);
+
 }  // namespace hexaplast

@@ -5,7 +5,7 @@
 
 #include <utility>
 
-#include "geometry/axial_pull.hpp"
+#include "hexaplast/geometry/sections.hpp"
 #include "runner/command.hpp"
 #include "runner/run/boundary_conditions.hpp"
 
