@@ -39,10 +39,6 @@ class FreeStiffness final : public LinearSystem {
     for (int n = 0; n < num_nodes(); ++n) Ap.row(n) = nodal_[n] * p.row(n);
     body_.add_stiffness_product(-1, p, Ap);
   }
-  void assemble(BlockMatrix& A) const override {
-    for (int n = 0; n < num_nodes(); ++n) A.add(n, n, nodal_[n] * Mat3::Identity());
-    body_.add_stiffness_blocks(-1, A);
-  }
   bool matrix_free(MatrixFreeSystem& system) const override {
     system.diagonal.resize(num_nodes(), 3);
     for (int n = 0; n < num_nodes(); ++n) system.diagonal.row(n).setConstant(nodal_[n]);

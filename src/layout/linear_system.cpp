@@ -3,6 +3,7 @@
 
 #include "base/irregular_field.hpp"
 #include "base/require.hpp"
+#include "hexaplast/base/error.hpp"
 
 namespace hexaplast {
 void SolveReport::add(const SolveReport& again) {
@@ -33,6 +34,10 @@ void Constraints::pin(BlockMatrix& A) const {
   for (Eigen::Index n = 0; n < free.rows(); ++n)
     for (int axis = 0; axis < 3; ++axis)
       if (!free(n, axis)) A.pin(static_cast<int>(n), axis);
+}
+
+void LinearSystem::assemble(BlockMatrix& /*A*/) const {
+  throw InputError("the system is known by its products alone: a solver that factorises has no matrix of it");
 }
 
 void require_sizes(const LinearSystem& A, ConstPoints b, ConstPoints x) {

@@ -128,34 +128,6 @@ class Joining final : public LinearSystem {
     add_at_nodes(model_.mesh, chosen_, of_elements_, 1, Ap);
   }
 
-  // pinned: nodes that do not move, and the first one of each part, which may be translated
-  void assemble(BlockMatrix& A) const override {
-    std::array<std::vector<ElementPoints>, 3> columns;
-    for (auto& column : columns) column.assign(chosen_.size(), ElementPoints::Zero());
-    for (int b = 0; b < kCorners; ++b) {
-      for (int axis = 0; axis < 3; ++axis) {
-        ElementPoints unit = ElementPoints::Zero();
-        unit(b, axis) = 1;
-        elements_->find_products(unit, projects_, columns[axis]);
-      }
-      for (std::size_t e = 0; e < chosen_.size(); ++e) {
-        const Hexahedron& corners = model_.mesh.hexahedra()[e];
-        for (int a = 0; chosen_[e] && a < kCorners; ++a) {
-          Mat3 block;
-          for (int axis = 0; axis < 3; ++axis) block.col(axis) = columns[axis][e].row(a).transpose();
-          A.add(corners[a], corners[b], block);
-        }
-      }
-    }
-    std::vector<bool> pinned(parts_.count, false);
-    for (int n = 0; n < num_nodes(); ++n) {
-      const int part = parts_.part_of_node[n];
-      if (count_[n] > 0 && pinned[part]) continue;
-      A.add(n, n, Mat3::Identity());
-      if (count_[n] > 0) pinned[part] = true;
-    }
-  }
-
   void precondition(ConstPoints r, Points z) const override {
     for (int n = 0; n < num_nodes(); ++n)
       if (count_[n] > 0)

@@ -287,7 +287,6 @@ class TwoBodies final : public LinearSystem {
     for (int k = 0; k < 2; ++k)
       bodies_[k].add_stiffness_product(-1e-3, p.middleRows(k * count_, count_), Ap.middleRows(k * count_, count_));
   }
-  void assemble(BlockMatrix&) const override { FAIL(); }
   bool matrix_free(MatrixFreeSystem& system) const override {
     system.diagonal.setZero(num_nodes(), 3);
     system.constraints.reset(num_nodes());

@@ -170,8 +170,8 @@ class LinearSystem {
   virtual void apply(ConstPoints p, Points Ap) const = 0;
 
   /// A += the same operator as blocks, constrained degrees of freedom pinned (BlockMatrix::pin). `A` is
-  /// cleared before.
-  virtual void assemble(BlockMatrix& A) const = 0;
+  /// cleared before. The default throws InputError: solvers that factorise need it, those that iterate do not.
+  virtual void assemble(BlockMatrix& A) const;
 
   /// z = an approximation of A^-1 r, symmetric and positive definite; the default is none (z = r).
   virtual void precondition(ConstPoints r, Points z) const { z = r; }

@@ -47,11 +47,6 @@ public:
         Ap = read(m_out);
     }
 
-    void assemble(BlockMatrix&) const override
-    {
-        throw InputError("MultigridCGLinearSolver asks for products, not for a matrix");
-    }
-
     bool matrix_free(MatrixFreeSystem& system) const override
     {
         findConstraints(system.constraints);
