@@ -50,54 +50,23 @@ Places counted(const LabelledVolume& volume, const std::vector<int>& labels) {
   return places;
 }
 
-/// The box of all voxels that count.
-struct Extent {
-  std::array<int, 3> min, max;
-};
+/// Cells in each direction.
+std::array<int, 3> grid_of(const LabelledVolume& volume, int coarsening) {
+  std::array<int, 3> cells;
+  for (int d = 0; d < 3; ++d) cells[d] = (volume.size()[d] - 1) / coarsening + 1;
+  return cells;
+}
 
-/// The part of a row of voxels that begins and ends with one that counts; empty: there is none.
-std::span<const unsigned char> counting_part(const LabelledVolume& volume, const Places& places, int j, int k) {
+/// Whether some voxel in a row of cells counts: most of a volume is background.
+bool counts_somewhere(const LabelledVolume& volume, const Places& places, int j, int k, int coarsening) {
   const auto [nx, ny, nz] = volume.size();
-  const auto row = volume.places().subspan(static_cast<std::size_t>(nx) * (j + static_cast<std::size_t>(ny) * k),
-                                           static_cast<std::size_t>(nx));
-  const auto counts = [&](unsigned char place) { return places[place] != 0; };
-  const auto first = std::ranges::find_if(row, counts);
-  auto end = row.end();
-  while (end != first && !counts(end[-1])) --end;
-  return {first, end};
-}
-
-/// The voxels of such a part, counted along the row.
-std::array<int, 2> range_of(const LabelledVolume& volume, std::span<const unsigned char> part) {
-  const auto first = static_cast<int>((part.data() - volume.places().data()) % volume.size()[0]);
-  return {first, first + static_cast<int>(part.size()) - 1};
-}
-
-Extent extent_of(const LabelledVolume& volume, const Places& places) {
-  constexpr int kMax = std::numeric_limits<int>::max();
-  Extent extent{{kMax, kMax, kMax}, {-1, -1, -1}};
-  for (int k = 0; k < volume.size()[2]; ++k)
-    for (int j = 0; j < volume.size()[1]; ++j) {
-      const std::span<const unsigned char> part = counting_part(volume, places, j, k);
-      if (part.empty()) continue;
-      const auto [first, last] = range_of(volume, part);
-      extent.min = {std::min(extent.min[0], first), std::min(extent.min[1], j), std::min(extent.min[2], k)};
-      extent.max = {std::max(extent.max[0], last), std::max(extent.max[1], j), k};
-    }
-  return extent;
-}
-
-/// The voxels along a row of cells between the first and the last that count; the first is behind the last: none does.
-std::array<int, 2> range_of_cells(const LabelledVolume& volume, const Places& places, int j, int k, int coarsening) {
-  std::array<int, 2> range{std::numeric_limits<int>::max(), -1};
-  for (int z = k * coarsening; z < std::min((k + 1) * coarsening, volume.size()[2]); ++z)
-    for (int y = j * coarsening; y < std::min((j + 1) * coarsening, volume.size()[1]); ++y) {
-      const std::span<const unsigned char> part = counting_part(volume, places, y, z);
-      if (part.empty()) continue;
-      const auto [first, last] = range_of(volume, part);
-      range = {std::min(range[0], first), std::max(range[1], last)};
-    }
-  return range;
+  const int y = j * coarsening, num_rows = std::min(coarsening, ny - y);
+  for (int z = k * coarsening; z < std::min((k + 1) * coarsening, nz); ++z) {
+    const auto rows = volume.places().subspan(static_cast<std::size_t>(nx) * (y + static_cast<std::size_t>(ny) * z),
+                                              static_cast<std::size_t>(nx) * num_rows);
+    if (std::ranges::any_of(rows, [&](unsigned char place) { return places[place] != 0; })) return true;
+  }
+  return false;
 }
 
 /// Counts the labels of the voxels in one cell after the other.
@@ -163,15 +132,15 @@ Chosen choose(const LabelledVolume& volume, const VoxelCells& options) {
   const Places places = counted(volume, options.labels);
   if (volume.labels().empty()) throw InputError("no voxel has a label other than 0");
   require_feasible(volume, options);
-  const Extent extent = extent_of(volume, places);
 
   Chosen chosen;
   LabelCount count(volume, places, options);
   const int N = options.coarsening;
-  for (int k = extent.min[2] / N; k <= extent.max[2] / N; ++k)
-    for (int j = extent.min[1] / N; j <= extent.max[1] / N; ++j) {
-      const auto [first, last] = range_of_cells(volume, places, j, k, N);
-      for (int i = first / N; i <= last / N && last >= 0; ++i)
+  const auto [nx, ny, nz] = grid_of(volume, N);
+  for (int k = 0; k < nz; ++k)
+    for (int j = 0; j < ny; ++j) {
+      if (!counts_somewhere(volume, places, j, k, N)) continue;
+      for (int i = 0; i < nx; ++i)
         if (const int place = count.place({i, j, k}); place != 0) {
           chosen.cells.push_back({i, j, k});
           chosen.labels.push_back(volume.labels()[static_cast<std::size_t>(place) - 1]);
@@ -217,9 +186,7 @@ int keep_largest_part(Chosen& chosen) {
 }
 
 HexMesh voxel_mesh(const std::vector<GridCell>& cells, const LabelledVolume& volume, const VoxelCells& options) {
-  std::array<int, 3> num_cells;
-  for (int d = 0; d < 3; ++d) num_cells[d] = (volume.size()[d] - 1) / options.coarsening + 1;
-  GridHexahedra found = grid_hexahedra(cells, num_cells);
+  GridHexahedra found = grid_hexahedra(cells, grid_of(volume, options.coarsening));
   PointArray positions(static_cast<Eigen::Index>(found.nodes.size()), 3);
   for (std::size_t n = 0; n < found.nodes.size(); ++n) {
     const auto& [i, j, k] = found.nodes[n];
