@@ -292,7 +292,6 @@ class PlaneForceField final : public scene::ForceField,
     obstacle_.add_stiffness_blocks(touching_, factor, A);
   }
   bool is_in_matrix() const override { return !touching_.empty(); }
-  bool damps_explicitly() const override { return obstacle_.damping > 0; }
   double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
 
  private:

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <tuple>
 
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"
@@ -196,33 +195,6 @@ void NodeSystem::warn_of_sizes() const {
     for (const std::string& sentence : size_warnings(check(body, layer), node_.clock().gravity))
       component_of(body).remark(scene::Severity::kWarning, "", sentence);
   });
-}
-
-scene::Component& NodeSystem::strongest_damper(double time) const {
-  scene::Component* strongest = nullptr;
-  double most = -1;
-  const auto weigh = [&](scene::Component& component, std::array<NodalState*, 2> states, const auto& add_force) {
-    Pair<PointArray> f(PointArray::Zero(states[0]->num_nodes(), 3), PointArray::Zero(states[1]->num_nodes(), 3));
-    const Pair<PointArray> none = f;
-    add_force(none, f);
-    f = {-f.first, -f.second};
-    add_force(Pair<PointArray>(states[0]->velocities(), states[1]->velocities()), f);
-    const double size = f.first.squaredNorm() + f.second.squaredNorm();
-    if (size > most) std::tie(strongest, most) = std::pair(&component, size);
-  };
-  for (const Layer& layer : layers_)
-    for (NodalForces* forces : layer.forces)
-      if (forces->damps_explicitly())
-        weigh(component_of(*forces), {layer.state, layer.state}, [&](const Pair<PointArray>& v, Pair<PointArray>& f) {
-          forces->add_force(time, layer.state->positions(), v.first, f.first);
-        });
-  for (const Interaction& interaction : interactions_)
-    if (interaction.forces->damps_explicitly())
-      weigh(component_of(*interaction.forces), interaction.states, [&](const Pair<PointArray>& v, Pair<PointArray>& f) {
-        interaction.forces->add_force(time, {interaction.states[0]->positions(), interaction.states[1]->positions()},
-                                      {v.first, v.second}, {f.first, f.second});
-      });
-  return *strongest;
 }
 
 }  // namespace hexaplast::components

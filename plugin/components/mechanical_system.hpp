@@ -45,9 +45,6 @@ class NodeSystem final : public LayeredSystem {
 
   void warn_of_sizes() const;  ///< remarks of bodies that have a size of no tissue
 
-  /// Of what damps explicitly, at the moment.
-  scene::Component& strongest_damper(double time) const;
-
  private:
   void find_states();
   void find_constraints();

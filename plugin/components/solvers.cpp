@@ -128,16 +128,21 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
 
   SolveReport solve(double time, double dt) override {
     update_balance();
-    if (!system().damps_explicitly()) return advance(time, dt);
-    note_damping(time);
-    try {
-      const SolveReport report = advance(time, dt);
-      watch_damping(time, dt);
+    const SolveReport report = heeded(
+        system().advance([&](Points x, Points v) { return euler_->step(system(), linear_solver(), time, dt, x, v); }));
+    if (keeps_supports_) support_forces_ = euler_->support_forces();
+    if (!balance_) {
+      system().project_motion(time);
       return report;
-    } catch (const NumericalError&) {
-      watch_damping_alone(time, dt);
-      throw;
     }
+    system().follow();
+    balance_->add_step(euler_->energy(), inertial_energy(), system().elastic_energy(), system().recovery_work());
+    stepped_to_ = system().positions();
+    system().project_motion(time);
+    balance_->add_motion_of_supports(
+        inertial_energy(), system().positions() == stepped_to_ ? balance_->elastic : system().elastic_energy());
+    pending_ = Pending::kFlow;
+    return report;
   }
 
   SolveReport try_step(double time, double dt) override {
@@ -152,8 +157,6 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
     SystemSolver::reset();
     pending_ = Pending::kBeginning;
     support_forces_.resize(0, 3);
-    damping_gain_ = largest_kinetic_ = 0;
-    has_warned_of_damping_ = false;
   }
 
   void keep_support_forces() override {
@@ -206,24 +209,6 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
   }
 
  private:
-  SolveReport advance(double time, double dt) {
-    const SolveReport report = heeded(
-        system().advance([&](Points x, Points v) { return euler_->step(system(), linear_solver(), time, dt, x, v); }));
-    if (keeps_supports_) support_forces_ = euler_->support_forces();
-    if (!balance_) {
-      system().project_motion(time);
-      return report;
-    }
-    system().follow();
-    balance_->add_step(euler_->energy(), inertial_energy(), system().elastic_energy(), system().recovery_work());
-    stepped_to_ = system().positions();
-    system().project_motion(time);
-    balance_->add_motion_of_supports(
-        inertial_energy(), system().positions() == stepped_to_ ? balance_->elastic : system().elastic_energy());
-    pending_ = Pending::kFlow;
-    return report;
-  }
-
   EulerSettings euler_settings() {
     return {.rayleigh_mass = real("rayleighMass"),
             .rayleigh_stiffness = real("rayleighStiffness"),
@@ -252,47 +237,6 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
                       frequency, dt, dt * frequency, stable, stable / frequency));
   }
 
-  void note_damping(double time) {
-    velocity_before_ = system().velocities();
-    damping_force_.resize(velocity_before_.rows(), 3);
-    system().damping_force(time, system().positions(), velocity_before_, damping_force_);
-    constraints_.reset(system().num_nodes());
-    system().constrain(constraints_);
-    constraints_.project(damping_force_);
-  }
-
-  /// What explicit damping adds to the kinetic energy in a step that ends with v: below zero, unless velocities come
-  /// back turned round and larger. [J]; [W] in the first order scheme, where forces make velocities.       eq. 48a
-  double gain_by_damping(double dt, const PointArray& v) {
-    return (boolean("firstOrder") ? 1 : dt) * damping_force_.cwiseProduct(velocity_before_ + v).sum() / 2;
-  }
-
-  /// A motion that grows has its energy from there. Where damping is not too much, one step adds at most half of the
-  /// kinetic energy at its end, whatever else turns the motion round.
-  void watch_damping(double time, double dt) {
-    const double gain = gain_by_damping(dt, system().velocities()), kinetic = kinetic_energy();
-    largest_kinetic_ = std::max(largest_kinetic_, kinetic);
-    damping_gain_ = std::max(damping_gain_ + gain, -largest_kinetic_);
-    if (gain > 0 && damping_gain_ > kinetic / 2) warn_of_damping(time);
-  }
-
-  /// In a step that cannot be solved. Velocities are taken to be those that damping alone would leave.
-  void watch_damping_alone(double time, double dt) {
-    PointArray v = damping_force_;
-    system().divide_by_mass(v);
-    if (!boolean("firstOrder")) v = velocity_before_ + dt * v;
-    if (gain_by_damping(dt, v) > 0) warn_of_damping(time);
-  }
-
-  void warn_of_damping(double time) {
-    if (std::exchange(has_warned_of_damping_, true)) return;
-    system().strongest_damper(time).remark(
-        scene::Severity::kWarning, "damping",
-        fmt::format("throws nodes back harder in every step (t = {:.6g} s), as damping acts by the velocities at the "
-                    "beginning of a step: take less of it, or a smaller dt",
-                    time));
-  }
-
   /// [J] kinetic energy, where masses have inertia.
   double inertial_energy() { return boolean("firstOrder") ? 0 : kinetic_energy(); }
 
@@ -310,14 +254,9 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
   bool keeps_supports_ = false;
   PointArray support_forces_ = PointArray(0, 3);
   std::optional<ImplicitEuler> euler_;
-  std::optional<EnergyBalance> balance_;        // absent: nobody asked for it
-  Pending pending_ = Pending::kNothing;         // what the balance has to learn of
-  PointArray stepped_to_;                       // [m] before supports moved nodes
-  PointArray velocity_before_, damping_force_;  // [m/s] and [N], where something damps explicitly
-  Constraints constraints_;                     // scratch
-  double damping_gain_ = 0;                     // [J] by explicit damping, and not below -largest_kinetic_
-  double largest_kinetic_ = 0;                  // [J] so far
-  bool has_warned_of_damping_ = false;
+  std::optional<EnergyBalance> balance_;  // absent: nobody asked for it
+  Pending pending_ = Pending::kNothing;   // what the balance has to learn of
+  PointArray stepped_to_;                 // [m] before supports moved nodes
 };
 
 /// Read by the StaticSolver that it serves.

@@ -72,9 +72,6 @@ class SpringForceField final : public scene::ForceField,
     springs_.add_stiffness_blocks(factor, A, first_nodes);
   }
   bool is_in_matrix() const override { return !springs_.springs().empty(); }
-  bool damps_explicitly() const override {
-    return std::ranges::any_of(springs_.springs(), [](const Spring& spring) { return spring.damping > 0; });
-  }
   double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
 
   std::vector<scene::SpringLine> spring_lines() const override {

@@ -107,13 +107,6 @@ double LayeredSystem::kinetic_energy() const {
   return energy;
 }
 
-void LayeredSystem::divide_by_mass(Points field) const {
-  PointArray mass = PointArray::Zero(num_nodes_, 3);
-  for (const Layer& root : roots())
-    for (const NodalMass* part : root.masses) part->add_diagonal(1, rows_of<Points>(root, mass));
-  field = (mass.array() > 0).select(field.array() / mass.array(), 0).matrix();
-}
-
 // ------------------------------------------------------------------------------------------------------------- forces
 
 Pair<ConstPoints> LayeredSystem::positions_of(const Interaction& interaction, ConstPoints x) const {
@@ -184,34 +177,15 @@ void LayeredSystem::add_force(Over over, double time, ConstPoints x, ConstPoints
       [&](const Layer& layer) {
         const ConstPoints own_x = part_of(layer, x, &Layer::x), own_v = part_of(layer, v, &Layer::v);
         Points own_f = part_of(layer, f, &Layer::f);
-        if (over != Over::kDampers) {
-          layer.state->add_external_force(own_f);
-          for (const NodalMass* mass : layer.masses) mass->add_gravity(gravity_, own_f);
-        }
+        layer.state->add_external_force(own_f);
+        for (const NodalMass* mass : layer.masses) mass->add_gravity(gravity_, own_f);
         for (NodalForces* forces : layer.forces)
-          if (over == Over::kAll || (over == Over::kDampers ? forces->damps_explicitly() : !forces->is_body()))
-            forces->add_force(time, own_x, own_v, own_f);
+          if (over == Over::kAll || !forces->is_body()) forces->add_force(time, own_x, own_v, own_f);
       },
       [&](Interaction& interaction) {
-        if (over != Over::kDampers || interaction.forces->damps_explicitly())
-          interaction.forces->add_force(time, positions_of(interaction, x), velocities_of(interaction, v),
-                                        forces_of(interaction, f));
+        interaction.forces->add_force(time, positions_of(interaction, x), velocities_of(interaction, v),
+                                      forces_of(interaction, f));
       });
-}
-
-bool LayeredSystem::damps_explicitly() const {
-  return std::ranges::any_of(interactions_, [](const Interaction& one) { return one.forces->damps_explicitly(); }) ||
-         std::ranges::any_of(layers_, [](const Layer& layer) {
-           return std::ranges::any_of(layer.forces, &NodalForces::damps_explicitly);
-         });
-}
-
-void LayeredSystem::damping_force(double time, ConstPoints x, ConstPoints v, Points f) {
-  difference_.setZero(num_nodes_, 3);  // no velocity
-  f.setZero();
-  add_force(Over::kDampers, time, x, difference_, f);
-  f = -f;
-  add_force(Over::kDampers, time, x, v, f);
 }
 
 bool LayeredSystem::release(double time, ConstPoints x, ConstPoints v, ConstPoints x_end, ConstPoints v_end,

@@ -47,12 +47,7 @@ class LayeredSystem : public MechanicalSystem, private Projector {
   void project_motion(double time) const;  ///< applies prescribed motion to the states, and lets the others follow
   void follow() const;                     ///< puts the states that follow where the independent ones take them
 
-  double kinetic_energy() const;            ///< [J]
-  void divide_by_mass(Points field) const;  ///< field = M^-1 field; zero where nodes have no mass of their own
-
-  /// Whether something damps explicitly (Forces::damps_explicitly), and f = the forces of its damping [N].
-  bool damps_explicitly() const;
-  void damping_force(double time, ConstPoints x, ConstPoints v, Points f);
+  double kinetic_energy() const;  ///< [J]
 
  protected:
   /// gravity [m/s^2] may change.
@@ -124,9 +119,9 @@ class LayeredSystem : public MechanicalSystem, private Projector {
   int num_nodes_ = 0;
 
  private:
-  /// What a sum is over: everything, what is neither a body nor a mass, but weight is, what the kernels of the latest
-  /// matrix do not know, or what damps explicitly.
-  enum class Over { kAll, kLoads, kOthers, kDampers };
+  /// What a sum is over: everything, what is neither a body nor a mass, but weight is, or what the kernels of the latest
+  /// matrix do not know.
+  enum class Over { kAll, kLoads, kOthers };
 
   class Others final : public NodalOperator {
    public:
@@ -183,7 +178,7 @@ class LayeredSystem : public MechanicalSystem, private Projector {
   const Vec3& gravity_;
   mutable Others others_ = Others(*this);
   PointArray x_, v_;       // of several independent states
-  PointArray difference_;  // scratch of release and damping_force
+  PointArray difference_;  // scratch of release
 };
 
 }  // namespace hexaplast

@@ -70,10 +70,6 @@ class Forces {
   /// Whether K or B has entries at the positions of the latest forces; where not, linear systems are as without it.
   virtual bool is_in_matrix() const { return true; }
 
-  /// Whether forces depend on velocity and B has no part in it, as in SOFA: they act by the velocities at the beginning
-  /// of a step.
-  virtual bool damps_explicitly() const { return false; }
-
   /// [s] stiffness-proportional damping of these forces in the system matrix alone.
   virtual double rayleigh_stiffness() const { return 0; }
 

@@ -186,7 +186,7 @@ inline constexpr Attribute kSpringRayleigh =
 inline constexpr Table kSpringForceField{
     force_field("SpringForceField",
                 "Springs between nodes of one state, or of two. As in SOFA damping, along the spring, is not part of "
-                "the matrix: it may make motions of light nodes grow, and a warning says so."),
+                "the matrix: too much of it for masses and dt makes motions grow."),
     link("object1", "The mechanical state of the first nodes; default: that of the node."),
     link("object2",
          "That of the second nodes; default: that of the node. One time integrator moves both states. They may be "
