@@ -73,7 +73,6 @@ class LoadedBody : public LayeredSystem {
   struct State final : NodalState {
     PointArray& positions() override { return sized; }
     PointArray& velocities() override { return sized; }
-    void add_external_force(Points) const override {}
     PointArray sized;
   };
 

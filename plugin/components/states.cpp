@@ -26,21 +26,14 @@ class MechanicalObject final : public scene::MechanicalState,
     if (first_positions_.rows() == 0) reject("has no nodes: needs position or a topology");
     hexaplast::place(first_positions_, real("scale") * vector3("scale3d"), vector3("rotation"), vector3("translation"));
     rest_positions_ = is_given("rest_position") ? one_row_per_node("rest_position") : first_positions_;
-    if (real("restScale") != 1) rest_positions_ *= real("restScale");
     first_velocities_ = one_row_per_node("velocity");
-    external_force_ = one_row_per_node("externalForce");
     first_rest_positions_ = rest_positions_;
-    first_external_force_ = external_force_;
     positions_ = first_positions_;
     velocities_ = first_velocities_;
   }
 
-  // A link gives the first positions and velocities, and what becomes of its source later does not matter; the forces
-  // would have to follow theirs.
-  void refresh(std::span<const std::string_view> changed) override {
-    if (std::ranges::count(changed, "externalForce") > 0)
-      reject("externalForce", "follows a link to something that changes during the run, which it cannot do");
-  }
+  // A link gives the first positions and velocities: what becomes of its source later does not matter.
+  void refresh(std::span<const std::string_view>) override {}
   bool may_change(std::string_view) const override { return false; }
 
   void reset() override {
@@ -51,8 +44,6 @@ class MechanicalObject final : public scene::MechanicalState,
   void nodes_changed(scene::MechanicalState& state, std::span<const int> split_from) override {
     if (&state != this) return;
     rest_positions_ = of_copies(first_rest_positions_);
-    external_force_ = of_copies(first_external_force_);
-    for (Eigen::Index n = 0; n < external_force_.rows(); ++n) external_force_.row(n) *= copies()->share()[n];
     if (split_from.empty()) return reset();
     append_rows(split_from, positions_);
     append_rows(split_from, velocities_);
@@ -69,7 +60,6 @@ class MechanicalObject final : public scene::MechanicalState,
   PointArray& positions() override { return positions_; }
   PointArray& velocities() override { return velocities_; }
   const PointArray& rest_positions() const override { return rest_positions_; }
-  void add_external_force(Points f) const override { f += external_force_; }
 
   void provide(scene::Data& output) override {
     if (stage() != Stage::kReady) return;  // until then they hold what the scene gives
@@ -104,9 +94,9 @@ class MechanicalObject final : public scene::MechanicalState,
   }
 
   PointArray positions_, velocities_;
-  PointArray rest_positions_, external_force_;
+  PointArray rest_positions_;
   PointArray first_positions_, first_velocities_;  // what reset returns to
-  PointArray first_rest_positions_, first_external_force_;
+  PointArray first_rest_positions_;
 };
 
 }  // namespace

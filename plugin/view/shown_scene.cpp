@@ -14,25 +14,21 @@ namespace hexaplast::view {
 namespace {
 
 /// Takes what a force field adds to the forces of a state [N].
-using TakeLoad = std::function<void(const scene::ForceField*, const PointArray& forces)>;
+using TakeLoad = std::function<void(const scene::ForceField&, const PointArray& forces)>;
 
-/// Hands out what each load component of a state, or of one that follows it, adds to the state's forces, and the
-/// constant forces of the states as one more: take(null, forces).
+/// Hands out what each load component of a state, or of one that follows it, adds to the state's forces.
 void for_each_load(double time, const scene::Node& root, scene::MechanicalState& state, const TakeLoad& take) {
   const auto at_rest = [&] { return PointArray(PointArray::Zero(state.num_nodes(), 3)); };
-  PointArray constant = at_rest();
-  state.add_external_force(constant);
-  take(nullptr, constant);
   for (const scene::ForceField* field : root.all<scene::ForceField>()) {
     const auto* load = dynamic_cast<const scene::Load*>(field);
     if (!load || !scene::acts_on(*field, state)) continue;
     PointArray forces = at_rest();
     load->add_load(time, state.positions(), state.velocities(), forces);
-    take(field, forces);
+    take(*field, forces);
   }
   for (const scene::Mapping* mapping : root.all<scene::Mapping>()) {
     if (!mapping->output() || mapping->input() != &state) continue;
-    for_each_load(time, root, *mapping->output(), [&](const scene::ForceField* field, const PointArray& below) {
+    for_each_load(time, root, *mapping->output(), [&](const scene::ForceField& field, const PointArray& below) {
       PointArray forces = at_rest();
       mapping->add_transposed(below, forces);
       take(field, forces);
@@ -106,9 +102,9 @@ output::BoundaryConditions conditions_of(const ShownScene& shown) {
   for (std::size_t i = 0; i < shown.scene_bodies.size(); ++i) {
     const output::Bodies::Entry& body = shown.bodies->all()[i];
     scene::MechanicalState& state = *shown.scene_bodies[i].state;
-    for_each_load(shown.load_time, root, state, [&](const scene::ForceField* field, const PointArray& forces) {
+    for_each_load(shown.load_time, root, state, [&](const scene::ForceField& field, const PointArray& forces) {
       output::Bodies::rows(body, conditions.loads) += forces;
-      const auto* instrument = dynamic_cast<const scene::Instrument*>(field);
+      const auto* instrument = dynamic_cast<const scene::Instrument*>(&field);
       output::Instrument* seen = instrument ? show(*instrument) : nullptr;
       if (!seen) return;
       std::vector<int> nodes;

@@ -50,9 +50,7 @@ void LayeredSystem::add_interaction(PairForces& forces, std::array<NodalState*, 
 void LayeredSystem::find_loaded() {
   for (std::size_t i = layers_.size(); i-- > num_roots_;) {
     Layer& layer = layers_[i];
-    PointArray external = PointArray::Zero(layer.state->num_nodes(), 3);
-    layer.state->add_external_force(external);
-    layer.is_loaded = layer.is_loaded || !layer.masses.empty() || !layer.forces.empty() || !external.isZero(0);
+    layer.is_loaded = layer.is_loaded || !layer.masses.empty() || !layer.forces.empty();
     if (layer.is_loaded) layers_[layer.above].is_loaded = true;
   }
 }
@@ -177,7 +175,6 @@ void LayeredSystem::add_force(Over over, double time, ConstPoints x, ConstPoints
       [&](const Layer& layer) {
         const ConstPoints own_x = part_of(layer, x, &Layer::x), own_v = part_of(layer, v, &Layer::v);
         Points own_f = part_of(layer, f, &Layer::f);
-        layer.state->add_external_force(own_f);
         for (const NodalMass* mass : layer.masses) mass->add_gravity(gravity_, own_f);
         for (NodalForces* forces : layer.forces)
           if (over == Over::kAll || !forces->is_body()) forces->add_force(time, own_x, own_v, own_f);

@@ -26,8 +26,6 @@ std::vector<Acting> acting_on(scene::Scene& scene, scene::MechanicalState& state
   std::vector<Acting> all;
   const PointArray &x = state.positions(), &v = state.velocities();
   const PointArray none = PointArray::Zero(x.rows(), 3);
-  Acting& external = all.emplace_back("state", none, none);
-  state.add_external_force(external.forces);
   for (scene::Mass* mass : scene::masses_of(scene.root(), state)) {
     Acting& acts = all.emplace_back(std::string(mass->name()), none, none);
     mass->add_gravity(Vec3(1, 2, 3), acts.forces);

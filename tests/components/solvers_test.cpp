@@ -77,16 +77,6 @@ TEST(EulerImplicitSolver, AFreeMassFollowsTheDiscreteLawOfEachScheme) {
   EXPECT_DOUBLE_EQ(fall("firstOrder='true' rayleighMass='0.4'"), 7 - 2 * 0.5 * 10);
 }
 
-TEST(TimeStep, ConstantNodalForcesOfTheStateAct) {
-  scene::Scene scene =
-      read_and_init(in_root("gravity='0 0 0' dt='1'",
-                            "<MechanicalObject name='nodes' position='0 0 0  1 0 0' externalForce='0 0 0  0 3 "
-                            "0'/><UniformMass vertexMass='2'/>"));
-  scene.step();
-  const PointArray& v = at<scene::MechanicalState>(scene, "nodes").velocities();
-  EXPECT_TRUE(v.isApprox(rows({{0, 0, 0}, {0, 1.5, 0}}), 1e-15)) << v;
-}
-
 /// A slab of 10 x 10 x 3 hexahedra, held at one side and falling, and what acts beside it.
 std::string slab(const std::string& beside, const std::string& nodes = "11 11 4",
                  const std::string& preconditioner = "multigrid") {

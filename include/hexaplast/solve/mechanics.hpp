@@ -20,9 +20,8 @@ class NodalState {
  public:
   virtual ~NodalState() = default;
 
-  virtual PointArray& positions() = 0;                  ///< x [m]
-  virtual PointArray& velocities() = 0;                 ///< v [m/s]
-  virtual void add_external_force(Points f) const = 0;  ///< f += constant nodal forces [N]
+  virtual PointArray& positions() = 0;   ///< x [m]
+  virtual PointArray& velocities() = 0;  ///< v [m/s]
 
   int num_nodes() { return static_cast<int>(positions().rows()); }
 };

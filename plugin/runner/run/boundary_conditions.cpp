@@ -14,7 +14,6 @@ PointArray loads_at(double time, scene::Scene& scene, scene::MechanicalState& st
   const PointArray& rest = state.rest_positions();
   const PointArray at_rest = PointArray::Zero(rest.rows(), 3);
   PointArray loads = at_rest;
-  state.add_external_force(loads);
   for (const scene::Mass* mass : scene::masses_of(scene.root(), state))
     mass->add_gravity(scene.root().clock().gravity, loads);
   for (scene::ForceField* field : scene.root().all<scene::ForceField>())
