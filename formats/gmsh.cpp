@@ -26,23 +26,12 @@ constexpr std::int64_t kMaxNodes = std::numeric_limits<int>::max();
 /// Nodes of each element type of Gmsh; 0: no such type.
 constexpr std::array<int, 32> kNodesOfType{0, 2,  3,  4,  4, 8,  6,  5,  3,  6,  9, 10, 27, 18, 14, 1,
                                            8, 20, 15, 13, 9, 10, 12, 15, 15, 21, 4, 5,  6,  20, 35, 56};
-/// Their shapes: points, edges, triangles, quads, tetrahedra, hexahedra, prisms (w), pyramids (y).
-constexpr std::string_view kShapeOfType = " etqThwyetqThwypqhwytttttteeeTTT";
 
-/// The first types in VTK's numbering; 0: none that is taken.
-constexpr std::array<int, 6> kVtkKinds{0, 3, 5, 9, 0, 12};
+/// In VTK's numbering; 0: it has none.
+constexpr std::array<int, 20> kVtkKinds{0, 3, 5, 9, 10, 12, 13, 14, 21, 22, 28, 24, 29, 32, 0, 1, 23, 25, 26, 27};
 
 int vtk_kind(std::int64_t type) {
   return type < static_cast<std::int64_t>(kVtkKinds.size()) ? kVtkKinds[static_cast<std::size_t>(type)] : 0;
-}
-
-/// "hexahedra of 20 nodes (Gmsh type 17)"
-std::string name_of_type(std::int64_t type) {
-  static const std::map<char, const char*> kNames{{'p', "points"}, {'e', "edges"},      {'t', "triangles"},
-                                                  {'q', "quads"},  {'T', "tetrahedra"}, {'h', "hexahedra"},
-                                                  {'w', "prisms"}, {'y', "pyramids"}};
-  const auto place = static_cast<std::size_t>(type);
-  return fmt::format("{} of {} nodes (Gmsh type {})", kNames.at(kShapeOfType[place]), kNodesOfType[place], type);
 }
 
 class GmshFile {
@@ -58,9 +47,9 @@ class GmshFile {
         is_version_4_ ? read_nodes_4() : read_nodes_2();
       else if (section == "$Elements")
         is_version_4_ ? read_elements_4() : read_elements_2();
-      else if (reads_groups_ && section == "$PhysicalNames")
+      else if (section == "$PhysicalNames")
         read_group_names();
-      else if (reads_groups_ && is_version_4_ && section == "$Entities")
+      else if (is_version_4_ && section == "$Entities")
         read_entities();
       else if (section == "$ParametricNodes")
         source_.refuse(
@@ -72,23 +61,8 @@ class GmshFile {
     }
     if (!has_nodes_) source_.refuse("the file ends without $Nodes");
     if (!has_elements_) source_.refuse("the file ends without $Elements");
-    number_of_hexahedron_ = merge_copies(mesh_);
+    add_groups(merge_copies(mesh_));
     return std::move(mesh_);
-  }
-
-  std::vector<ImportedGroup> read_groups() {
-    reads_groups_ = true;
-    read();
-    for (auto& [group, hexahedra] : hexahedra_of_) {
-      for (int& e : hexahedra) e = number_of_hexahedron_[e];
-      std::ranges::sort(hexahedra);
-      hexahedra.erase(std::unique(hexahedra.begin(), hexahedra.end()), hexahedra.end());
-    }
-    std::vector<ImportedGroup> groups;
-    for (auto& [group, name] : name_of_) groups.push_back({std::move(name), std::move(hexahedra_of_[group])});
-    for (auto& [group, hexahedra] : hexahedra_of_)
-      if (!name_of_.contains(group)) groups.push_back({std::to_string(group), std::move(hexahedra)});
-    return groups;
   }
 
  private:
@@ -293,6 +267,18 @@ class GmshFile {
     source_.expect("$EndPhysicalNames");
   }
 
+  /// number: of each hexahedron, now that copies are merged.
+  void add_groups(const std::vector<int>& number) {
+    for (auto& [group, hexahedra] : hexahedra_of_) {
+      for (int& e : hexahedra) e = number[e];
+      std::ranges::sort(hexahedra);
+      hexahedra.erase(std::unique(hexahedra.begin(), hexahedra.end()), hexahedra.end());
+    }
+    for (auto& [group, name] : name_of_) mesh_.groups.push_back({std::move(name), std::move(hexahedra_of_[group])});
+    for (auto& [group, hexahedra] : hexahedra_of_)
+      if (!name_of_.contains(group)) mesh_.groups.push_back({std::to_string(group), std::move(hexahedra)});
+  }
+
   /// groups: that it belongs to; 0 is none, and a sign tells of a direction.
   void add_element(std::int64_t type, std::span<const std::int64_t> groups, const NumberType& tags, const char* what) {
     const int num_nodes = kNodesOfType[static_cast<std::size_t>(type)];
@@ -305,11 +291,11 @@ class GmshFile {
     }
     const std::size_t num_hexahedra = mesh_.hexahedra.size();
     if (vtk_kind(type) == 0) {
-      ++mesh_.skipped[name_of_type(type)];
+      ++mesh_.skipped["cells of higher order"];
       return;
     }
     add_vtk_cell(vtk_kind(type), nodes.data(), static_cast<std::size_t>(num_nodes), mesh_);
-    if (!reads_groups_ || mesh_.hexahedra.size() == num_hexahedra) return;
+    if (mesh_.hexahedra.size() == num_hexahedra) return;
     for (const std::int64_t group : groups)
       if (group != 0 && group != std::numeric_limits<std::int64_t>::min())
         hexahedra_of_[std::abs(group)].push_back(static_cast<int>(num_hexahedra));
@@ -322,25 +308,13 @@ class GmshFile {
   bool has_nodes_ = false, has_elements_ = false;
 
   static constexpr std::int64_t kNoVolume = std::numeric_limits<std::int64_t>::max();
-  bool reads_groups_ = false;
   std::map<std::int64_t, std::string> name_of_;                                   // of groups of volumes
   std::unordered_map<std::int64_t, std::vector<std::int64_t>> groups_of_volume_;  // in version 4
   std::map<std::int64_t, std::vector<int>> hexahedra_of_;                         // of groups
-  std::vector<int> number_of_hexahedron_;                                         // after copies are merged
 };
 
 }  // namespace
 
 ImportedMesh parse_gmsh(std::string_view content, const std::string& name) { return GmshFile(content, name).read(); }
-
-std::vector<ImportedGroup> parse_gmsh_groups(std::string_view content, const std::string& name) {
-  return GmshFile(content, name).read_groups();
-}
-
-std::vector<ImportedGroup> read_gmsh_groups(const std::filesystem::path& file) {
-  return parse_gmsh_groups(whole_file(file), file.string());
-}
-
-ImportedMesh read_gmsh(const std::filesystem::path& file) { return parse_gmsh(whole_file(file), file.string()); }
 
 }  // namespace hexaplast

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
 #include <utility>
 
 #include "hexaplast/base/error.hpp"
+#include "mesh_source.hpp"
 
 namespace hexaplast {
 namespace {
@@ -43,13 +45,24 @@ std::vector<std::string> what_is_left_out(const ImportedMesh& mesh) {
   return sentences;
 }
 
-ImportedMesh read_mesh(const std::filesystem::path& file) {
+MeshFormat format_of(const std::filesystem::path& file) {
   const std::string ending = file.extension().string();
-  if (ending == ".msh") return read_gmsh(file);
-  if (ending == ".vtk" || ending == ".vtu") return read_vtk(file);
-  if (ending == ".obj") return read_obj(file);
-  if (ending == ".stl") return read_stl(file);
+  if (ending == ".msh") return MeshFormat::kGmsh;
+  if (ending == ".vtk" || ending == ".vtu") return MeshFormat::kVtk;
+  if (ending == ".obj") return MeshFormat::kObj;
+  if (ending == ".stl") return MeshFormat::kStl;
   throw InputError(fmt::format("{}: a mesh file's name must end in .msh, .vtk, .vtu, .obj or .stl", file.string()));
+}
+
+ImportedMesh read_mesh(const std::filesystem::path& file) { return read_mesh(file, format_of(file)); }
+
+ImportedMesh read_mesh(const std::filesystem::path& file, MeshFormat format) {
+  return parse_mesh(whole_file(file), file.string(), format);
+}
+
+ImportedMesh parse_mesh(std::string_view content, const std::string& name, MeshFormat format) {
+  constexpr std::array kParsers = {parse_gmsh, parse_vtk, parse_obj, parse_stl};
+  return kParsers[static_cast<std::size_t>(format)](content, name);
 }
 
 QuadSurface surface_of(const ImportedMesh& mesh) {

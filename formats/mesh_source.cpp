@@ -17,7 +17,6 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n\v\f";
 
-/// "hexahedra of 20 nodes (VTK type 25)"
 std::string name_of_vtk_cell(int kind) {
   static const std::map<int, const char*> kNames{{1, "points"},
                                                  {4, "polylines"},
@@ -30,11 +29,14 @@ std::string name_of_vtk_cell(int kind) {
                                                  {23, "quads of 8 nodes"},
                                                  {24, "tetrahedra of 10 nodes"},
                                                  {25, "hexahedra of 20 nodes"},
+                                                 {26, "prisms of 15 nodes"},
+                                                 {27, "pyramids of 13 nodes"},
                                                  {28, "quads of 9 nodes"},
                                                  {29, "hexahedra of 27 nodes"},
+                                                 {32, "prisms of 18 nodes"},
                                                  {72, "hexahedra of higher order"}};
   const auto found = kNames.find(kind);
-  return fmt::format("{} (VTK type {})", found == kNames.end() ? "cells" : found->second, kind);
+  return found == kNames.end() ? fmt::format("cells of VTK type {}", kind) : found->second;
 }
 
 /// Leaves the first one of equal cells. Returns the new number of each.

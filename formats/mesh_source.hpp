@@ -129,7 +129,11 @@ bool add_vtk_cell(int kind, const std::int64_t* nodes, std::size_t num_nodes, Im
 /// of each hexahedron that there was.
 std::vector<int> merge_copies(ImportedMesh& mesh);
 
-/// The .vtu half of parse_vtk.
+/// parse_mesh of each format; parse_vtu is the XML half of parse_vtk.
+ImportedMesh parse_gmsh(std::string_view content, const std::string& name);
+ImportedMesh parse_vtk(std::string_view content, const std::string& name);
 ImportedMesh parse_vtu(std::string_view content, const std::string& name);
+ImportedMesh parse_obj(std::string_view content, const std::string& name);
+ImportedMesh parse_stl(std::string_view content, const std::string& name);
 
 }  // namespace hexaplast

@@ -76,6 +76,4 @@ std::string obj_text(const ExportedMesh& mesh) {
   return text;
 }
 
-ImportedMesh read_obj(const std::filesystem::path& file) { return parse_obj(whole_file(file), file.string()); }
-
 }  // namespace hexaplast

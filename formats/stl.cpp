@@ -125,6 +125,4 @@ ImportedMesh parse_stl(std::string_view content, const std::string& name) {
   return mesh;
 }
 
-ImportedMesh read_stl(const std::filesystem::path& file) { return parse_stl(whole_file(file), file.string()); }
-
 }  // namespace hexaplast

@@ -205,6 +205,4 @@ ImportedMesh parse_vtk(std::string_view content, const std::string& name) {
   return is_xml ? parse_vtu(content, name) : LegacyVtkFile(content, name).read();
 }
 
-ImportedMesh read_vtk(const std::filesystem::path& file) { return parse_vtk(whole_file(file), file.string()); }
-
 }  // namespace hexaplast

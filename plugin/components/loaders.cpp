@@ -21,9 +21,7 @@ namespace {
 /// Reads a mesh file when the first of its outputs is asked for, or at init.
 class MeshLoader : public scene::Component {
  public:
-  using Read = ImportedMesh (*)(const std::filesystem::path&);
-
-  MeshLoader(const attributes::Description& description, Read read) : Component(description), read_(read) {}
+  MeshLoader(const attributes::Description& description, MeshFormat format) : Component(description), format_(format) {}
 
   void init() override { mesh(); }
 
@@ -48,14 +46,14 @@ class MeshLoader : public scene::Component {
     return *mesh_;
   }
 
-  /// Whether the file can be read; init tells why not.
-  bool is_readable() {
-    if (text("filename").empty()) return false;
+  /// The mesh as it is in the file; null: it cannot be read, and init tells why.
+  const ImportedMesh* file() {
+    if (mesh_) return &*mesh_;
+    if (text("filename").empty()) return nullptr;
     try {
-      read_(path());
-      return true;
+      return file_ ? &*file_ : &file_.emplace(read_mesh(path(), format_));
     } catch (const InputError&) {
-      return false;
+      return nullptr;
     }
   }
 
@@ -70,7 +68,7 @@ class MeshLoader : public scene::Component {
     const std::filesystem::path file = path();
     ImportedMesh mesh;
     try {
-      mesh = read_(file);
+      mesh = file_ ? std::move(*file_) : read_mesh(file, format_);
     } catch (const InputError& error) {
       const bool is_missing = !std::filesystem::exists(file);
       reject("filename", error.what(), is_missing ? node().files().search.places_of(text("filename")) : "");
@@ -82,8 +80,8 @@ class MeshLoader : public scene::Component {
     return mesh;
   }
 
-  Read read_;
-  std::optional<ImportedMesh> mesh_;
+  const MeshFormat format_;
+  std::optional<ImportedMesh> file_, mesh_;
   bool is_refused_ = false;
 };
 
@@ -101,13 +99,9 @@ class LabelledMeshLoader : public MeshLoader, public scene::ArraySource {
     const auto known =
         std::ranges::find(arrays_, name, [](const auto& array) { return std::string_view(array->name); });
     if (known != arrays_.end()) return &(*known)->data;
-    std::optional<scene::Value> found;
-    try {
-      if (!text("filename").empty()) found = read_array(name);
-    } catch (const InputError&) {  // legacy files of VTK have none
-    }
-    if (!found && is_readable()) return nullptr;
-    if (!found) found = nothing();
+    const ImportedMesh* const mesh = file();
+    std::optional<scene::Value> found = mesh ? array_of(*mesh, name) : nothing();
+    if (!found) return nullptr;
     scene::Data& data = arrays_.emplace_back(std::make_unique<Array>(*this, name, *found))->data;
     data.set(std::move(*found));
     return &data;
@@ -115,7 +109,7 @@ class LabelledMeshLoader : public MeshLoader, public scene::ArraySource {
 
  protected:
   /// Numbers: real or whole ones. None where the file has no such array.
-  virtual std::optional<scene::Value> read_array(std::string_view name) = 0;
+  virtual std::optional<scene::Value> array_of(const ImportedMesh& mesh, std::string_view name) = 0;
   virtual scene::Value nothing() const = 0;  ///< no such numbers
 
  private:
@@ -139,13 +133,18 @@ class LabelledMeshLoader : public MeshLoader, public scene::ArraySource {
 /// Gives the cell data of .vtu files, as SOFA's does: of the hexahedra, in their order.
 class MeshVTKLoader final : public LabelledMeshLoader, public scene::MayBeOfPatient {
  public:
-  MeshVTKLoader() : LabelledMeshLoader(attributes::kMeshVTKLoader, read_vtk) {}
+  MeshVTKLoader() : LabelledMeshLoader(attributes::kMeshVTKLoader, MeshFormat::kVtk) {}
 
   bool is_of_patient() override { return mesh().is_of_patient && vector3("rotation").isZero(0); }
 
  private:
-  std::optional<scene::Value> read_array(std::string_view name) override {
-    const ImportedState state = read_vtu_state(path());
+  std::optional<scene::Value> array_of(const ImportedMesh&, std::string_view name) override {
+    ImportedState state;
+    try {
+      state = read_vtu_state(path());
+    } catch (const InputError&) {
+      return std::nullopt;  // a legacy file, which has none
+    }
     const auto found = std::ranges::find(state.cell_data, name, &ImportedArray::name);
     if (found == state.cell_data.end() || found->num_components != 1) return std::nullopt;
     std::vector<double> values;
@@ -158,13 +157,12 @@ class MeshVTKLoader final : public LabelledMeshLoader, public scene::MayBeOfPati
 /// Gives the hexahedra of physical groups.
 class MeshGmshLoader final : public LabelledMeshLoader {
  public:
-  MeshGmshLoader() : LabelledMeshLoader(attributes::kMeshGmshLoader, read_gmsh) {}
+  MeshGmshLoader() : LabelledMeshLoader(attributes::kMeshGmshLoader, MeshFormat::kGmsh) {}
 
  private:
-  std::optional<scene::Value> read_array(std::string_view name) override {
-    const std::vector<ImportedGroup> groups = read_gmsh_groups(path());
-    const auto found = std::ranges::find(groups, name, &ImportedGroup::name);
-    if (found == groups.end()) return std::nullopt;
+  std::optional<scene::Value> array_of(const ImportedMesh& mesh, std::string_view name) override {
+    const auto found = std::ranges::find(mesh.groups, name, &ImportedGroup::name);
+    if (found == mesh.groups.end()) return std::nullopt;
     return std::vector<std::int64_t>(found->hexahedra.begin(), found->hexahedra.end());
   }
   scene::Value nothing() const override { return std::vector<std::int64_t>(); }
@@ -172,7 +170,7 @@ class MeshGmshLoader final : public LabelledMeshLoader {
 
 class MeshSTLLoader final : public MeshLoader {
  public:
-  MeshSTLLoader() : MeshLoader(attributes::kMeshSTLLoader, read_stl) {}
+  MeshSTLLoader() : MeshLoader(attributes::kMeshSTLLoader, MeshFormat::kStl) {}
 
   void init() override {
     if (integer("headerSize") != 80) reject("headerSize", "must be 80, as the format has it");
@@ -186,7 +184,7 @@ void add_loaders(scene::Factory& factory) {
   using namespace attributes;
   factory.add<MeshGmshLoader>(kMeshGmshLoader);
   factory.add<MeshVTKLoader>(kMeshVTKLoader);
-  factory.add(kMeshOBJLoader, [] { return std::make_unique<MeshLoader>(kMeshOBJLoader, read_obj); });
+  factory.add(kMeshOBJLoader, [] { return std::make_unique<MeshLoader>(kMeshOBJLoader, MeshFormat::kObj); });
   factory.add<MeshSTLLoader>(kMeshSTLLoader);
 }
 

@@ -119,8 +119,8 @@ class LayeredSystem : public MechanicalSystem, private Projector {
   int num_nodes_ = 0;
 
  private:
-  /// What a sum is over: everything, what is neither a body nor a mass, but weight is, or what the kernels of the latest
-  /// matrix do not know.
+  /// What a sum is over: everything, what is neither a body nor a mass, but weight is, or what the kernels of the
+  /// latest matrix do not know.
   enum class Over { kAll, kLoads, kOthers };
 
   class Others final : public NodalOperator {

@@ -2,8 +2,8 @@
 #include <cstring>
 #include <limits>
 
+#include "formats/mesh_source.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/formats/mesh_import.hpp"
 #include "support/compare.hpp"
 #include "support/files.hpp"
 #include "support/shapes.hpp"

@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "hexaplast/formats/mesh_import.hpp"
+#include "formats/mesh_source.hpp"
 #include "hexaplast/mesh/faces.hpp"
 #include "layout/charts.hpp"
 #include "support/core.hpp"

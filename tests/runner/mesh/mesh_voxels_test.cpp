@@ -167,7 +167,7 @@ TEST_F(MeshVoxels, WritesSurfaces) {
     EXPECT_TRUE(has(info.out, "  surface             closed"));
   }
   // the ball of the tumour is 42 mm wide
-  const ImportedMesh tumour = read_obj(directory_ / "liver_2.obj");
+  const ImportedMesh tumour = read_mesh(directory_ / "liver_2.obj");
   const Vec3 extent = tumour.positions.colwise().maxCoeff() - tumour.positions.colwise().minCoeff();
   for (int d = 0; d < 3; ++d) EXPECT_NEAR(extent[d], 0.042, 0.0025);
 }
