@@ -52,18 +52,14 @@ class NodeConstraint : public scene::ProjectiveConstraint, public scene::Changea
   }
 
   void fix(NodeMaskRows free) const override {
-    if (is_active()) clear(free);
+    if (!is_active()) return;
+    for (const int node : nodes_)
+      for (int axis = 0; axis < 3; ++axis)
+        if (held_[axis]) free(node, axis) = 0;
   }
 
  protected:
   virtual bool is_active() const { return true; }
-
-  template <class Rows>
-  void clear(Rows field) const {
-    for (const int node : nodes_)
-      for (int axis = 0; axis < 3; ++axis)
-        if (held_[axis]) field(node, axis) = 0;
-  }
 
   void constraints_changed() {
     if (auto* solver = dynamic_cast<SystemSolver*>(node().nearest<scene::OdeSolver>())) solver->constraints_changed();
@@ -98,16 +94,8 @@ class FixedConstraint final : public NodeConstraint {
 
   void init() override {
     take_nodes(boolean("fixAll"));
-    const bool is_partial = find_data("fixedDirections");
-    if (is_partial) take_directions("fixedDirections");
-    takes_velocity_ = boolean(is_partial ? "projectVelocity" : "activate_projectVelocity");
+    if (find_data("fixedDirections")) take_directions("fixedDirections");
   }
-  void project_motion(double, Points, Points v) const override {
-    if (takes_velocity_) clear(v);
-  }
-
- private:
-  bool takes_velocity_ = false;
 };
 
 /// Linear and PartialLinear: motion along a history. From the last key time on the nodes are free, whichever linear

@@ -75,8 +75,7 @@ class MeshLoader : public scene::Component {
     }
     hexaplast::place(mesh.positions, real("scale") * vector3("scale3d"), vector3("rotation"), vector3("translation"));
     if (boolean("triangulate")) triangulate(mesh);
-    if (boolean("createSubelements")) add_boundaries_of_cells(mesh);
-    if (boolean("onlyAttachedPoints")) remove_unused_nodes(mesh);
+    if (format_ == MeshFormat::kGmsh) add_boundaries_of_cells(mesh);  // as SOFA's does, and the others do not
     return mesh;
   }
 
@@ -168,16 +167,6 @@ class MeshGmshLoader final : public LabelledMeshLoader {
   scene::Value nothing() const override { return std::vector<std::int64_t>(); }
 };
 
-class MeshSTLLoader final : public MeshLoader {
- public:
-  MeshSTLLoader() : MeshLoader(attributes::kMeshSTLLoader, MeshFormat::kStl) {}
-
-  void init() override {
-    if (integer("headerSize") != 80) reject("headerSize", "must be 80, as the format has it");
-    MeshLoader::init();
-  }
-};
-
 }  // namespace
 
 void add_loaders(scene::Factory& factory) {
@@ -185,7 +174,7 @@ void add_loaders(scene::Factory& factory) {
   factory.add<MeshGmshLoader>(kMeshGmshLoader);
   factory.add<MeshVTKLoader>(kMeshVTKLoader);
   factory.add(kMeshOBJLoader, [] { return std::make_unique<MeshLoader>(kMeshOBJLoader, MeshFormat::kObj); });
-  factory.add<MeshSTLLoader>(kMeshSTLLoader);
+  factory.add(kMeshSTLLoader, [] { return std::make_unique<MeshLoader>(kMeshSTLLoader, MeshFormat::kStl); });
 }
 
 }  // namespace hexaplast::components

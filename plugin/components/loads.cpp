@@ -165,14 +165,6 @@ class FaceLoad : public PrescribedLoad, public scene::Stateful {
     return topology;
   }
 
-  /// The faces that an attribute numbers. Rejects numbers and nodes out of range.
-  template <std::size_t N>
-  std::vector<std::array<int, N>> chosen(std::string_view attribute, const std::vector<std::array<int, N>>& faces) {
-    std::vector<std::array<int, N>> some;
-    for (const int face : indices(attribute, static_cast<int>(faces.size()))) some.push_back(faces[face]);
-    return some;
-  }
-
   template <std::size_t N>
   void require_nodes(const std::vector<std::array<int, N>>& faces) {
     const int count = num_nodes();
@@ -191,10 +183,8 @@ class SurfacePressureForceField final : public FaceLoad {
 
   void init() override {
     scene::Topology& topology = fitting_topology();
-    const bool chooses_quads = !integers("quadIndices").empty(),
-               chooses_triangles = !integers("triangleIndices").empty();
-    given_quads_ = chooses_quads ? chosen<4>("quadIndices", topology.quads()) : topology.quads();
-    given_triangles_ = chooses_triangles ? chosen<3>("triangleIndices", topology.triangles()) : topology.triangles();
+    given_quads_ = topology.quads();
+    given_triangles_ = topology.triangles();
     require_nodes<4>(given_quads_);
     require_nodes<3>(given_triangles_);
     quads_ = given_quads_;
@@ -204,17 +194,15 @@ class SurfacePressureForceField final : public FaceLoad {
     const bool is_everywhere = min.isZero(0) && max.isZero(0);
     box_.reset();
     if (!is_everywhere) box_.emplace(min, max);
-    quads_depend_on_box_ = box_ && !chooses_quads;
-    triangles_depend_on_box_ = box_ && !chooses_triangles;
     pressure_ = real("pressure");
     note_faces();
   }
 
   void add_load(double, ConstPoints x, ConstPoints, Points f) const override {
     for (const Quad& face : quads_)
-      if (!quads_depend_on_box_ || lies_in_box(face, x)) add_pressure(face, pressure_, x, f);
+      if (lies_in_box(face, x)) add_pressure(face, pressure_, x, f);
     for (const Triangle& face : triangles_)
-      if (!triangles_depend_on_box_ || lies_in_box(face, x)) add_pressure(face, pressure_, x, f);
+      if (lies_in_box(face, x)) add_pressure(face, pressure_, x, f);
   }
 
  private:
@@ -230,7 +218,7 @@ class SurfacePressureForceField final : public FaceLoad {
 
   template <std::size_t N>
   bool lies_in_box(const std::array<int, N>& face, ConstPoints x) const {
-    return std::ranges::all_of(face, [&](int node) { return box_->contains(Vec3(x.row(node).transpose())); });
+    return !box_ || std::ranges::all_of(face, [&](int node) { return box_->contains(Vec3(x.row(node).transpose())); });
   }
 
   // Those of the beginning, where the box decides.
@@ -238,18 +226,17 @@ class SurfacePressureForceField final : public FaceLoad {
     const PointArray& x = needed_ready<scene::MechanicalState>().positions();
     std::vector<int> nodes;
     for (const Quad& face : quads_)
-      if (!quads_depend_on_box_ || lies_in_box(face, x)) nodes.insert(nodes.end(), face.begin(), face.end());
+      if (lies_in_box(face, x)) nodes.insert(nodes.end(), face.begin(), face.end());
     for (const Triangle& face : triangles_)
-      if (!triangles_depend_on_box_ || lies_in_box(face, x)) nodes.insert(nodes.end(), face.begin(), face.end());
+      if (lies_in_box(face, x)) nodes.insert(nodes.end(), face.begin(), face.end());
     if (nodes.empty()) remark(scene::Severity::kWarning, {}, "acts on no face");
     note_loaded(std::move(nodes));
   }
 
   std::vector<Quad> given_quads_, quads_;  // by their initial nodes, and by their present ones
   std::vector<Triangle> given_triangles_, triangles_;
-  std::optional<Eigen::AlignedBox3d> box_;
-  bool quads_depend_on_box_ = false, triangles_depend_on_box_ = false;
-  double pressure_ = 0;  // [Pa]
+  std::optional<Eigen::AlignedBox3d> box_;  // none: faces count everywhere
+  double pressure_ = 0;                     // [Pa]
 };
 
 class PlaneForceField final : public scene::ForceField,
@@ -266,7 +253,6 @@ class PlaneForceField final : public scene::ForceField,
                  .stiffness = real("stiffness"),
                  .damping = real("damping"),
                  .max_force = real("maxForce"),
-                 .bilateral = boolean("bilateral"),
                  .share = state.copies() ? state.copies()->share() : std::vector<double>()};
     rayleigh_stiffness_ = real("rayleighStiffness");
     if (obstacle_.normal.isZero(0)) reject("normal", "is zero, must have a direction");

@@ -86,15 +86,10 @@ class BarycentricMapping final : public StateMapping {
 
  private:
   void connect(scene::MechanicalState& above, scene::MechanicalState& below) override {
-    scene::Topology* topology = is_given("input_topology") ? &linked<scene::Topology>("input_topology")
-                                                           : above.node().nearest<scene::Topology>();
+    scene::Topology* topology = above.node().nearest<scene::Topology>();
     if (!topology) reject("needs a Topology at the state that is followed");
     hexahedra_ = &hexahedra_on(*this, *topology, above.num_nodes());
-    const std::vector<Hexahedron>& hexahedra = *hexahedra_;
-    if (boolean("useRestPosition"))
-      embedding_.emplace(above.rest_positions(), hexahedra, below.rest_positions());
-    else
-      embedding_.emplace(above.positions(), hexahedra, below.positions());
+    embedding_.emplace(above.positions(), *hexahedra_, below.positions());
     if (embedding_->num_outside() > 0)
       remark(scene::Severity::kWarning, {},
              fmt::format("{} of {} points lie outside the hexahedra, up to {:.4g} m: they follow the nearest one",

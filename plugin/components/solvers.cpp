@@ -273,8 +273,7 @@ class NewtonRaphsonSolver final : public scene::Component {
             .relative_estimate = real("relativeEstimateDifferenceThreshold"),
             .absolute_estimate = real("absoluteEstimateDifferenceThreshold"),
             .line_search_iterations = integer("maxNbIterationsLineSearch"),
-            .line_search_coefficient = real("lineSearchCoefficient"),
-            .update_when_diverged = boolean("updateStateWhenDiverged")};
+            .line_search_coefficient = real("lineSearchCoefficient")};
   }
 };
 

@@ -50,25 +50,16 @@ class MadeTopology : public scene::Topology {
   std::optional<std::vector<Edge>> edges_;
 };
 
-/// Cells of a grid, as many as n or cellWidth says.
-class GridTopology : public MadeTopology {
- public:
-  using MadeTopology::MadeTopology;
+/// The cells of a grid in each direction, as reals: their product may be too large for any whole number.
+Vec3 num_cells(scene::Topology& grid) {
+  const std::vector<std::int64_t>& n = grid.integers("n");
+  if (n.size() != 3) grid.reject("n", fmt::format("{} numbers given, must be three", n.size()));
+  return Vec3(static_cast<double>(n[0] - 1), static_cast<double>(n[1] - 1), static_cast<double>(n[2] - 1));
+}
 
- protected:
-  /// In each direction, as reals: their product may be too large for any whole number.
-  Vec3 num_cells(const Vec3& size) {
-    const double width = real("cellWidth");
-    if (width > 0) return (size / width).array().ceil();
-    const std::vector<std::int64_t>& n = integers("n");
-    if (n.size() != 3) reject("n", fmt::format("{} numbers given, must be three", n.size()));
-    return Vec3(static_cast<double>(n[0] - 1), static_cast<double>(n[1] - 1), static_cast<double>(n[2] - 1));
-  }
-};
-
-class RegularGridTopology final : public GridTopology {
+class RegularGridTopology final : public MadeTopology {
  public:
-  RegularGridTopology() : GridTopology(attributes::kRegularGridTopology) {}
+  RegularGridTopology() : MadeTopology(attributes::kRegularGridTopology) {}
 
   void init() override { mesh(); }
 
@@ -81,7 +72,7 @@ class RegularGridTopology final : public GridTopology {
 
   const HexMesh& mesh() {
     if (mesh_) return *mesh_;
-    const Vec3 min = vector3("min"), max = vector3("max"), count = num_cells(max - min);
+    const Vec3 min = vector3("min"), max = vector3("max"), count = num_cells(*this);
     for (int d = 0; d < 3; ++d)
       if (!(min[d] < max[d])) reject("max", "must be greater than min in every direction");
     accepted(*this, [&] { parts::check_num_hexahedra("n", count.prod()); });
@@ -136,9 +127,9 @@ class GivenTopology final : public scene::Topology {
   std::vector<Edge> edges_;
 };
 
-class SparseGridTopology final : public GridTopology {
+class SparseGridTopology final : public MadeTopology {
  public:
-  SparseGridTopology() : GridTopology(attributes::kSparseGridTopology) {}
+  SparseGridTopology() : MadeTopology(attributes::kSparseGridTopology) {}
 
   void init() override {
     if (cage().num_parts > 1)
@@ -170,8 +161,7 @@ class SparseGridTopology final : public GridTopology {
 
   Cage made() {
     const ImportedMesh surface = loaded();
-    Cage cage = cage_around(surface.positions, surface.triangles, surface.quads, given_grid(surface.positions),
-                            boolean("onlyInsideCells") ? CageCells::kEnclosed : CageCells::kTouchedOrEnclosed);
+    Cage cage = cage_around(surface.positions, surface.triangles, surface.quads, given_grid(surface.positions));
     if (boolean("fillWeighted")) {
       fill_.assign(cage.mesh.hexahedra().size(), 1);
       std::fill_n(fill_.begin(), cage.num_touched, kTouchedFill);
@@ -198,7 +188,7 @@ class SparseGridTopology final : public GridTopology {
       grid.min = box.min();
       grid.max = box.max();
     }
-    const Vec3 count = num_cells(grid.max - grid.min);
+    const Vec3 count = num_cells(*this);
     accepted(*this, [&] { parts::check_num_cells("n", count.prod()); });  // of which the surface may meet few
     for (int d = 0; d < 3; ++d) grid.cells[d] = static_cast<int>(count[d]);
     return grid;

@@ -356,8 +356,8 @@ std::vector<CageCell> cells_around(ConstPoints x, std::span<const Triangle> tria
 
 }  // namespace
 
-Cage cage_around(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads, const CageGrid& grid,
-                 CageCells kept) {
+Cage cage_around(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads,
+                 const CageGrid& grid) {
   const std::vector<CageCell> cells = cells_around(x, triangles, quads, grid);
   std::vector<GridCell> chosen;
   const auto choose = [&](CageCell kind) {
@@ -368,10 +368,9 @@ Cage cage_around(ConstPoints x, std::span<const Triangle> triangles, std::span<c
                           static_cast<int>(row / grid.cells[1])});
       }
   };
-  if (kept == CageCells::kTouchedOrEnclosed) choose(CageCell::kTouched);
+  choose(CageCell::kTouched);
   const int num_touched = static_cast<int>(chosen.size());
   choose(CageCell::kEnclosed);
-  if (chosen.empty()) throw InputError("the surface encloses no cell: it is open, or the cells are too large");
 
   Cage cage{.mesh = mesh_of(chosen, grid), .num_touched = num_touched};
   const GridConnection connection = connection_of(cage.mesh);

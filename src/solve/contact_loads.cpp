@@ -36,7 +36,7 @@ double area(const Quad& face, ConstPoints x) {
 void Obstacle::touching_at(ConstPoints x, std::vector<int>& touching) const {
   touching.clear();
   for (int node = 0; node < static_cast<int>(x.rows()); ++node)
-    if (touches(gap(x, node))) touching.push_back(node);
+    if (gap(x, node) < 0) touching.push_back(node);
 }
 
 void Obstacle::add_force(ConstPoints x, ConstPoints v, Points f) const {
@@ -44,7 +44,7 @@ void Obstacle::add_force(ConstPoints x, ConstPoints v, Points f) const {
   require_rows("Obstacle::add_force", "f", f, x.rows());
   for (int node = 0; node < static_cast<int>(x.rows()); ++node) {
     const double d = gap(x, node);
-    if (!touches(d)) continue;
+    if (!(d < 0)) continue;
     Eigen::RowVector3d force = -stiffness * d * normal.transpose() + damping * d * v.row(node);
     const double size = force.norm();
     if (max_force > 0 && size > max_force) force *= max_force / size;

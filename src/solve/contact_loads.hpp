@@ -33,7 +33,6 @@ struct Obstacle {
   double stiffness = 500;          ///< [N/m]
   double damping = 5;              ///< [N s/m^2]
   double max_force = 0;            ///< [N] on a node; 0: no limit
-  bool bilateral = false;          ///< both sides push back towards the plane
   std::vector<double> share = {};  ///< per node (NodeCopies::share), of what it feels; empty: all are whole
 
   /// The nodes that touch it, ascending, to which the stiffness below refers.
@@ -47,7 +46,6 @@ struct Obstacle {
 
  private:
   double gap(ConstPoints x, int node) const { return x.row(node).dot(normal) - distance; }
-  bool touches(double d) const { return d < 0 || bilateral; }
   double share_of(int node) const { return share.empty() ? 1 : share[node]; }
 };
 

@@ -92,7 +92,7 @@ NewtonReport NewtonRaphson::solve(MechanicalSystem& system, LinearSolver& solver
     force_.swap(trial_force_);
     report.residual = residual;
   }
-  if (report.status == NewtonStatus::kConverged || settings_.update_when_diverged) x = position_;
+  x = position_;
   return report;
 }
 

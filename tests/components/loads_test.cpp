@@ -81,7 +81,7 @@ TEST(SurfacePressure, ActsOnTheFacesOfABoxAtTheirPresentShape) {
   EXPECT_TRUE(force_of(scene, "load", 0).isZero(0));
 }
 
-TEST(SurfacePressure, TakesQuadsAndTrianglesByNumber) {
+TEST(SurfacePressure, TakesQuadsAndTriangles) {
   const std::string mesh =
       "<MeshTopology name='mesh' position='0 0 0  2 0 0  2 2 0  0 2 0' quads='0 1 2 3' triangles='0 1 2  0 3 2'/>"
       "<MechanicalObject name='nodes'/><UniformMass vertexMass='1'/>";
@@ -89,11 +89,7 @@ TEST(SurfacePressure, TakesQuadsAndTrianglesByNumber) {
     scene::Scene scene = read_and_init(in_root("", mesh + load));
     return Vec3(force_of(scene, "load", 0).colwise().sum().transpose());
   };
-  EXPECT_EQ(total("<SurfacePressureForceField name='load' pressure='3' quadIndices='0' triangleIndices='1'/>"),
-            Vec3(0, 0, 12 - 6));
   EXPECT_EQ(total("<SurfacePressureForceField name='load' pressure='3'/>"), Vec3(0, 0, 12));
-  EXPECT_EQ(errors_of(in_root("", mesh + "<SurfacePressureForceField quadIndices='1'/>")),
-            "test.scn:1: error: SurfacePressureForceField.quadIndices: 1 must lie in [0, 1)");
 }
 
 // A mass of 1 kg thrown against a wall at z = 0 with k = 500, c = 5, by the implicit scheme with K and without the
@@ -178,9 +174,6 @@ TEST(Fixed, KeepsAVelocityUnlessAskedToTakeIt) {
     return PointArray(velocities(scene));
   };
   EXPECT_EQ(speed("<FixedProjectiveConstraint/>"), rows({{1, 2, 3}}));
-  EXPECT_EQ(speed("<FixedProjectiveConstraint activate_projectVelocity='true'/>"), rows({{0, 0, 0}}));
-  EXPECT_EQ(speed("<PartialFixedProjectiveConstraint projectVelocity='true' fixedDirections='0 1 1'/>"),
-            rows({{1, 0, 0}}));
 }
 
 TEST(Fixed, HoldsNodeZeroByDefaultOthersOrAllOnRequest) {

@@ -306,7 +306,7 @@ TEST(FaceTearing, IsRefusedByWhatCannotFollow) {
   EXPECT_EQ(errors_of(torn_sheet(second, "cell")), "");
   // a mapping that has failed is not asked
   EXPECT_FALSE(has(errors_of(torn_sheet("<Node><MechanicalObject position='0 0 0'/><BarycentricMapping "
-                                        "input_topology='@/nodes'/></Node>")),
+                                        "input='@/nodes' output='@/nodes'/></Node>")),
                    "can be opened"));
 }
 

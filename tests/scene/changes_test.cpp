@@ -128,18 +128,13 @@ const std::set<std::string> kLate =
            {"MaterialRegion", kPlastic}});
 /// What has no effect in these scenes.
 const std::set<std::string> kIdle =
-    names({{"FixedProjectiveConstraint", "activate_projectVelocity"},
-           {"HexahedronElastoplasticFEMForceField", "fractureEnergy"},
-           {"MaterialRegion", "fractureEnergy"},
-           {"PartialFixedProjectiveConstraint", "projectVelocity"},
-           {"PartialLinearMovementProjectiveConstraint", "linearMovementBetweenNodesInIndices"}});
+    names({{"HexahedronElastoplasticFEMForceField", "fractureEnergy"}, {"MaterialRegion", "fractureEnergy"}});
 /// What cannot have another value by itself: lists that are as long as others, or excluded by them.
 const std::set<std::string> kRefused = names({{"AttachProjectiveConstraint", "indices2"},
                                               {"InstrumentContactForceField", "embeddedPositions embeddedTriangles"},
                                               {"MaterialRegion", "indices"},
                                               {"RestShapeSpringsForceField", "external_points"},
-                                              {"SpringForceField", "indices1 indices2"},
-                                              {"SurfacePressureForceField", "triangleIndices"}});
+                                              {"SpringForceField", "indices1 indices2"}});
 
 /// Other values than the present one, the likely ones first.
 std::vector<Value> others(const Attribute& attribute, const Value& present, const std::string& name) {

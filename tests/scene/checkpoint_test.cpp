@@ -100,7 +100,11 @@ TEST(SceneCheckpoint, WhateverComponentsKeepGoesOnBitForBit) {
                                  "0 0  0 .05 .1  0 .05 .1'/>"),
                      16, {3, 12});
   // faces that went stay without load
-  expect_same_future(tearing_bar(kHeld + "<SurfacePressureForceField quadIndices='0-5' pressure='800'/>"), 20, {2, 15});
+  expect_same_future(
+      tearing_bar(kHeld + "<Node name='lower'><MeshTopology name='faces' quads='0 1 4 3  1 2 5 4  0 6 9 3"
+                          "  6 7 10 9'/></Node><SurfacePressureForceField topology='@lower/faces' "
+                          "pressure='800'/>"),
+      20, {2, 15});
   expect_same_future(tearing_bar(kHeld + kPoints), 14, {5});
 }
 

@@ -96,7 +96,7 @@ TEST(SceneReading, TheComponentsAreTheseAndNoOthers) {
       "SurfacePressureForceField PlaneForceField GraspForceField InstrumentContactForceField "
       "TissueContactForceField RestShapeSpringsForceField SpringForceField BladeController "
       "FixedProjectiveConstraint PartialFixedProjectiveConstraint LinearMovementProjectiveConstraint "
-      "PartialLinearMovementProjectiveConstraint AttachProjectiveConstraint BoxROI SphereROI PlaneROI MeshROI "
+      "PartialLinearMovementProjectiveConstraint AttachProjectiveConstraint BoxROI SphereROI MeshROI "
       "IndexValueMapper IndicesFromValues BarycentricMapping IdentityMapping OglModel VisualStyle "
       "InteractiveCamera "
       // accepted without effect
@@ -229,8 +229,8 @@ TEST(SceneLinks, SrcConnectsAllThatIsNotGiven) {
   scene::Scene scene = read_and_init(framed(grid + "<BoxROI name='all' src='@other' box='1 1 1 9 9 9'/>"
                                                    "<BoxROI name='own' src='@other' position='5 5 5  0 0 0  0 0 0  0 0 "
                                                    "0  0 0 0  0 0 0  0 0 0  0 0 0' box='1 1 1 9 9 9'/>"));
-  EXPECT_EQ(at<scene::Engine>(scene, "all").reals("pointsInROI"), (std::vector<double>{2, 3, 4}));
-  EXPECT_EQ(at<scene::Engine>(scene, "own").reals("pointsInROI"), (std::vector<double>{5, 5, 5}));
+  EXPECT_EQ(at<scene::Engine>(scene, "all").integers("indices"), (std::vector<std::int64_t>{7}));
+  EXPECT_EQ(at<scene::Engine>(scene, "own").integers("indices"), (std::vector<std::int64_t>{0}));
 
   EXPECT_EQ(errors_of(framed("<BoxROI src='@absent'/>")),
             "test.scn:3: error: BoxROI.src: link '@absent' stops at node '/', which holds no 'absent'");
@@ -243,8 +243,8 @@ TEST(SceneLinks, CirclesAreFound) {
   EXPECT_EQ(errors_of(framed("<BoxROI name='a' box='@b.box'/>\n<BoxROI name='b' box='@a.box'/>")),
             "test.scn:3: error: BoxROI.box: link '@b.box' leads back to itself\n"
             "test.scn:4: error: BoxROI.box: link '@a.box' leads back to itself");
-  EXPECT_EQ(errors_of(framed("<BoxROI name='a' position='@a.pointsInROI'/>")),
-            "test.scn:3: error: BoxROI.pointsInROI: depends on itself through links");
+  EXPECT_EQ(errors_of(framed("<BoxROI name='a' hexahedra='@a.hexahedraInROI'/>")),
+            "test.scn:3: error: BoxROI.hexahedronIndices: depends on itself through links");
 }
 
 TEST(SceneLinks, StayLive) {

@@ -27,9 +27,6 @@ Eigen::AlignedBox3d box_around(ConstPoints points);
 /// them. Throws InputError when cells < 1, or the points do not extend in any direction.
 CageGrid cubes_around(ConstPoints points, int cells);
 
-/// Which cells of a grid become hexahedra.
-enum class CageCells { kTouchedOrEnclosed, kEnclosed };
-
 /// Coarse hexahedra around a surface. They are cells of one grid: neighbours share whole faces.
 struct Cage {
   HexMesh mesh;         ///< nodes ascend by x, then y, then z; hexahedra by z, then y, then x within the two kinds
@@ -44,10 +41,8 @@ struct Cage {
 ///
 /// x: num_nodes x 3 [m], triangles and quads with corners in x; a quad counts as the two triangles on either side of
 /// its first diagonal. Throws InputError when there is no face, a corner does not exist, is not finite or lies outside
-/// the box, the box is empty, the grid has more than kMaxCageCells cells, a hole would leave the cage hollow, or no
-/// cell is left.
-Cage cage_around(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads, const CageGrid& grid,
-                 CageCells kept = CageCells::kTouchedOrEnclosed);
+/// the box, the box is empty, the grid has more than kMaxCageCells cells, or a hole would leave the cage hollow.
+Cage cage_around(ConstPoints x, std::span<const Triangle> triangles, std::span<const Quad> quads, const CageGrid& grid);
 
 inline constexpr double kMaxCageCells = 134'217'728;  // of the whole grid: a byte each while the cage is made
 

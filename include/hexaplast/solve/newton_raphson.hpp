@@ -19,7 +19,6 @@ struct NewtonSettings {
   double absolute_estimate = 0;          ///< on |x_k - x_k-1|
   int line_search_iterations = 1;        ///< tries per iteration, at least 1
   double line_search_coefficient = 0.5;  ///< by which the step is shortened while the residual has not decreased
-  bool update_when_diverged = true;      ///< keep the last iterate when the rules were not met
 };
 
 enum class NewtonStatus {

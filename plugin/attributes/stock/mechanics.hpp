@@ -52,7 +52,6 @@ inline constexpr Table kNewtonRaphsonSolver{
     real("lineSearchCoefficient",
          {.initial = "0.5", .range = {.min = 0, .max = 1, .exclusive_min = true, .exclusive_max = true}},
          "Factor of the step length for each further try."),
-    boolean("updateStateWhenDiverged", {.initial = "true"}, "Keeps the last iterate when no threshold was met."),
     boolean("warnWhenLineSearchFails", {.initial = "true", .access = Access::kIgnored},
             "Ignored here: steps without equilibrium are always counted and reported."),
     boolean("warnWhenDiverge", {.initial = "true", .access = Access::kIgnored},
@@ -90,15 +89,11 @@ inline constexpr Attribute kMassRayleigh =
     real("rayleighMass", {.initial = "0", .unit = "1/s", .range = kNotNegative},
          "Damping by this mass in the system matrix alone, besides the solver's own.");
 
-inline constexpr Attribute kSeparateGravity = one_of("separateGravity", {.initial = "false", .words = "false 0"},
-                                                     "Only false here: gravity is one of the forces.");
-
 inline constexpr Table kUniformMass{
     mass("UniformMass", "The same mass at every node."),
     real("totalMass", {.unit = "kg", .range = kPositive}, "Divided equally among all nodes."),
     real("vertexMass", {.unit = "kg", .range = kPositive}, "Of each node, unless totalMass is given."),
     kMassRayleigh,
-    kSeparateGravity,
     ignored_attribute("preserveTotalMass", "Ignored here: nodes stay when hexahedra tear."),
     visual_attributes("showGravityCenter", "showAxisSizeFactor"),
 };
@@ -112,11 +107,9 @@ inline constexpr Table kDiagonalMass{
          "given."),
     real("massDensity", {.unit = "kg/m^3", .range = kPositive}, "Mass per volume at rest."),
     reals("vertexMass", {.unit = "kg", .range = kNotNegative}, "One value for all nodes, or one per node."),
-    boolean("computeMassOnRest", {.initial = "true"},
-            "Whether volumes are those of the rest positions or of the first positions."),
     kMassRayleigh,
-    kSeparateGravity,
     kMassTopology,
+    ignored_attribute("computeMassOnRest", "Ignored here: volumes are those of the rest positions."),
     ignored_attribute("geometryState", "Ignored here: the nodes are those of the mechanical state."),
     visual_attributes("showGravityCenter", "showAxisSizeFactor"),
 };
@@ -152,11 +145,8 @@ inline constexpr Table kSurfacePressureForceField{
                 "carry no load."),
     real("pressure", {.initial = "0", .unit = "Pa"},
          "Along the normal of the order of a face's nodes: positive values pull outwards on hexahedra."),
-    indices("quadIndices", "Quads of the topology; default: all between min and max."),
-    indices("triangleIndices", "Triangles of the topology; default: all between min and max."),
     vector3("min", {.initial = "0 0 0", .unit = "m"},
-            "Without indices, faces count while all their nodes lie in the box from here to max; if both are 0, "
-            "everywhere."),
+            "Faces count while all their nodes lie in the box from here to max; if both are 0, everywhere."),
     vector3("max", {.initial = "0 0 0", .unit = "m"}, "The other corner of the box."),
     ignored_attribute("useTangentStiffness",
                       "Ignored here: the loads have no part in the matrix (in SOFA that of "
@@ -173,7 +163,6 @@ inline constexpr Table kPlaneForceField{
     real("damping", {.initial = "5", .unit = "N s/m^2", .range = kNotNegative},
          "Force against the velocity of a node, per velocity and depth."),
     real("maxForce", {.initial = "0", .unit = "N", .range = kNotNegative}, "Largest force on a node; 0: no limit."),
-    boolean("bilateral", {.initial = "false"}, "Nodes on either side are pushed to the plane."),
     kForceRayleigh,
     visual_attributes("showPlane", "planeColor", "showPlaneSize"),
 };
@@ -223,12 +212,6 @@ inline constexpr Table kRestShapeSpringsForceField{
 
 inline constexpr Attribute kFixedIndices = indices("indices", {.initial = "0"}, "Nodes that receive no acceleration.");
 inline constexpr Attribute kFixAll = boolean("fixAll", {.initial = "false"}, "Fixes every node.");
-constexpr Attribute project_velocity(std::string_view name) {
-  return {.name = name,
-          .type = Type::kBool,
-          .initial = "false",
-          .help = "Also takes away the velocity that a node begins with."};
-}
 // SOFA's constraints do not have these outputs.
 inline constexpr std::array kConstraintAttributes = {
     ignored_attribute("topology", "Ignored here: nodes keep their numbers."),
@@ -243,7 +226,6 @@ inline constexpr Table kFixedProjectiveConstraint{
                           "Holds nodes: their acceleration is zero, so that a velocity they begin with persists."),
     kFixedIndices,
     kFixAll,
-    project_velocity("activate_projectVelocity"),
     kConstraintAttributes,
     visual_attributes("showObject", "drawSize"),
 };
@@ -254,7 +236,6 @@ inline constexpr Table kPartialFixedProjectiveConstraint{
     kFixAll,
     integers("fixedDirections", {.initial = "1 1 1", .range = {.min = 0, .max = 1}},
              "1 for each of x, y, z that is held, 0 where nodes move freely."),
-    project_velocity("projectVelocity"),
     kConstraintAttributes,
     visual_attributes("showObject", "drawSize"),
 };
@@ -287,7 +268,6 @@ inline constexpr Table kPartialLinearMovementProjectiveConstraint{
     integers("movedDirections", {.initial = "1 1 1", .range = {.min = 0, .max = 1}},
              "1 for each of x, y, z in which nodes are moved, 0 where they are free."),
     kConstraintAttributes,
-    one_of("linearMovementBetweenNodesInIndices", {.initial = "false", .words = "false 0"}, "Only false here."),
     visual_attributes("showMovement"),
 };
 
@@ -328,9 +308,7 @@ inline constexpr Table kBarycentricMapping{
             "nodes."),
     kMappingInput,
     kMappingOutput,
-    boolean("useRestPosition", {.initial = "false"},
-            "true: points are located in the rest positions; otherwise in the first positions."),
-    link("input_topology", "The hexahedra; default: the topology of the followed state's node."),
+    ignored_attribute("input_topology", "Ignored here: the hexahedra are those of the followed state's node."),
     ignored_attribute("output_topology", "Ignored here: points are not removed."),
     ignored_attribute("mapForces", "Ignored here: forces are always carried up."),
     ignored_attribute("mapMasses", "Ignored here: masses are always carried up."),

@@ -33,15 +33,11 @@ inline constexpr Attribute kTopologyEdges = output(integers("edges", "Pairs of n
 inline constexpr Attribute kTopologyQuads =
     output(integers("quads", "Faces of the cells, each once: groups of four nodes."));
 
-inline constexpr Attribute kCellWidth = real("cellWidth", {.initial = "0", .unit = "m", .range = kNotNegative},
-                                             "If not 0, replaces n: no cell is wider than this.");
-
 inline constexpr Table kRegularGridTopology{
     topology("RegularGridTopology", "A box cut into equal cells."),
     integers("n", {.initial = "2 2 2", .range = {.min = 2, .max = 2147483646}}, "Nodes (not cells) along x, y, z."),
     vector3("min", {.initial = "0 0 0", .unit = "m"}, "Lowest corner."),
     vector3("max", {.initial = "1 1 1", .unit = "m"}, "Highest corner."),
-    kCellWidth,
     output(vectors3("position", {.unit = "m"}, "Nodes: i + nx (j + ny k).")),
     output(hexahedra("hexahedra", "Cells, x fastest.")),
     kTopologyQuads,
@@ -69,8 +65,6 @@ inline constexpr Table kSparseGridTopology{
             "Lowest corner of the grid. If min and max are both 0: the box around the surface, widened by 1 % at "
             "either side."),
     vector3("max", {.initial = "0 0 0", .unit = "m"}, "Highest corner of the grid."),
-    kCellWidth,
-    boolean("onlyInsideCells", {.initial = "false"}, "Leaves out the cells that the surface passes through."),
     boolean("fillWeighted", {.initial = "true"},
             "Hexahedra that the surface passes through have half the stress at the same strain. Masses are not "
             "changed."),
@@ -105,53 +99,46 @@ inline constexpr Description kQuadSetTopologyContainer = container("QuadSetTopol
 inline constexpr Description kTriangleSetTopologyContainer =
     container("TriangleSetTopologyContainer", kMeshTopology.rows);
 
-/// What every mesh loader takes; they differ in `createSubelements` alone.
-constexpr auto loader_attributes(std::string_view creates_subelements) {
-  return Table{
-      Description(),
-      free_text("filename", "The mesh file."),
-      vector3("scale3d", {.initial = "1 1 1"}, "Applied first."),
-      real("scale", {.initial = "1"}, "Factor of all three directions; SOFA reads it in single precision."),
-      vector3("rotation", {.initial = "0 0 0", .unit = "deg"}, "About x, then y, then z; applied second."),
-      vector3("translation", {.initial = "0 0 0", .unit = "m"}, "Applied last."),
-      boolean("triangulate", {.initial = "false"}, "Cuts every quad into two triangles, before faces are added."),
-      boolean("createSubelements", {.initial = creates_subelements},
-              "Adds the faces of the hexahedra and the edges of all faces."),
-      boolean("onlyAttachedPoints", {.initial = "false"},
-              "Leaves out nodes that no cell has; the others are numbered anew."),
-      output(vectors3("position", {.unit = "m"}, "Nodes.")),
-      output(integers("edges", "Pairs of nodes.")),
-      output(integers("triangles", "Groups of three nodes.")),
-      output(integers("quads", "Groups of four nodes.")),
-      output(hexahedra("hexahedra", "Groups of eight nodes.")),
-      ignored_attributes("Ignored here: normals are drawing.", "flipNormals", "normals"),
-      visual_attributes("handleSeams", "loadMaterial", "storeGroups"),
-  }
-      .rows;
-}
-inline constexpr auto kGmshLoaderAttributes = loader_attributes("true");
-inline constexpr auto kMeshLoaderAttributes = loader_attributes("false");
+inline constexpr std::array kLoaderAttributes =
+    Table{
+        Description(),
+        free_text("filename", "The mesh file."),
+        vector3("scale3d", {.initial = "1 1 1"}, "Applied first."),
+        real("scale", {.initial = "1"}, "Factor of all three directions; SOFA reads it in single precision."),
+        vector3("rotation", {.initial = "0 0 0", .unit = "deg"}, "About x, then y, then z; applied second."),
+        vector3("translation", {.initial = "0 0 0", .unit = "m"}, "Applied last."),
+        boolean("triangulate", {.initial = "false"}, "Cuts every quad into two triangles, before faces are added."),
+        output(vectors3("position", {.unit = "m"}, "Nodes.")),
+        output(integers("edges", "Pairs of nodes.")),
+        output(integers("triangles", "Groups of three nodes.")),
+        output(integers("quads", "Groups of four nodes.")),
+        output(hexahedra("hexahedra", "Groups of eight nodes.")),
+        ignored_attributes("Ignored here: normals are drawing.", "flipNormals", "normals"),
+        visual_attributes("handleSeams", "loadMaterial", "storeGroups"),
+    }
+        .rows;
 
 inline constexpr Description kMeshGmshLoader = mesh_loader(
     "MeshGmshLoader",
     "Reads .msh files of Gmsh, versions 2 and 4.1, text or binary. Cells that are neither edges, triangles, quads nor "
     "hexahedra of first order are skipped, and copies of cells taken once, with a warning. Links reach the hexahedra "
-    "of physical groups by the names of these, `@loader.tumour`, or by their numbers if they have none.",
-    kGmshLoaderAttributes);
+    "of physical groups by the names of these, `@loader.tumour`, or by their numbers if they have none. Adds the faces "
+    "of the hexahedra and the edges of all faces.",
+    kLoaderAttributes);
 inline constexpr Description kMeshVTKLoader =
     mesh_loader("MeshVTKLoader",
                 "Reads unstructured grids of VTK: legacy .vtk files (text or binary) and .vtu files (text, base64 or "
                 "raw, uncompressed or by zlib). Skips cells as MeshGmshLoader does. Links reach the cell data of .vtu "
                 "files by their names, `@loader.label`: one number per hexahedron.",
-                kMeshLoaderAttributes);
+                kLoaderAttributes);
 inline constexpr Description kMeshOBJLoader =
-    mesh_loader("MeshOBJLoader", "Reads the vertices, lines and faces of .obj files.", kMeshLoaderAttributes);
+    mesh_loader("MeshOBJLoader", "Reads the vertices, lines and faces of .obj files.", kLoaderAttributes);
 inline constexpr Table kMeshSTLLoader{
     mesh_loader("MeshSTLLoader",
                 "Reads the triangles of .stl files, text or binary. Equal corners are one node. Triangles with two "
                 "equal corners are left out, with a warning."),
-    kMeshLoaderAttributes,
-    integer("headerSize", {.initial = "80", .range = kIndex}, "Of binary files, in bytes."),
+    kLoaderAttributes,
+    ignored_attribute("headerSize", "Ignored here: it is 80, as the format has it."),
     ignored_attribute("forceBinary", "Ignored here: the size of a file tells whether it is binary."),
     ignored_attribute("mergePositionUsingMap", "Ignored here: corners in one place are always one node."),
 };
@@ -163,22 +150,12 @@ constexpr auto region_rows(std::string_view strict) {
   return Table{
       Description(),
       vectors3("position", {.unit = "m"}, "Points to select from; default: the rest positions of the nearest state."),
-      indices("edges", "Edges to select from; default: those of the nearest topology."),
-      indices("triangles", "Triangles to select from; default: those of the nearest topology."),
-      indices("quads", "Quads to select from; default: those of the nearest topology."),
       hexahedra("hexahedra", {.range = kIndex}, "Hexahedra to select from; default: those of the nearest topology."),
-      boolean("strict", {.initial = strict}, "A cell is inside when all its nodes are; otherwise when its centre is."),
+      boolean("strict", {.initial = strict},
+              "A hexahedron is inside when all its nodes are; otherwise when its centre is."),
       output(integers("indices", "Points inside, ascending.")),
       output(integers("indicesOut", "Points outside, ascending.")),
-      output(integer("nbIndices", "How many points are inside.")),
-      output(vectors3("pointsInROI", {.unit = "m"}, "Their positions.")),
-      output(integers("edgeIndices", "Edges inside, ascending.")),
-      output(integers("triangleIndices", "Triangles inside, ascending.")),
-      output(integers("quadIndices", "Quads inside, ascending.")),
       output(integers("hexahedronIndices", "Hexahedra inside, ascending.")),
-      output(integers("edgesInROI", "Nodes of the edges inside.")),
-      output(integers("trianglesInROI", "Nodes of the triangles inside.")),
-      output(integers("quadsInROI", "Nodes of the quads inside.")),
       output(hexahedra("hexahedraInROI", "Nodes of the hexahedra inside.")),
       ignored_attribute("doUpdate", "Ignored here: outputs follow their inputs."),
       ignored_attributes("Ignored here: what is asked for is computed.", "computeEdges", "computeTriangles",
@@ -213,17 +190,10 @@ inline constexpr Table kSphereROI{
     region_rows("true"),
 };
 
-inline constexpr Table kPlaneROI{
-    engine("PlaneROI", "Finds what lies in thick rectangles. SOFA's finds no hexahedra; orientedBox of BoxROI does."),
-    reals("plane", {.unit = "m"}, "Ten numbers for each, as orientedBox of BoxROI."),
-    region_rows("true"),
-};
-
 inline constexpr Table kMeshROI{
     engine("MeshROI", "Finds what a closed surface of triangles encloses."),
     vectors3("ROIposition", {.unit = "m"}, "Points of a surface."),
     indices("ROItriangles", "Its triangles. It must be closed and oriented; several points may lie at one place."),
-    boolean("computeMeshROI", {.initial = "true"}, "false: what lies in the box around the surface."),
     output(boxes("box", {.unit = "m"}, "Around the surface.")),
     ignored_attribute("ROIedges", "Ignored here: the triangles have them."),
     visual_attributes("drawOut", "drawBox"),
@@ -250,7 +220,6 @@ inline constexpr Table kIndicesFromValues{
             "true: all places of each value, ascending; otherwise the first one. A value that is not there gives a "
             "warning."),
     output(integers("indices", "Places of the values.")),
-    output(integers("otherIndices", "The other places.")),
 };
 
 }  // namespace hexaplast::attributes

@@ -91,10 +91,10 @@ TEST_F(HostileScene, NestingAndSize) {
 }
 
 TEST_F(HostileScene, LinksInChains) {
-  std::string chain = "<BoxROI name='r0' position='0 0 0'/>";
+  std::string chain = "<IndexValueMapper name='r0' inputValues='0'/>";
   for (int i = 1; i < 5'000; ++i)
-    chain =
-        "<BoxROI name='r" + std::to_string(i) + "' position='@r" + std::to_string(i - 1) + ".pointsInROI'/>" + chain;
+    chain = "<IndexValueMapper name='r" + std::to_string(i) + "' inputValues='@r" + std::to_string(i - 1) +
+            ".outputValues'/>" + chain;
   write("hostile.scn", "<Node>" + chain + "</Node>");
   expect_refused({{"run hostile.scn", 3, "more than 100 components follow one another"}});
 }
