@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 
 #include "attributes/gone.hpp"
 #include "scene/interfaces.hpp"
@@ -43,25 +42,6 @@ PathResult member_of_class(const Node& node, std::string_view class_name) {
   if (count <= 1) return result;
   return {.problem = fmt::format("stops at node '{}', which holds {} components of class {}: give them names",
                                  node.path(), count, class_name)};
-}
-
-// `[-1]`: the component one place before `self` in its node; `[2]` two places after; `[]` itself.
-PathResult relative_component(Component* self, std::string_view step) {
-  if (step == "[]" && self) return {.target = self};
-  int offset = 0;
-  const char* const last = step.data() + step.size() - 1;
-  const auto [end, error] = std::from_chars(step.data() + 1, last, offset);
-  if (error != std::errc() || end != last) return {.problem = fmt::format("'{}' is not a relative index", step)};
-  if (!self) return {.problem = "a relative index has no meaning here"};
-
-  const auto& siblings = self->node().components();
-  for (std::size_t i = 0; i < siblings.size(); ++i) {
-    if (siblings[i].get() != self) continue;
-    const long wanted = static_cast<long>(i) + offset;
-    if (wanted < 0 || wanted >= static_cast<long>(siblings.size())) break;
-    return {.target = siblings[wanted].get()};
-  }
-  return {.problem = fmt::format("no component at '{}'", step)};
 }
 
 PathResult not_found(const Node& in, std::string_view name) {
@@ -111,10 +91,10 @@ class Resolver {
  public:
   explicit Resolver(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
-  void resolve(Data& data, Node& node, Component* self) {
+  void resolve(Data& data, Node& node) {
     const std::string_view path = std::string_view(data.link()).substr(1);
     if (data.attribute().type == Type::kLink) {
-      const PathResult found = resolve_path(node, self, path);
+      const PathResult found = resolve_path(node, path);
       if (!found.target) return refuse(data, found.problem, found.hint);
       data.point_to(*found.target);
       if (data.attribute().name == kSource) follow_all(data, *found.target);
@@ -127,7 +107,7 @@ class Resolver {
     if (!names_data) return refuse(data, "names no attribute: must be @path.attribute");
 
     const std::string_view holder = dot == 0 ? "." : path.substr(0, dot);
-    const PathResult found = resolve_path(node, self, holder);
+    const PathResult found = resolve_path(node, holder);
     if (!found.target) return refuse(data, found.problem, found.hint);
 
     const std::string_view name = path.substr(dot + 1);
@@ -215,7 +195,7 @@ void for_each_data(Node& root, const Visit& visit) {
 
 }  // namespace
 
-PathResult resolve_path(Node& from, Component* self, std::string_view path) {
+PathResult resolve_path(Node& from, std::string_view path) {
   Node* node = &from;
   bool may_search_upwards = true;
   if (path.starts_with('/')) {
@@ -237,10 +217,6 @@ PathResult resolve_path(Node& from, Component* self, std::string_view path) {
     if (step == "..") {
       if (!node->parent()) return {.problem = fmt::format("stops at node '{}', which has no parent", node->path())};
       at = node->parent();
-    } else if (step.size() > 1 && step.front() == '[' && step.back() == ']') {
-      const PathResult sibling = relative_component(self, step);
-      if (!sibling.target) return sibling;
-      at = sibling.target;
     } else if (step != "." && !step.empty()) {
       const PathResult found = find_member(*node, step, may_search_upwards);
       if (!found.target) return found;
@@ -258,11 +234,8 @@ std::string hint_of(const Object& object, std::string_view name, const std::vect
 }
 
 void resolve_link(Data& data, Diagnostics& diagnostics) {
-  Resolver resolver(diagnostics);
-  if (auto* const component = dynamic_cast<Component*>(&data.owner()))
-    resolver.resolve(data, component->node(), component);
-  else
-    resolver.resolve(data, dynamic_cast<Node&>(data.owner()), nullptr);
+  auto* const component = dynamic_cast<Component*>(&data.owner());
+  Resolver(diagnostics).resolve(data, component ? component->node() : dynamic_cast<Node&>(data.owner()));
 }
 
 void resolve_links(Node& root, Diagnostics& diagnostics) {

@@ -12,17 +12,17 @@ namespace hexaplast::scene {
 /// Category of what stands for an unknown component, which is an error by itself: links to it are none.
 inline constexpr std::string_view kUnknown = "Unknown";
 
-/// Where a path leads. Paths are SOFA's: `/from/the/root`, `./here`, `../above`, `name/inner`, `[-1]` (the component
-/// before this one), `[]` (itself). A bare first name is looked for in the node, nodes before components, then in the
-/// nodes above. What nothing is named after may be a class, if a node holds a single component of it.
+/// Where a path leads. Paths are SOFA's: `/from/the/root`, `./here`, `../above`, `name/inner`. A bare first name is
+/// looked for in the node, nodes before components, then in the nodes above. What nothing is named after may be a
+/// class, if a node holds a single component of it.
 struct PathResult {
   Object* target = nullptr;  ///< a Node or a Component; null: not found
   std::string problem = {};  ///< where it stopped and why, if not found
   std::string hint = {};
 };
 
-/// `from`: the node that the path starts in. `self`: the component whose attribute it is, or null.
-PathResult resolve_path(Node& from, Component* self, std::string_view path);
+/// `from`: the node that the path starts in.
+PathResult resolve_path(Node& from, std::string_view path);
 
 /// What to write instead of an attribute that the object had in earlier versions, or the nearest of `names`; empty:
 /// none.

@@ -284,7 +284,7 @@ Data& named_attribute(Scene& scene, std::string_view name, std::string_view word
   if (path == scene.root().name()) path = {};
   if (const std::string prefix = scene.root().name() + "/"; path.starts_with(prefix)) path.remove_prefix(prefix.size());
   if (!path.empty()) {
-    const PathResult found = resolve_path(scene.root(), nullptr, path);
+    const PathResult found = resolve_path(scene.root(), path);
     if (!found.target) refuse(found.problem, found.hint);
     target = found.target;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// A link from the first component of every node: it leads somewhere, or says where it stopped.
+// A link from every node: it leads somewhere, or says where it stopped.
 #include "scene/links.hpp"
 
 #include "scenes.hpp"
@@ -10,8 +10,7 @@ using namespace hexaplast;
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static scene::Scene scene = fuzz::read(fuzz::kSmallScene);
   const auto follow = [&](auto& follow_below, scene::Node& node) -> void {
-    scene::Component* first = node.components().empty() ? nullptr : node.components().front().get();
-    const scene::PathResult found = scene::resolve_path(node, first, fuzz::text_of(data, size));
+    const scene::PathResult found = scene::resolve_path(node, fuzz::text_of(data, size));
     fuzz::require((found.target == nullptr) == !found.problem.empty(), "a target or a problem");
     for (const auto& child : node.children()) follow_below(follow_below, *child);
   };

@@ -44,10 +44,10 @@ from 0.
 
 **Links.** `@path` refers to a node or component, `@path.attribute` to an attribute, whose changes are followed. The target
 may be anywhere in the file. A path is a name, which is searched in the node and then in the nodes above; or it begins with
-`/` (the root), `./` (this node) or `../` (the node above), followed by names. `[-1]` is the component before this one, and
-`@.dt` an attribute of the node itself. A name that no component has may be a class of which the node holds one component.
-Components without a name are named by their class and a number: `BoxROI1`, `BoxROI2`. The *nearest* component is the first
-one of the node, or of the nearest node above that has one.
+`/` (the root), `./` (this node) or `../` (the node above), followed by names. `@.dt` is an attribute of the node itself. A
+name that no component has may be a class of which the node holds one component. Components without a name are named by
+their class and a number: `BoxROI1`, `BoxROI2`. The *nearest* component is the first one of the node, or of the nearest node
+above that has one.
 
 **Includes.** `<include href="part.xml"/>` is replaced by the root element of another file. `name="..."` renames it. A root
 named `Group` is replaced by its members. At most 16 levels.
