@@ -128,7 +128,7 @@ constexpr Attribute output(Attribute row) {
 }
 
 /// A component with its rows, of which some may come as arrays:
-/// `constexpr Table kMesh{topology("Mesh", "Cells."), integers("cells", "..."), kDrawnCells};`
+/// `constexpr Table kMesh{topology("Mesh", "Cells."), integers("cells", "..."), kOutputs};`
 template <std::size_t kSize>
 struct Table : Description {
   template <class... Rows>
@@ -158,10 +158,6 @@ inline constexpr std::array kCommon = {
     free_text("name", "Name in links; default: ClassName1, ClassName2, ..."),
     link("src",
          "A component, mostly a loader: every attribute that it has too, and that is not given here, follows its."),
-    boolean("printLog", {.initial = "false", .access = Access::kIgnored}, "Ignored here."),
-    boolean("listening", {.initial = "false", .access = Access::kIgnored}, "Ignored here."),
-    free_text("tags", {.access = Access::kIgnored}, "Ignored here."),
-    free_text("bbox", {.access = Access::kIgnored}, "Visual: ignored here."),
 };
 
 /// Of force fields that have a stiffness.

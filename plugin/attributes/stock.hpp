@@ -15,12 +15,6 @@ inline constexpr Table kNode{
     vector3("gravity", {.initial = "0 -9.81 0", .unit = "m/s^2"},
             "Acceleration of every mass; that of the root counts."),
     real("time", {.initial = "0", .unit = "s", .range = {.min = 0, .max = 0}}, "Every run begins at 0."),
-    boolean("animate", {.initial = "false", .access = Access::kIgnored}, "Ignored here."),
-    ignored_attributes("Ignored here: every node takes part in every step.", "sleeping", "canChangeSleepingState"),
-    ignored_attribute("depend", "Ignored here: nodes are in the order of the scene."),
-    visual_attributes("showBoundingTree", "showBoundingCollisionModels", "showBehaviorModels", "showCollisionModels",
-                      "showMappings", "showMechanicalMappings", "showForceFields", "showInteractionForceFields",
-                      "showVisualModels", "showWireFrame", "showWireframe", "showNormals"),
 };
 
 inline constexpr Table kRequiredPlugin{
@@ -28,17 +22,9 @@ inline constexpr Table kRequiredPlugin{
         "RequiredPlugin",
         "Loads plugins by name. Names that begin with Sofa. are modules of SOFA, and are not loaded here."),
     free_text("pluginName", "Names of plugins, separated by blanks; default: `name`."),
-    ignored_attribute("suffixMap", "Ignored here: a plugin is found by its name alone."),
-    ignored_attribute("stopAfterFirstNameFound", "Ignored here: all names are loaded."),
-    ignored_attribute("stopAfterFirstSuffixFound", "Ignored here: a plugin is found by its name alone."),
-    ignored_attributes("Ignored here: all names are required.", "requireOne", "requireAll"),
 };
 
-inline constexpr Table kDefaultAnimationLoop{
-    Category{"AnimationLoop"}("DefaultAnimationLoop",
-                              "The order of events of a time step. A root without animation loop gets this one."),
-    ignored_attribute("parallelODESolving", "Ignored here: solvers run one after another."),
-    ignored_attribute("computeBoundingBox", "Visual: ignored here."),
-};
+inline constexpr Description kDefaultAnimationLoop = Category{"AnimationLoop"}(
+    "DefaultAnimationLoop", "The order of events of a time step. A root without animation loop gets this one.");
 
 }  // namespace hexaplast::attributes

@@ -143,9 +143,8 @@ class Resolver {
   // src="@loader": every attribute that the loader has too and that is not given follows the loader's, but for those
   // that say how the loader itself goes to work.
   void follow_all(Data& src, Object& loader) {
-    static constexpr std::string_view kOwnOfLoaders[] = {
-        "filename", "flipNormals", "triangulate", "createSubelements", "onlyAttachedPoints", "translation",
-        "rotation", "scale3d",     "scale"};
+    static constexpr std::string_view kOwnOfLoaders[] = {"filename", "triangulate", "translation",
+                                                         "rotation", "scale3d",     "scale"};
     bool has_common = false;
     for (const auto& source : loader.all_data()) {
       const attributes::Attribute& offered = source->attribute();

@@ -163,6 +163,7 @@ class Reader {
   void read_attribute(const ElementAttribute& attribute, Object& object) {
     const std::string where = fmt::format("{}.{}", object.class_name(), attribute.name);
     Data* data = object.find_data(attribute.name);
+    if (!data && std::ranges::count(split_words(attributes::kPassedOver), attribute.name) > 0) return;
     if (!data) {
       std::vector<std::string_view> known;
       for (const auto& other : object.all_data())

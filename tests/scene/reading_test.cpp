@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <fmt/format.h>
+
 #include <set>
 
 #include "attributes/gone.hpp"
+#include "attributes/stock.hpp"
 #include "support/files.hpp"
 #include "support/scene.hpp"
 
@@ -81,6 +84,22 @@ TEST(SceneReading, NamesThatAreGoneSayWhatToWriteInstead) {
           << name;
     }
     EXPECT_EQ(is_there, dot != name.npos) << name;
+  }
+}
+
+// A name that is passed over on every component is none that some component has.
+TEST(SceneReading, WhatIsPassedOverHasAnEffectNowhere) {
+  EXPECT_TRUE(has(errors_of(framed("<BoxROI drawBoxes='1'/><InstrumentContactForceField activated='0'/>")),
+                  "test.scn:3: error: InstrumentContactForceField.activated: unknown attribute\n  hint:"));
+  std::vector<const attributes::Description*> all = factory().descriptions();
+  all.push_back(&attributes::kNode);
+  for (const std::string_view name : scene::split_words(attributes::kPassedOver)) {
+    EXPECT_TRUE(attributes::instead_of(fmt::format(".{}", name)).empty()) << name;
+    for (const attributes::Description* component : all) {
+      EXPECT_EQ(std::ranges::count(component->attributes, name, &attributes::Attribute::name), 0)
+          << component->class_name << "." << name;
+      EXPECT_TRUE(attributes::instead_of(fmt::format("{}.{}", component->class_name, name)).empty()) << name;
+    }
   }
 }
 

@@ -6,17 +6,33 @@
 /// What has no effect on a scene: components and attributes that are accepted unread, and what pictures show.
 namespace hexaplast::attributes {
 
-/// An attribute that is accepted unread.
-constexpr Attribute ignored_attribute(std::string_view name, std::string_view help) {
-  return free_text(name, {.access = Access::kIgnored}, help);
+/// Attributes of SOFA's components that are accepted unread where a component has none of that name: of drawing and
+/// windows, and those for which there is no choice here. Nothing here has them with effect.
+inline constexpr std::string_view kPassedOver =
+    "alphaBlend angularStiffness animate arrowSizeCoef bbox blendEquation blendTransparency canChangeSleepingState "
+    "checkConnexity checkTopology computeAllBuffers computeBoundingBox computeEdgeList computeEdges computeHexahedra "
+    "computeHexaList computeMassOnRest computePointList computeQuadList computeQuads computeResidual "
+    "computeTetrahedra computeTriangleList computeTriangles computeZClip createQuadArray createTexCoords "
+    "createTriangleArray cullFace depend depthTest derivX destFactor doUpdate drawBox drawBoxes drawEdges "
+    "drawForceScale drawHexahedra drawMode drawOut drawPoints drawQuads drawROI drawSize drawSphere drawSpring "
+    "drawTetrahedra drawTriangles fixedLookAt fixMergedUVSeams flipNormals forceBinary freeRotations geometryState "
+    "graph handleDynamicTopology handleSeams headerSize heightViewport input_topology isVisible lastFreeRotation "
+    "lineSmooth lineWidth listening loadMaterial mapConstraints mapForces mapMasses maxBBox mergePositionUsingMap "
+    "minBBox nbPoints orderingMethod output_topology panSpeed parallelInverseProduct parallelODESolving pivot "
+    "planeColor pointSize pointSmooth precomputeSymbolicDecomposition preserveTotalMass primitiveType printLog "
+    "recompute_indices requireAll requireOne residualGraph restRotations ROIedges savingPrecision "
+    "should_diverge_when_residual_is_growing showArrowSize showAxisSizeFactor showBehaviorModels "
+    "showBoundingCollisionModels showBoundingTree showCollisionModels showColor showForceFields showGravityCenter "
+    "showIndices showIndicesScale showInteractionForceFields showMappings showMechanicalMappings showMovement "
+    "showNormals showObject showObjectScale showPlane showPlaneSize showVectors showVectorsScale showVisualModels "
+    "showWireFrame showWireframe sleeping solveConstraint sourceFactor springColor stopAfterFirstNameFound "
+    "stopAfterFirstSuffixFound storeGroups suffixMap tags texcoords texturename threadSafeVisitor updateNormals "
+    "useNormals useTangentStiffness warnWhenDiverge warnWhenLineSearchFails widthViewport zFar zNear zoomSpeed";
+
+/// One that is accepted unread here, and has an effect elsewhere or a name that says too little.
+constexpr Attribute ignored(std::string_view name) {
+  return free_text(name, {.access = Access::kIgnored}, "Ignored here.");
 }
-template <class... Names>
-constexpr std::array<Attribute, sizeof...(Names)> ignored_attributes(std::string_view help, Names... names) {
-  return {ignored_attribute(names, help)...};
-}
-constexpr auto visual_attributes(auto... names) { return ignored_attributes("Visual: ignored here.", names...); }
-inline constexpr auto kDrawnCells =
-    visual_attributes("drawEdges", "drawTriangles", "drawQuads", "drawTetrahedra", "drawHexahedra");
 
 /// A component that is accepted with whatever attributes it has.
 constexpr Description ignored_component(std::string_view class_name, std::string_view category, std::string_view help) {
@@ -55,10 +71,11 @@ inline constexpr Table kOglModel{
              "Points; default: those of the state that it follows by an IdentityMapping in its node."),
     indices("triangles", "Groups of three points."),
     indices("quads", "Groups of four points."),
-    visual_attributes("edges", "normals", "texcoords", "color", "material", "texturename", "flipNormals", "useNormals",
-                      "updateNormals", "handleDynamicTopology", "fixMergedUVSeams", "isEnabled", "alphaBlend",
-                      "depthTest", "cullFace", "lineWidth", "pointSize", "lineSmooth", "pointSmooth", "primitiveType",
-                      "blendEquation", "sourceFactor", "destFactor", "blendTransparency"),
+    ignored("edges"),
+    ignored("normals"),
+    ignored("color"),
+    ignored("material"),
+    ignored("isEnabled"),
 };
 
 inline constexpr Table kVisualStyle{
@@ -86,8 +103,7 @@ inline constexpr Table kInteractiveCamera{
          "without, its direction counts, and the distance is fitted to the run."),
     one_of("projectionType", {.initial = "Perspective", .words = "Perspective Orthographic 0 1"},
            "Beside fieldOfView; 0 is Perspective. Fitted pictures are orthographic."),
-    visual_attributes("zNear", "zFar", "computeZClip", "minBBox", "maxBBox", "widthViewport", "heightViewport",
-                      "activated", "fixedLookAt", "zoomSpeed", "panSpeed", "pivot"),
+    ignored("activated"),
 };
 
 }  // namespace hexaplast::attributes

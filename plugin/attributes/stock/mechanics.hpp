@@ -20,8 +20,6 @@ inline constexpr Table kEulerImplicitSolver{
             "Forces at the middle of the step, with half the numerical damping. As in SOFA it is of first order in "
             "time, and vibrations faster than 2 / dt (rad/s) grow, even with Rayleigh damping."),
     link("linearSolver", "Solver of the linear system; default: the nearest one."),
-    ignored_attribute("solveConstraint", "Ignored here: there are no Lagrangian constraints."),
-    ignored_attributes("Ignored here.", "threadSafeVisitor", "computeResidual"),
 };
 
 inline constexpr Table kStaticSolver{
@@ -29,7 +27,6 @@ inline constexpr Table kStaticSolver{
                "Static equilibrium under the loads at the beginning of each time step, then one plastic step."),
     link("newtonSolver", "Newton solver; default: the nearest one."),
     link("linearSolver", "Solver of the linear systems; default: the nearest one."),
-    ignored_attribute("should_diverge_when_residual_is_growing", "Ignored here."),
 };
 
 inline constexpr Table kNewtonRaphsonSolver{
@@ -52,11 +49,6 @@ inline constexpr Table kNewtonRaphsonSolver{
     real("lineSearchCoefficient",
          {.initial = "0.5", .range = {.min = 0, .max = 1, .exclusive_min = true, .exclusive_max = true}},
          "Factor of the step length for each further try."),
-    boolean("warnWhenLineSearchFails", {.initial = "true", .access = Access::kIgnored},
-            "Ignored here: steps without equilibrium are always counted and reported."),
-    boolean("warnWhenDiverge", {.initial = "true", .access = Access::kIgnored},
-            "Ignored here: steps without equilibrium are always counted and reported."),
-    ignored_attribute("residualGraph", "Ignored here."),
 };
 
 inline constexpr std::string_view kCGTemplates =
@@ -72,16 +64,10 @@ inline constexpr Table kCGLinearSolver{
          "Stops when p.Ap <= this value; 0 switches it off. Tissue lies below the default: then nothing is solved, and "
          "velocities stay."),
     boolean("warmStart", {.initial = "false"}, "Begins with the solution of the step before."),
-    ignored_attribute("graph", "Ignored here."),
 };
 
-inline constexpr Table kSparseLDLSolver{
-    Category{"LinearSolver", kMatrixTemplates}(
-        "SparseLDLSolver", "Direct sparse factorisation by CHOLMOD, of the matrix of the present step."),
-    ignored_attribute("precomputeSymbolicDecomposition", "Ignored here: it is kept as long as the pattern stays."),
-    ignored_attribute("orderingMethod", "Ignored here: CHOLMOD chooses the order."),
-    ignored_attributes("Ignored here.", "parallelInverseProduct", "savingPrecision"),
-};
+inline constexpr Description kSparseLDLSolver = Category{"LinearSolver", kMatrixTemplates}(
+    "SparseLDLSolver", "Direct sparse factorisation by CHOLMOD, of the matrix of the present step.");
 
 // ---- masses
 
@@ -94,8 +80,6 @@ inline constexpr Table kUniformMass{
     real("totalMass", {.unit = "kg", .range = kPositive}, "Divided equally among all nodes."),
     real("vertexMass", {.unit = "kg", .range = kPositive}, "Of each node, unless totalMass is given."),
     kMassRayleigh,
-    ignored_attribute("preserveTotalMass", "Ignored here: nodes stay when hexahedra tear."),
-    visual_attributes("showGravityCenter", "showAxisSizeFactor"),
 };
 
 inline constexpr Attribute kMassTopology = link("topology", "The hexahedra; default: the nearest topology.");
@@ -109,9 +93,6 @@ inline constexpr Table kDiagonalMass{
     reals("vertexMass", {.unit = "kg", .range = kNotNegative}, "One value for all nodes, or one per node."),
     kMassRayleigh,
     kMassTopology,
-    ignored_attribute("computeMassOnRest", "Ignored here: volumes are those of the rest positions."),
-    ignored_attribute("geometryState", "Ignored here: the nodes are those of the mechanical state."),
-    visual_attributes("showGravityCenter", "showAxisSizeFactor"),
 };
 
 // ---- forces
@@ -122,8 +103,7 @@ inline constexpr Table kConstantForceField{
     vectors3("forces", {.unit = "N"},
              "One for all nodes, or one per index. Counts before totalForce; one of the two is needed."),
     vector3("totalForce", {.initial = "0 0 0", .unit = "N"}, "Divided equally among the nodes."),
-    ignored_attribute("topology", "Ignored here: nodes keep their numbers."),
-    visual_attributes("showArrowSize", "showColor"),
+    ignored("topology"),
 };
 
 inline constexpr Table kLinearForceField{
@@ -134,7 +114,6 @@ inline constexpr Table kLinearForceField{
              "Force on each node at each key time: none before the first time, linear in between, constant after the "
              "last. That at the beginning of a step counts."),
     real("force", {.initial = "1"}, "Factor of the forces, except from the last time on."),
-    visual_attributes("arrowSizeCoef"),
 };
 
 inline constexpr Attribute kLoadTopology = link("topology", "The faces; default: the nearest topology.");
@@ -148,11 +127,7 @@ inline constexpr Table kSurfacePressureForceField{
     vector3("min", {.initial = "0 0 0", .unit = "m"},
             "Faces count while all their nodes lie in the box from here to max; if both are 0, everywhere."),
     vector3("max", {.initial = "0 0 0", .unit = "m"}, "The other corner of the box."),
-    ignored_attribute("useTangentStiffness",
-                      "Ignored here: the loads have no part in the matrix (in SOFA that of "
-                      "triangles has, and makes it non-symmetric)."),
     kLoadTopology,
-    visual_attributes("drawForceScale"),
 };
 
 inline constexpr Table kPlaneForceField{
@@ -164,7 +139,6 @@ inline constexpr Table kPlaneForceField{
          "Force against the velocity of a node, per velocity and depth."),
     real("maxForce", {.initial = "0", .unit = "N", .range = kNotNegative}, "Largest force on a node; 0: no limit."),
     kForceRayleigh,
-    visual_attributes("showPlane", "planeColor", "showPlaneSize"),
 };
 
 // ---- springs between nodes
@@ -190,7 +164,6 @@ inline constexpr Table kSpringForceField{
     reals("lengths", {.initial = "0", .unit = "m", .range = kNotNegative}, "At rest: one value, or one per spring."),
     boolean("elongationOnly", {.initial = "false"}, "No force of springs that are shorter than at rest."),
     kSpringRayleigh,
-    visual_attributes("showArrowSize", "drawMode"),
 };
 
 inline constexpr Table kRestShapeSpringsForceField{
@@ -203,9 +176,6 @@ inline constexpr Table kRestShapeSpringsForceField{
          "Default: the rest positions."),
     indices("external_points", "Nodes of that state, as many; default: all."),
     kSpringRayleigh,
-    ignored_attribute("angularStiffness", "Ignored here: nodes do not turn."),
-    ignored_attribute("recompute_indices", "Ignored here."),
-    visual_attributes("drawSpring", "springColor"),
 };
 
 // ---- prescribed motion
@@ -214,7 +184,7 @@ inline constexpr Attribute kFixedIndices = indices("indices", {.initial = "0"}, 
 inline constexpr Attribute kFixAll = boolean("fixAll", {.initial = "false"}, "Fixes every node.");
 // SOFA's constraints do not have these outputs.
 inline constexpr std::array kConstraintAttributes = {
-    ignored_attribute("topology", "Ignored here: nodes keep their numbers."),
+    ignored("topology"),
     output(vector3("reaction", {.unit = "N"},
                    "Sum of the forces of constraints on its nodes in the last step, in the directions that are held; "
                    "jumps of a prescribed velocity come on top. Of EulerImplicitSolver only, and not in SOFA.")),
@@ -227,7 +197,6 @@ inline constexpr Table kFixedProjectiveConstraint{
     kFixedIndices,
     kFixAll,
     kConstraintAttributes,
-    visual_attributes("showObject", "drawSize"),
 };
 
 inline constexpr Table kPartialFixedProjectiveConstraint{
@@ -237,7 +206,6 @@ inline constexpr Table kPartialFixedProjectiveConstraint{
     integers("fixedDirections", {.initial = "1 1 1", .range = {.min = 0, .max = 1}},
              "1 for each of x, y, z that is held, 0 where nodes move freely."),
     kConstraintAttributes,
-    visual_attributes("showObject", "drawSize"),
 };
 
 inline constexpr Attribute kMovedIndices = indices("indices", {.initial = "0"}, "Nodes that are moved.");
@@ -255,7 +223,6 @@ inline constexpr Table kLinearMovementProjectiveConstraint{
     kKeyTimes,
     kMovements,
     kConstraintAttributes,
-    visual_attributes("showMovement"),
 };
 
 inline constexpr Table kPartialLinearMovementProjectiveConstraint{
@@ -268,7 +235,6 @@ inline constexpr Table kPartialLinearMovementProjectiveConstraint{
     integers("movedDirections", {.initial = "1 1 1", .range = {.min = 0, .max = 1}},
              "1 for each of x, y, z in which nodes are moved, 0 where they are free."),
     kConstraintAttributes,
-    visual_attributes("showMovement"),
 };
 
 inline constexpr Table kAttachProjectiveConstraint{
@@ -286,7 +252,6 @@ inline constexpr Table kAttachProjectiveConstraint{
     boolean("twoWay", {.initial = "false"},
             "Both nodes of a pair have the mean of their accelerations, and forces pass between the states; not with "
             "direct solvers. Otherwise the second node does not accelerate, and no force passes."),
-    ignored_attributes("Ignored here: nodes do not turn.", "freeRotations", "lastFreeRotation", "restRotations"),
 };
 
 // ---- states that follow others
@@ -308,20 +273,12 @@ inline constexpr Table kBarycentricMapping{
             "nodes."),
     kMappingInput,
     kMappingOutput,
-    ignored_attribute("input_topology", "Ignored here: the hexahedra are those of the followed state's node."),
-    ignored_attribute("output_topology", "Ignored here: points are not removed."),
-    ignored_attribute("mapForces", "Ignored here: forces are always carried up."),
-    ignored_attribute("mapMasses", "Ignored here: masses are always carried up."),
-    ignored_attribute("mapConstraints", "Ignored here: there are no Lagrangian constraints."),
 };
 
 inline constexpr Table kIdentityMapping{
     mapping("IdentityMapping", "A state with the same nodes as the one it follows."),
     kMappingInput,
     kMappingOutput,
-    ignored_attribute("mapForces", "Ignored here: forces are always carried up."),
-    ignored_attribute("mapMasses", "Ignored here: masses are always carried up."),
-    ignored_attribute("mapConstraints", "Ignored here: there are no Lagrangian constraints."),
 };
 
 }  // namespace hexaplast::attributes

@@ -22,11 +22,8 @@ inline constexpr Table kMechanicalObject{
     vector3("translation", {.initial = "0 0 0", .unit = "m"}, "Applied last."),
     link("topology", "Source of the nodes; default: the nearest topology."),
     real("scale", {.initial = "1"}, "Factor of all three directions; SOFA reads it in single precision."),
-    ignored_attribute("size", "Ignored here: there are as many nodes as positions."),
-    ignored_attribute("force", "Ignored here: forces are computed in every step, in SOFA too."),
-    ignored_attribute("derivX", "Ignored here: it is computed in every step, in SOFA too."),
-    visual_attributes("showObject", "showObjectScale", "showIndices", "showIndicesScale", "showVectors",
-                      "showVectorsScale", "showColor", "drawMode"),
+    ignored("size"),
+    ignored("force"),
 };
 
 inline constexpr Attribute kTopologyEdges = output(integers("edges", "Pairs of nodes."));
@@ -42,11 +39,6 @@ inline constexpr Table kRegularGridTopology{
     output(hexahedra("hexahedra", "Cells, x fastest.")),
     kTopologyQuads,
     kTopologyEdges,
-    ignored_attributes("Ignored here: what is asked for is computed.", "computeHexaList", "computeQuadList",
-                       "computeTriangleList"),
-    ignored_attribute("createTexCoords", "Visual: ignored here."),
-    ignored_attributes("Ignored here: what is asked for is computed.", "computeEdgeList", "computePointList"),
-    kDrawnCells,
 };
 
 inline constexpr Table kSparseGridTopology{
@@ -73,7 +65,6 @@ inline constexpr Table kSparseGridTopology{
                      "The cells that the surface passes through, then those that it encloses; x fastest in both.")),
     kTopologyQuads,
     kTopologyEdges,
-    kDrawnCells,
 };
 
 constexpr Description container(std::string_view class_name, std::span<const Attribute> attributes = {}) {
@@ -86,12 +77,6 @@ inline constexpr Table kMeshTopology{
     indices("quads", "Groups of four nodes; default: all faces of the hexahedra, each once."),
     indices("triangles", "Groups of three nodes."),
     indices("edges", "Pairs of nodes; default: all edges of the hexahedra, each once."),
-    ignored_attribute("nbPoints", "Ignored here: there are as many nodes as positions."),
-    ignored_attribute("createTriangleArray", "Ignored here."),
-    ignored_attributes("Ignored here: what is asked for is computed.", "createQuadArray", "computeAllBuffers"),
-    ignored_attribute("checkConnexity", "Ignored here: unconnected parts are allowed."),
-    ignored_attribute("checkTopology", "Ignored here: it is always checked."),
-    kDrawnCells,
 };
 inline constexpr Description kHexahedronSetTopologyContainer =
     container("HexahedronSetTopologyContainer", kMeshTopology.rows);
@@ -113,8 +98,7 @@ inline constexpr std::array kLoaderAttributes =
         output(integers("triangles", "Groups of three nodes.")),
         output(integers("quads", "Groups of four nodes.")),
         output(hexahedra("hexahedra", "Groups of eight nodes.")),
-        ignored_attributes("Ignored here: normals are drawing.", "flipNormals", "normals"),
-        visual_attributes("handleSeams", "loadMaterial", "storeGroups"),
+        ignored("normals"),
     }
         .rows;
 
@@ -133,15 +117,11 @@ inline constexpr Description kMeshVTKLoader =
                 kLoaderAttributes);
 inline constexpr Description kMeshOBJLoader =
     mesh_loader("MeshOBJLoader", "Reads the vertices, lines and faces of .obj files.", kLoaderAttributes);
-inline constexpr Table kMeshSTLLoader{
+inline constexpr Description kMeshSTLLoader =
     mesh_loader("MeshSTLLoader",
                 "Reads the triangles of .stl files, text or binary. Equal corners are one node. Triangles with two "
-                "equal corners are left out, with a warning."),
-    kLoaderAttributes,
-    ignored_attribute("headerSize", "Ignored here: it is 80, as the format has it."),
-    ignored_attribute("forceBinary", "Ignored here: the size of a file tells whether it is binary."),
-    ignored_attribute("mergePositionUsingMap", "Ignored here: corners in one place are always one node."),
-};
+                "equal corners are left out, with a warning.",
+                kLoaderAttributes);
 
 // ---- parts of a body found by their place
 
@@ -157,14 +137,6 @@ constexpr auto region_rows(std::string_view strict) {
       output(integers("indicesOut", "Points outside, ascending.")),
       output(integers("hexahedronIndices", "Hexahedra inside, ascending.")),
       output(hexahedra("hexahedraInROI", "Nodes of the hexahedra inside.")),
-      ignored_attribute("doUpdate", "Ignored here: outputs follow their inputs."),
-      ignored_attributes("Ignored here: what is asked for is computed.", "computeEdges", "computeTriangles",
-                         "computeQuads"),
-      ignored_attribute("computeTetrahedra", "Ignored here: there are none."),
-      ignored_attribute("computeHexahedra", "Ignored here: what is asked for is computed."),
-      visual_attributes("drawROI", "drawPoints"),
-      kDrawnCells,
-      visual_attributes("drawSize"),
   }
       .rows;
 }
@@ -177,7 +149,6 @@ inline constexpr Table kBoxROI{
     reals("orientedBox", {.unit = "m"},
           "Ten numbers for each box: three consecutive corners of a rectangle, and the thickness, half of it to either "
           "side."),
-    visual_attributes("drawBoxes"),
     region_rows("true"),
 };
 
@@ -186,7 +157,6 @@ inline constexpr Table kSphereROI{
     vectors3("centers", {.unit = "m"}, "Centre of each sphere."),
     reals("radii", {.unit = "m", .range = kNotNegative},
           "One for all spheres, or one each. Points on the surface are inside."),
-    visual_attributes("isVisible", "drawSphere"),
     region_rows("true"),
 };
 
@@ -195,8 +165,6 @@ inline constexpr Table kMeshROI{
     vectors3("ROIposition", {.unit = "m"}, "Points of a surface."),
     indices("ROItriangles", "Its triangles. It must be closed and oriented; several points may lie at one place."),
     output(boxes("box", {.unit = "m"}, "Around the surface.")),
-    ignored_attribute("ROIedges", "Ignored here: the triangles have them."),
-    visual_attributes("drawOut", "drawBox"),
     region_rows("false"),
 };
 

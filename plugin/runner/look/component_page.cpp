@@ -25,8 +25,8 @@ constexpr std::string_view kIntroduction =
     R"(# Components
 
 Components and attributes of scenes. `hexaplast list --markdown` prints this page from the table that also checks scenes;
-`hexaplast list BoxROI` also prints templates, and attributes of SOFA that are accepted without effect. Names, defaults and
-meaning are SOFA's wherever SOFA has the component. Units are SI.
+`hexaplast list BoxROI` also prints templates. Names, defaults and meaning are SOFA's wherever SOFA has the component; its
+attributes of drawing are accepted without effect. Units are SI.
 
 A scene is XML: nodes hold nodes and components, `<BoxROI .../>` or `<Object type="BoxROI" .../>`. This one runs; save it
 as `beam.scn` and try `hexaplast run beam.scn`, or `hexaplast check beam.scn` for a model check:
