@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "attributes/texts.hpp"
 
-#include "attributes/examples.hpp"
-#include "attributes/gone.hpp"
+#include "attributes/files.hpp"
 #include "attributes/words.hpp"
 
 namespace hexaplast::attributes {

@@ -6,7 +6,6 @@
 #include <cctype>
 #include <cmath>
 
-#include "attributes/admissible.hpp"
 #include "hexaplast/base/rows.hpp"
 
 namespace hexaplast::attributes {

@@ -7,7 +7,9 @@
 #include <string_view>
 #include <vector>
 
-/// Words in the values of attributes, and what a wrong one was meant to be.
+#include "attributes/attribute.hpp"
+
+/// Words in the values of attributes, what a wrong one was meant to be, and numbers that cannot be.
 namespace hexaplast::attributes {
 
 /// Calls with each word of a text, which blanks separate.
@@ -31,6 +33,13 @@ std::string quoted(std::string_view text);
 /// The one of `names` that `name` probably means: equal but for case, or at most two edits (insert, delete, replace,
 /// swap of neighbours) away, and nearer than half its length. Empty when there is none.
 std::string nearest(std::string_view name, std::span<const std::string_view> names);
+
+/// "must be > 0", "must lie in [0, 0.5)"; empty when every number is admissible.
+std::string describe(const Range& range);
+
+/// "-1 must be > 0": what is wrong with a number that a range does not contain.
+std::string inadmissible(const Range& range, double number);
+std::string inadmissible(const Range& range, long number);
 
 /// "'vonMiss' must be vonMises or frobenius (did you mean 'vonMises'?)"; empty where `word` is one of `words`.
 std::string unknown_word(std::string_view word, std::span<const std::string_view> words);

@@ -8,7 +8,7 @@
 
 #include "components/mechanical_system.hpp"
 #include "hexaplast/base/error.hpp"
-#include "parts/node_rows.hpp"
+#include "parts/spread_nodes.hpp"
 
 namespace hexaplast::components {
 

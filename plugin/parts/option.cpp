@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "attributes/admissible.hpp"
 #include "attributes/words.hpp"
 
 namespace hexaplast::parts {

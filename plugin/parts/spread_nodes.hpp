@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "hexaplast/base/types.hpp"
 #include "hexaplast/mesh/node_copies.hpp"
 
 namespace hexaplast::parts {
@@ -49,6 +50,18 @@ inline std::vector<int> missing_copies(std::span<const int> nodes, const NodeCop
     for (const int copy : copies.of(copies.initial()[node]))
       if (!std::exchange(is_there[static_cast<std::size_t>(copy)], 1)) missing.push_back(copy);
   return missing;
+}
+
+/// Gives new nodes of a state the rows of those that they were split from, behind its present ones, which lie at
+/// [first, end).
+inline void insert_rows(PointArray& field, std::span<const int> split_from, Eigen::Index first, Eigen::Index end) {
+  const PointArray before = field;
+  const Eigen::Index count = std::ssize(split_from), behind = before.rows() - end;
+  field.resize(before.rows() + count, 3);
+  field.topRows(end) = before.topRows(end);
+  for (Eigen::Index i = 0; i < count; ++i)
+    field.row(end + i) = before.row(first + split_from[static_cast<std::size_t>(i)]);
+  field.bottomRows(behind) = before.bottomRows(behind);
 }
 
 }  // namespace hexaplast::parts

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "attributes/gone.hpp"
+#include "attributes/texts.hpp"
 #include "scene/interfaces.hpp"
 
 namespace hexaplast::scene {

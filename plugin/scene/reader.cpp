@@ -11,8 +11,8 @@
 #include <unordered_set>
 #include <utility>
 
-#include "attributes/gone.hpp"
 #include "attributes/stock.hpp"
+#include "attributes/texts.hpp"
 #include "formats/readable_file.hpp"
 #include "hexaplast/base/error.hpp"
 #include "scene/document.hpp"

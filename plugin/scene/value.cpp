@@ -8,7 +8,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "attributes/admissible.hpp"
+#include "attributes/words.hpp"
 #include "hexaplast/base/error.hpp"
 
 namespace hexaplast::scene {

@@ -9,7 +9,7 @@
 #include <optional>
 #include <span>
 
-#include "attributes/admissible.hpp"
+#include "attributes/words.hpp"
 #include "view/widgets.hpp"
 #include "view/window_state.hpp"
 

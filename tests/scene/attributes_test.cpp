@@ -6,9 +6,9 @@
 #include <memory>
 #include <random>
 
-#include "attributes/admissible.hpp"
-#include "attributes/examples.hpp"
 #include "attributes/stock.hpp"
+#include "attributes/texts.hpp"
+#include "attributes/words.hpp"
 #include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/body.hpp"

@@ -3,7 +3,7 @@
 // time, whoever changes it, nothing else moves, reset undoes it, and a run that is taken up goes on with it.
 #include <optional>
 
-#include "attributes/examples.hpp"
+#include "attributes/texts.hpp"
 #include "hexaplast/base/error.hpp"
 #include "support/example_scene.hpp"
 #include "support/scene.hpp"

@@ -3,8 +3,8 @@
 
 #include <set>
 
-#include "attributes/gone.hpp"
 #include "attributes/stock.hpp"
+#include "attributes/texts.hpp"
 #include "support/files.hpp"
 #include "support/scene.hpp"
 

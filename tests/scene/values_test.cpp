@@ -3,10 +3,10 @@
 #include <memory>
 #include <set>
 
-#include "attributes/admissible.hpp"
 #include "attributes/hexaplast.hpp"
 #include "attributes/parts.hpp"
 #include "attributes/stock.hpp"
+#include "attributes/words.hpp"
 #include "hexaplast/base/error.hpp"
 #include "scene/document.hpp"
 #include "scene/interfaces.hpp"

@@ -9,9 +9,9 @@
 #include <limits>
 #include <map>
 
-#include "attributes/admissible.hpp"
-#include "attributes/examples.hpp"
 #include "attributes/stock.hpp"
+#include "attributes/texts.hpp"
+#include "attributes/words.hpp"
 #include "scene/value.hpp"
 
 namespace hexaplast::runner {

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "attributes/admissible.hpp"
+#include "attributes/words.hpp"
 #include "runner/command.hpp"
 #include "runner/look/component_page.hpp"
 #include "runner/run/common_options.hpp"

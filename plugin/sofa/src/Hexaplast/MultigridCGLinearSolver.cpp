@@ -21,7 +21,7 @@
 #include "hexaplast/solve/compliance.hpp"
 #include "hexaplast/solve/implicit_euler.hpp"
 #include "parts/multigrid_cg.hpp"
-#include "parts/node_rows.hpp"
+#include "parts/spread_nodes.hpp"
 
 namespace hexaplast::sofa_plugin
 {

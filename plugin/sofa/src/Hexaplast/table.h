@@ -18,7 +18,6 @@
 #include <type_traits>
 #include <vector>
 
-#include "attributes/admissible.hpp"
 #include "attributes/words.hpp"
 #include "hexaplast/material/rows.hpp"
 #include "parts/option.hpp"
