@@ -164,11 +164,14 @@ def test_remarks_of_a_step_that_fails_are_warnings(tmp_path):
     file.write_text("""<Node dt="0.5" gravity="0 0 -9"><DefaultAnimationLoop/>
   <EulerImplicitSolver/><CGLinearSolver threshold="0"/>
   <RegularGridTopology n="4 2 2" max="3 1 1"/><MechanicalObject/><DiagonalMass massDensity="10"/>
+  <AttributeChange component="@ball" attribute="active" keyTimes="2" values="1"/>
+  <AttributeChange component="@springs" attribute="damping" keyTimes="2" values="1e300"/>
   <HexahedronElastoplasticFEMForceField youngModulus="500"/><FixedProjectiveConstraint indices="0 4 8 12"/>
-  <SpringForceField indices1="7 15" indices2="3 11" stiffness="1" damping="1000" lengths="1"/>
+  <SpringForceField name="springs" indices1="7 15" indices2="3 11" stiffness="1" damping="0" lengths="1"/>
+  <InstrumentContactForceField name="ball" active="0" radius="1" keyTimes="0" positions="3 0.5 1.2"/>
 </Node>""")
     scene = hexaplast.Scene(file)
-    with pytest.warns(UserWarning, match="SpringForceField.damping: throws nodes back"):
+    with pytest.warns(UserWarning, match="becomes active"):
         with pytest.raises(ArithmeticError):
             scene.run(40)
 

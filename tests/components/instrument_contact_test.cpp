@@ -343,59 +343,6 @@ TEST(InstrumentChecks, TheEnergyOfContactCloses) {
   EXPECT_EQ(force_on(scene, "ball"), Vec3(0, 0, 0));
 }
 
-TEST(ForcepsFat, HoldsOrSlipsByFriction) {
-  const auto lifted = [](const std::vector<std::string>& friction) {
-    scene::Scene scene = shipped("forceps_fat", friction);
-    const PointArray& x = at<scene::MechanicalState>(scene, "strip/nodes").positions();
-    const int middle = (3 * 6 + 2) * 31 + 15;  // n = 31 6 7
-    const double before = x(middle, 1);
-    run(scene, 150);
-    const double held = x(middle, 1) - before;
-    run(scene, 90);
-    return std::pair(held, x(middle, 1) - before);
-  };
-  const auto [held, left] = lifted({});
-  const auto [slipped, left_then] = lifted({"strip/left.friction=.3", "strip/right.friction=.3"});
-  std::cout << fmt::format("lifted: {:.2f} mm, {:.2f} mm left; slipping: {:.2f} mm, {:.2f} mm\n", 1e3 * held,
-                           1e3 * left, 1e3 * slipped, 1e3 * left_then);
-  EXPECT_GT(held, 0.012);
-  EXPECT_GT(left, 0.003);
-  EXPECT_LT(slipped, 0.4 * held);
-}
-
-TEST(Slope, LetsGoAtTheAngleOfFriction) {
-  constexpr double kDegree = std::numbers::pi / 180;
-  const auto slide = [&](const std::vector<std::string>& friction, double until) {
-    scene::Scene scene = shipped("slope", friction);
-    const PointArray& x = at<scene::MechanicalState>(scene, "block/nodes").positions();
-    const auto along = [&](double angle) {
-      return x.col(0).mean() * std::cos(angle) - (x.col(1).mean() + 0.005) * std::sin(angle);
-    };
-    std::vector<std::pair<double, double>> path;  // time, place along the plate
-    const int steps = static_cast<int>(std::lround(until / 0.005));
-    for (int k = 1; k <= steps; ++k) {
-      scene.step();
-      const double time = 0.005 * k, angle = 25 * kDegree * std::clamp((time - 0.1) / 1.5, 0.0, 1.0);
-      path.emplace_back(time, along(angle));
-    }
-    return path;
-  };
-  const auto sticks = slide({"block/plate.friction=.6"}, 1.8);
-  EXPECT_LT(std::abs(sticks.back().second - sticks.front().second), 0.002) << "it leans";
-
-  const auto slides = slide({}, 1.8);
-  const double onset = 0.1 + 1.5 * std::atan(0.36) / (25 * kDegree);
-  const auto place_at = [&](double time) {
-    return slides[static_cast<std::size_t>(std::lround(time / 0.005)) - 1].second;
-  };
-  EXPECT_LT(std::abs(place_at(onset - 0.05) - slides.front().second), 0.002);
-  // after the onset: g (sin a - mu cos a), with the plate at its end from 1.6 s on
-  const double angle = 25 * kDegree, h = 0.05,
-               acceleration = (place_at(1.8) - 2 * place_at(1.8 - h) + place_at(1.8 - 2 * h)) / (h * h);
-  const double expected = 9.81 * (std::sin(angle) - 0.36 * std::cos(angle));
-  EXPECT_NEAR(acceleration, expected, 0.03 * expected);
-}
-
 TEST(InstrumentContactForceField, RayleighDampingLeavesItAlone) {
   // m v' = h (m g - K h v') from rest, whatever the damping is
   const auto gap_after = [](const std::string& integrator) {
@@ -495,20 +442,6 @@ TEST(InstrumentContactForceField, WarnsOfWhatIsHardlyMeant) {
   const std::string said = warnings_of(plate);
   EXPECT_TRUE(has(said, "contactStiffness: "));
   EXPECT_EQ(said.find("contactStiffness: "), said.rfind("contactStiffness: ")) << said;
-}
-
-TEST(InstrumentContactForceField, GoesBackToWhereItWasFarAway) {
-  const std::string text = block(
-      "<InstrumentContactForceField name='probe' radius='.01' friction='.8' keyTimes='0 .1 .4' "
-      "positions='.03 .03 .142  .03 .03 .038  .036 .03 .038'/>");
-  scene::Scene far = read_and_init(text), near = read_and_init(text);
-  run(far, 3);
-  run(near, 12);
-  go_on_in(far, near);
-  run(far, 12);
-  run(near, 12);
-  EXPECT_EQ(nodes(far), nodes(near));
-  EXPECT_GT(force_on(near, "probe").z(), 1e-3);
 }
 
 }  // namespace

@@ -198,6 +198,11 @@ TEST(MaterialRegion, IsScaledWhereHexahedraArePartlyFilled) {
   EXPECT_EQ(
       moduli_of(scene_of("1", fmt::format("<MaterialRegion indices='0-{}' youngModulus='3000'/>", full.size() - 1))),
       full);
+  scene::Scene scene = read_and_init(scene_of("3000' yieldStress='100' fractureStress='120", ""));
+  for (int e = 0; e < body(scene).mesh().num_elements(); ++e) {
+    EXPECT_EQ(body(scene).material(e).yield_stress, full[e] / 30);
+    EXPECT_EQ(body(scene).material(e).fracture_stress, full[e] / 25);
+  }
 }
 
 TEST(MaterialRegion, MayChangeDuringARunAndWhatFlowedStays) {

@@ -77,50 +77,20 @@ TEST(EulerImplicitSolver, AFreeMassFollowsTheDiscreteLawOfEachScheme) {
   EXPECT_DOUBLE_EQ(fall("firstOrder='true' rayleighMass='0.4'"), 7 - 2 * 0.5 * 10);
 }
 
-/// A slab of 10 x 10 x 3 hexahedra, held at one side and falling, and what acts beside it.
-std::string slab(const std::string& beside, const std::string& nodes = "11 11 4",
-                 const std::string& preconditioner = "multigrid") {
+/// A slab of 2 x 2 x 2 hexahedra, held at one side and falling.
+std::string slab(const std::string& preconditioner) {
   return "<Node dt='0.01' gravity='0 0 -9.81'><DefaultAnimationLoop/><EulerImplicitSolver rayleighMass='0.1' "
          "rayleighStiffness='0.01'/><MultigridCGLinearSolver name='solver' tolerance='1e-6' preconditioner='" +
-         preconditioner + "'/><RegularGridTopology n='" + nodes +
-         "' max='0.1 0.1 0.03'/><MechanicalObject name='nodes'/>"
+         preconditioner +
+         "'/><RegularGridTopology n='3 3 3' max='0.1 0.1 0.03'/><MechanicalObject name='nodes'/>"
          "<DiagonalMass massDensity='1000'/><BoxROI name='end' box='-1 -1 -1  1e-6 1 1'/><FixedProjectiveConstraint "
          "indices='@end.indices'/>"
-         "<HexahedronElastoplasticFEMForceField youngModulus='1e5' poissonRatio='0.45'/>" +
-         beside + "</Node>";
-}
-
-const std::string kGrip = "<GraspForceField radius='0.02' keyTimes='0 0.1' positions='.1 .05 .03  .12 .06 .06' ";
-
-// The first five steps, in which a grip reaches its greatest force.
-int max_iterations(const std::string& text) {
-  scene::Scene scene = read_and_init(text);
-  int max = 0;
-  for (int k = 0; k < 5; ++k) {
-    const SolveReport report = scene.step();
-    EXPECT_TRUE(report.converged);
-    EXPECT_LE(report.residual, 1e-6);
-    EXPECT_EQ(report.preconditioner, PreconditionedBy::kMultigrid);
-    max = std::max(max, report.iterations);
-  }
-  return max;
-}
-
-// How few iterations that takes, and in mixed precision, is OtherTerms.
-TEST(MultigridCGLinearSolver, StaysWhateverActsBesideTheBody) {
-  const int alone = max_iterations(slab(""));
-  for (const std::string& beside :
-       {std::string("<PlaneForceField normal='0 0 1' d='1e-4' stiffness='50'/>"),
-        std::string("<PlaneForceField normal='.36 .48 .8' d='.04' stiffness='50'/>"),
-        kGrip + "stiffness='50' maxForce='.02' damping='.2'/>",
-        std::string("<Node><MechanicalObject position='.07 .05 .031  .08 .03 .02'/><BarycentricMapping/><UniformMass "
-                    "totalMass='.05'/><PlaneForceField normal='0 0 1' d='.1' stiffness='20'/></Node>")})
-    EXPECT_LE(max_iterations(slab(beside)), 1.5 * alone) << beside;
+         "<HexahedronElastoplasticFEMForceField youngModulus='1e5' poissonRatio='0.45'/></Node>";
 }
 
 TEST(MultigridCGLinearSolver, SaysOnceThatABodyHasNoCoarseMeshes) {
   const auto warnings = [](const std::string& preconditioner) {
-    scene::Scene scene = read_and_init(slab("", "3 3 3", preconditioner));
+    scene::Scene scene = read_and_init(slab(preconditioner));
     scene.diagnostics().take_warnings();
     run(scene, 3);
     return scene.diagnostics().take_warnings();
@@ -216,9 +186,9 @@ EnergyBalance after(scene::Scene& scene, int steps) {
 }
 
 /// A hanging bar of 0.1 x 0.1 x 0.4 m in a node of its own, of the given material, with other components.
-std::string heavy_bar(const std::string& material, const std::string& others, double dt = 0.01) {
-  return "<Node dt='" + std::to_string(dt) +
-         "' gravity='0 0 -9.81'><DefaultAnimationLoop/><EulerImplicitSolver name='euler' rayleighMass='0.2' "
+std::string heavy_bar(const std::string& material, const std::string& others) {
+  return "<Node dt='0.01' gravity='0 0 -9.81'><DefaultAnimationLoop/><EulerImplicitSolver name='euler' "
+         "rayleighMass='0.2' "
          "rayleighStiffness='0.01'/><SparseLDLSolver/><RegularGridTopology n='3 3 9' max='.1 .1 .4'/>"
          "<MechanicalObject name='nodes'/><DiagonalMass massDensity='1000'/>"
          "<HexahedronElastoplasticFEMForceField name='body' poissonRatio='0.3' " +
@@ -226,22 +196,6 @@ std::string heavy_bar(const std::string& material, const std::string& others, do
 }
 
 const std::string kHeldAbove = "<FixedProjectiveConstraint indices='72-80'/>";
-
-// A tool with spring and dashpot that pulls beyond yield and lets go, and an obstacle below: the balance closes, and
-// what the plastic steps took is near what the law of flow dissipates.
-TEST(EnergyOfAScene, APlasticCycleCloses) {
-  scene::Scene scene = accounted(heavy_bar(
-      "youngModulus='20000' yieldStress='1500' plasticFlowRate='3'",
-      kHeldAbove + "<PlaneForceField normal='0 0 1' d='-.02' stiffness='500' damping='2'/>"
-                   "<GraspForceField keyTimes='0 .3' positions='.05 .05 0  .1 .05 -.15' radius='.08' stiffness='400' "
-                   "damping='5' releaseTime='.5'/>",
-      0.0025));
-  const EnergyBalance balance = after(scene, 320);
-  const double dissipated = body(scene).dissipated_energy();
-  EXPECT_GT(dissipated, 0.05 * balance.load_work);
-  EXPECT_NEAR(balance.flow_loss, dissipated, 0.2 * dissipated);
-  EXPECT_LT(std::abs(balance.error()), 0.005 * balance.load_work);
-}
 
 TEST(EnergyOfAScene, WhatActsOnEmbeddedPointsCounts) {
   scene::Scene scene = accounted(heavy_bar(

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <map>
 #include <set>
 #include <type_traits>
 
@@ -18,7 +17,6 @@
 #include "parts/blade.hpp"
 #include "parts/grasp.hpp"
 #include "parts/grids.hpp"
-#include "parts/hexahedral_body.hpp"
 #include "parts/instrument.hpp"
 #include "parts/multigrid_cg.hpp"
 #include "parts/option.hpp"
@@ -98,15 +96,6 @@ TEST(Forces, ShowEachOutputOfTheTable) {
   expect_outputs_of_the_table<Tissues>();
 }
 
-TEST(Options, AreCalledInScenesAsTheTableCallsThem) {
-  EXPECT_EQ(attribute_name("radius"), "radius");
-  EXPECT_EQ(attribute_name("max_nb_iterations"), "maxNbIterations");
-  EXPECT_EQ(attribute_name("keyTimes"), "keyTimes");
-  const OptionError error("group_size", "0 must be >= 1");
-  EXPECT_STREQ(error.what(), "group_size: 0 must be >= 1") << "in C++ the member";
-  EXPECT_EQ(error.reasons().at(0).attribute, "groupSize");
-}
-
 TEST(Options, ThatAreWrongAreNamedTogetherAndEachOnce) {
   OptionErrors errors;
   EXPECT_NO_THROW(errors.throw_all());
@@ -140,11 +129,7 @@ TEST(Options, OutsideTheRangesOfTheTableAreRefused) {
             "groupSize: 0 must lie in [1, 2147483646]; indices: 7 must lie in [0, 4); "
             "forces: 0 forces given for 2 times, must be as many");
   EXPECT_EQ(tangential([](auto& o) { o.group_size = 3; }), "indices: 2 nodes do not form groups of 3");
-  EXPECT_EQ(tangential([](auto& o) { o.indices = {-1, 2}; }), "indices: -1 must lie in [0, 4)");
-  EXPECT_EQ(tangential([](auto& o) { o.axis.setZero(); }), "axis: is zero, must have a direction");
   EXPECT_EQ(tangential([](auto& o) { o.centre[1] = kInfinity; }), "centre: inf is not finite");
-  EXPECT_EQ(tangential([](auto& o) { o.times = {1, 1}; }), "times: 1 is followed by 1, must be ascending");
-  EXPECT_EQ(tangential([](auto& o) { o.times = {}; }), "times: is empty, must hold at least one time");
 
   const auto grip = [](auto change) {
     GraspOptions options = grasp();
@@ -153,25 +138,20 @@ TEST(Options, OutsideTheRangesOfTheTableAreRefused) {
   };
   EXPECT_EQ(grip([](auto&) {}), "nothing");
   EXPECT_EQ(grip([](auto& o) { o.radius = {}; }), "radius: is not given");
-  EXPECT_EQ(grip([](auto& o) { o.max_force = -2; }), "maxForce: -2 must be > 0");
   EXPECT_EQ(grip([](auto& o) { o.damping = std::nan(""); }), "damping: nan is not finite");
   EXPECT_EQ(grip([](auto& o) { o.grasp_time = o.release_time.emplace(2); }),
             "releaseTime: is 2, must be after graspTime 2");
-  EXPECT_EQ(grip([](auto& o) { o.indices = {{0, 7}}; }), "indices: 7 must lie in [0, 4)");
 
   const auto instrument = [](const InstrumentOptions& options) {
     return refused([&] { OptionRanges(attributes::kInstrumentContactForceField, options).throw_all(); });
   };
-  EXPECT_EQ(instrument({.size = Vec3(0, 1, 1)}), "size: 0 must be > 0");
   EXPECT_EQ(instrument({.positions = PointArray::Constant(1, 3, kInfinity)}), "positions: inf is not finite");
   EXPECT_EQ(instrument({.contact = {.friction = -1, .max_subdivision = 65}}),
             "friction: -1 must be >= 0; maxSubdivision: 65 must lie in [1, 64]");
 
   EXPECT_EQ(refused([] { make_grid(SheetGridOptions{.cells = {1, 2}}); }), "cells: 2 numbers given, must be three");
   EXPECT_EQ(refused([] { make_grid(SheetGridOptions{.size = {1}}); }), "size: 1 numbers given, must be two");
-  EXPECT_EQ(refused([] { make_grid(SheetGridOptions{.size = {-1, 1}}); }), "size: -1 must be > 0");
   EXPECT_EQ(refused([] { make_grid(TubeGridOptions{.cells = {0, 3, 1}}); }), "cells: 0 must lie in [1, 1000000]");
-  EXPECT_EQ(refused([] { make_grid(SpherePatchGridOptions{.angle = 180}); }), "angle: 180 must lie in (0, 180)");
   EXPECT_THROW(make_grid(TubeGridOptions{.inner_radius = 2, .outer_radius = 1}), InputError) << "the core's own check";
   EXPECT_EQ(refused([] { MultigridCG({.tolerance = 0}); }), "tolerance: 0 must lie in (0, 1]");
   const auto& words = attributes::attribute_of(attributes::kMultigridCGLinearSolver, "preconditioner");
@@ -233,127 +213,6 @@ TEST(AttributeChange, HasValuesWithoutBlanksAroundThem) {
   using Values = std::vector<std::optional<std::string_view>>;
   EXPECT_EQ(values_of_changes(" true; false ;; 1 2\n"), (Values{"true", "false", std::nullopt, "1 2"}));
   EXPECT_EQ(values_of_changes(""), Values());
-}
-
-using Given = std::map<std::string, std::vector<double>, std::less<>>;
-
-HexahedralBodyOptions options(const Given& given, std::size_t num_hexahedra = 12, std::span<const double> fill = {}) {
-  return body_options(
-      [&](const auto& row) -> std::optional<std::vector<double>> {
-        const auto found = given.find(row.name);
-        if (found == given.end()) return std::nullopt;
-        return found->second;
-      },
-      num_hexahedra, fill);
-}
-
-std::string refused_options(const Given& given) {
-  return refused([&] { options(given); });
-}
-
-class BodyPart : public testing::Test {
- protected:
-  static constexpr double kStep = 0.02;  // [s]
-  HexahedralBody made(const Given& given) const {
-    return HexahedralBody(mesh.positions(), mesh.hexahedra(), options(given), kStep);
-  }
-
-  const HexMesh mesh = distorted_block({2, 2, 3}, 0.1, 0.1, 11);
-  const PointArray stretched = mesh.positions() * Eigen::Vector3d(0.9, 0.95, 1.3).asDiagonal();
-  const Given plastic{{"youngModulus", {7000}}, {"yieldStress", {100}},
-                      {"plasticFlowRate", {2}}, {"restShape", {0}},  // joined
-                      {"averaging", {1}},                            // jacobi, which
-                      {"implementation", {1}}};                      // plain alone has
-};
-
-TEST(BodyOptions, AreReadRowByRow) {
-  const HexahedralBodyOptions none = options({});
-  ASSERT_EQ(none.materials.size(), 1u);
-  for (const Row<Material>& row : material_rows())
-    EXPECT_EQ(row.at.get(none.materials[0]), row.at.get(Material())) << row.name;
-  EXPECT_EQ(none.settings, Settings());
-
-  std::vector<double> young(12, 5000);
-  young[3] = 9000;
-  const HexahedralBodyOptions some = options({{"youngModulus", young}, {"hardening", {0.5}}, {"averagingSteps", {3}}});
-  ASSERT_EQ(some.materials.size(), 12u);
-  EXPECT_EQ(some.materials[3].young_modulus, 9000);
-  EXPECT_EQ(some.materials[3].hardening, 0.5);
-  EXPECT_EQ(some.settings.averaging_steps, 3);
-
-  std::vector<double> fill(12, 1);
-  fill[5] = 0.5;
-  const HexahedralBodyOptions half =
-      options({{"youngModulus", {6000}}, {"yieldStress", {100}}, {"fractureStress", {120}}}, 12, fill);
-  ASSERT_EQ(half.materials.size(), 12u);
-  EXPECT_EQ(half.materials[4].young_modulus, 6000);
-  EXPECT_EQ(half.materials[5].young_modulus, 3000);
-  EXPECT_EQ(half.materials[5].yield_stress, 50);
-  EXPECT_EQ(half.materials[5].fracture_stress, 60);
-}
-
-TEST(BodyOptions, ThatAreWrongAreNamed) {
-  EXPECT_EQ(refused_options({{"youngModulus", {1, 2}}}),
-            "youngModulus: 2 values given, must be one or 12 (one per hexahedron)");
-  EXPECT_EQ(refused_options({{"youngModulus", {}}}),
-            "youngModulus: 0 values given, must be one or 12 (one per hexahedron)");
-  EXPECT_EQ(refused_options({{"poissonRatio", {0.5}}}), "poissonRatio: 0.5 must lie in [0, 0.5)");
-  EXPECT_EQ(refused_options({{"fractureStretch", {1}}}), "fractureStretch: 1 must be > 1");
-  EXPECT_EQ(refused_options({{"averagingSteps", {0}}}), "averagingSteps: 0 must lie in [1, 1000]");
-  EXPECT_EQ(refused_options({{"averagingSteps", {0}}, {"youngModulus", {1, -2}}, {"plasticFlowRate", {-1}}}),
-            "averagingSteps: 0 must lie in [1, 1000]; youngModulus: -2 must be > 0; plasticFlowRate: -1 must be >= 0");
-  EXPECT_THROW(options({{"youngModulus", {}}}, 0), OptionError) << "of no hexahedra there is no value either";
-}
-
-TEST_F(BodyPart, FlowsAsTheBodyDoes) {
-  HexahedralBody part = made(plastic);
-  EXPECT_TRUE(part.take_warnings().empty());
-  const HexahedralBodyOptions same = options(plastic);
-  Body body(mesh, same.materials, same.settings);
-  part.end_step(stretched, kStep);
-  const FlowReport report = body.flow(stretched, kStep);
-  EXPECT_EQ(part.body().plastic_rest_positions(), body.plastic_rest_positions());
-  EXPECT_NE(part.body().plastic_rest_positions(), mesh.positions());
-  EXPECT_EQ(part.report().yielded, report.yielded);
-  EXPECT_GT(report.yielded, 0);
-  part.reset();
-  EXPECT_EQ(part.body().plastic_rest_positions(), mesh.positions());
-  EXPECT_EQ(part.report().yielded, 0);
-}
-
-TEST_F(BodyPart, TakesAnotherMaterialAndNoOtherSettings) {
-  HexahedralBody part = made(plastic);
-  part.end_step(stretched, kStep);
-  const PointArray flowed = part.body().plastic_rest_positions();
-  Given other = plastic;
-  other["youngModulus"] = {9000};
-  part.set_options(options(other), kStep);
-  EXPECT_EQ(part.body().materials()[0].young_modulus, 9000);
-  EXPECT_EQ(part.body().plastic_rest_positions(), flowed);
-  other["averaging"] = {0};
-  other["volumeRestitution"] = {2};
-  EXPECT_EQ(refused([&] { part.set_options(options(other), kStep); }),
-            "averaging: cannot change during a run, only members of the material can; "
-            "volumeRestitution: cannot change during a run, only members of the material can");
-  EXPECT_EQ(part.body().materials()[0].young_modulus, 9000);
-}
-
-TEST_F(BodyPart, WarnsOfRatesAndRefusesStepsThatAreTooLong) {
-  Given fast = plastic;
-  fast["plasticFlowRate"] = {4};  // 0.08 per step, wisely at most 0.05
-  HexahedralBody part = made(fast);
-  const std::vector<Remark> warnings = part.take_warnings();
-  ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_TRUE(has(warnings[0].text, "plasticFlowRate"));
-  EXPECT_TRUE(part.take_warnings().empty()) << "once";
-  const auto num_warnings = [&](const Given& given) { return made(given).take_warnings().size(); };
-  EXPECT_EQ(
-      num_warnings({{"restShape", {0}}, {"yieldStress", {9}}, {"plasticFlowRate", {5}}, {"volumeRestitution", {20}}}),
-      2u);
-  EXPECT_EQ(num_warnings({{"restShape", {0}}, {"plasticFlowRate", {500}}, {"volumeRestitution", {700}}}), 0u)
-      << "nothing flows";
-  EXPECT_THROW(part.end_step(stretched, 1), InputError);
-  EXPECT_EQ(part.body().plastic_rest_positions(), mesh.positions());
 }
 
 constexpr double kStep = 0.1;  // [s]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Every numeric attribute of every component, taken from the attribute table, given what it should not get, and scenes
-// that are damaged or misspelt.
+// that are damaged.
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -285,50 +285,6 @@ TEST(DamagedScene, MutationsOfTheShippedScenesAreRefusedOrLoad) {
       expect_clean(text);
     }
   }
-}
-
-/// Where a pattern's group stands in the scene outside comments: begin and length.
-std::vector<std::pair<std::size_t, std::size_t>> places_of(const std::string& scene, const char* pattern) {
-  std::string visible = scene;
-  for (std::size_t at = visible.find("<!--"); at != visible.npos; at = visible.find("<!--", at))
-    for (const std::size_t end = visible.find("-->", at) + 3; at < end; ++at) visible[at] = ' ';
-  std::vector<std::pair<std::size_t, std::size_t>> places;
-  const std::regex expression(pattern);
-  for (std::sregex_iterator match(visible.begin(), visible.end(), expression), end; match != end; ++match)
-    places.emplace_back(match->position(1), match->length(1));
-  return places;
-}
-
-TEST(MisspeltScene, NoNameOfAComponentAttributeOrTargetIsPassedOver) {
-  int num_names = 0;
-  const auto expect_refusal = [&](const std::string& scene, std::size_t at, const std::string& misspelt,
-                                  std::size_t length, const std::string& refusal) {
-    std::string text = scene;
-    text.replace(at, length, misspelt);
-    const std::string errors = errors_of(text);
-    EXPECT_TRUE(has(errors, refusal)) << misspelt;
-    ++num_names;
-  };
-  for (const auto& [name, scene] : shipped_scenes()) {
-    SCOPED_TRACE(name);
-    for (const auto& [at, length] : places_of(scene, "<([A-Z]\\w+)(?=[^>]*/>)")) {
-      const std::string word = scene.substr(at, length);
-      const std::string misspelt = word.substr(0, 2) + word.substr(3);
-      expect_refusal(scene, at, misspelt, length,
-                     misspelt + ": unknown component\n  hint: did you mean '" + word + "'?");
-    }
-    for (const auto& [at, length] : places_of(scene, "\\s([a-z]\\w+)=\"")) {
-      if (scene.compare(at, 8, "version=") == 0 || scene.compare(at, 9, "encoding=") == 0) continue;
-      const std::string word = scene.substr(at, length);
-      if (word == "removeIsolated") continue;  // of bookkeeping in SOFA, which may have any attribute
-      expect_refusal(scene, at, word + "x", length, word + "x: unknown attribute");
-    }
-    for (const auto& [at, length] : places_of(scene, "\"@(\\w+)")) {
-      const std::string word = scene.substr(at, length);
-      expect_refusal(scene, at, word + "x", length, "holds no '" + word + "x'\n  hint: did you mean '" + word + "'?");
-    }
-  }
-  EXPECT_GT(num_names, 300);
 }
 
 }  // namespace
