@@ -522,7 +522,7 @@ class Viewer {
     this.part("play").addEventListener("click", () => this.isPlaying ? this.stop() : this.play());
     this.part("home").addEventListener("click", () => this.goHome());
     document.addEventListener("hexaplast:time", event => {
-      if (viewerFigures.length > 1 || event.detail.from === this || event.detail.time === null) return;
+      if (event.detail.from === this || event.detail.time === null) return;
       this.stop();
       this.goTo(event.detail.time, false);
     });
@@ -846,28 +846,20 @@ async function openViewer(figure) {
     const all = [...figure.querySelectorAll("script.run")].map(script => JSON.parse(script.textContent));
     const viewer = new Viewer(figure, await Promise.all(all.map(async data => new Run(data, await unpack(data)))));
     // once, when it is first seen
-    if (!matchMedia("(prefers-reduced-motion: reduce)").matches) whenSeen(figure, 0.3, () => viewer.play());
+    if (!matchMedia("(prefers-reduced-motion: reduce)").matches) whenSeen(figure, () => viewer.play());
   } catch (reason) {
     figure.hidden = true;
     figure.dataset.failed = reason.message;
   }
 }
 
-function whenSeen(figure, threshold, act) {
+function whenSeen(figure, act) {
   new IntersectionObserver((entries, observer) => {
     if (!entries.some(entry => entry.isIntersecting)) return;
     observer.disconnect();
     act();
-  }, {threshold}).observe(figure);
+  }, {threshold: 0.3}).observe(figure);
 }
 
-// A page of many viewers opens each of them when the reader comes to it.
-const viewerFigures = [...document.querySelectorAll("figure.viewer")];
-for (const figure of viewerFigures) {
-  if (viewerFigures.length === 1) {
-    openViewer(figure);
-    continue;
-  }
-  figure.hidden = false;
-  whenSeen(figure, 0, () => openViewer(figure));
-}
+const viewerFigure = document.querySelector("figure.viewer");
+if (viewerFigure) openViewer(viewerFigure);

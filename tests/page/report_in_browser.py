@@ -125,10 +125,6 @@ def main():
     subprocess.run([hexaplast, "compare", report.parent, directory / "b", "--out", comparison], check=True,
                    stdout=subprocess.DEVNULL)
 
-    gallery = directory / "gallery.html"
-    subprocess.run([sys.executable, SOURCE / "scripts" / "gallery_page", gallery, report.parent, directory / "b"],
-                   check=True, stdout=subprocess.DEVNULL)
-
     # as python/hexaplast/_notebook.py puts it into a notebook
     frame = directory / "frame.html"
     frame.write_text(f'<!DOCTYPE html><iframe srcdoc="{html.escape(report.read_text())}" sandbox="allow-scripts" '
@@ -164,9 +160,6 @@ def main():
         browser.open(regions, *VIEWS["desk"])
         found = list(viewer_checks.check_regions(browser, ["in no region", "tumour", "vessel"]))
         wrong += [f"{regions.name} with regions: {what}" for what in found + list(complaints_of(browser))]
-        browser.open(gallery, *VIEWS["desk"])
-        found = list(viewer_checks.check_gallery(browser, 2)) + list(complaints_of(browser))
-        wrong += [f"{gallery.name}: {what}" for what in found]
         browser.close()
     # what is set for a page does not reach its frames: the browser itself wants no motion
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:

@@ -216,16 +216,3 @@ def check_frame(browser, moves):
         yield f"in a frame the viewer does not play: it changes {changes} times"
     if not moves and changes > 2:  # once it is laid out, and once it is drawn
         yield f"in a frame the viewer plays for a reader who wants no motion: it changes {changes} times"
-
-
-def check_gallery(browser, num_runs):
-    """Each viewer opens when the reader comes to it, and not before."""
-    drawn_of = "document.querySelectorAll('.viewer')[{}].dataset.drawn"
-    if not browser.wait_until(drawn_of.format(0)):
-        yield "the first viewer draws nothing"
-    if browser.ask(drawn_of.format(num_runs - 1)):
-        yield "the last viewer is drawn before it is seen"
-    for k in range(num_runs):
-        browser.ask(f"document.querySelectorAll('.viewer')[{k}].scrollIntoView({{behavior: 'instant'}})")
-        if not browser.wait_until(drawn_of.format(k)):
-            yield f"viewer {k} draws nothing"
