@@ -107,15 +107,15 @@ PanelAxes SvgText::panel(const PanelFrame& frame, const Panel& panel) {
   const double right = frame.left + frame.width, bottom = frame.top + frame.height;
 
   for (const double value : axes.across.values) {
-    line(at.x(value), frame.top, at.x(value), bottom, inks_.grid);
+    line(at.x(value), frame.top, at.x(value), bottom, kGridInk);
     words(at.x(value), bottom + 5 + kLabelSize, "middle", kLabelSize, axes.across.label(value));
   }
   for (const double value : axes.upwards.values) {
-    line(frame.left, at.y(value), right, at.y(value), value == 0 ? inks_.frame : inks_.grid);
+    line(frame.left, at.y(value), right, at.y(value), value == 0 ? kFrameInk : kGridInk);
     words(frame.left - 8, at.y(value) + (kLabelSize - 4) / 2, "end", kLabelSize, axes.upwards.label(value));
   }
   add(fmt::format(R"(<rect x="{:.2f}" y="{:.2f}" width="{}" height="{}" fill="none" stroke="{}"/>)", frame.left,
-                  frame.top, frame.width, frame.height, inks_.frame));
+                  frame.top, frame.width, frame.height, kFrameInk));
 
   for (const Series& series : panel.series)
     for (const Curve& curve : series.curves) draw(*this, at, series.x, curve);
@@ -125,16 +125,6 @@ PanelAxes SvgText::panel(const PanelFrame& frame, const Panel& panel) {
   words(frame.left, frame.top - 10, "start", 14, panel.label());
   words(right, bottom + 36, "end", 13, "time [s]");
   return axes;
-}
-
-std::string SvgText::picture(double width, double height) const {
-  return fmt::format(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\"\n"
-      "     font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\" fill=\"{2}\">\n"
-      "<rect width=\"{0}\" height=\"{1}\" fill=\"#ffffff\"/>\n"
-      "{3}</svg>\n",
-      width, height, inks_.text, text_);
 }
 
 }  // namespace hexaplast::output

@@ -56,16 +56,12 @@ struct PanelAxes {
   Ticks across, upwards;
 };
 
-/// Colours of what is no curve.
-struct Inks {
-  std::string_view text = "#22222a", grid = "#e3e5e8", frame = "#8a8f98";
-};
+/// Colours of what is no curve: those of the page, in its scheme.
+constexpr std::string_view kTextInk = "var(--ink)", kGridInk = "var(--grid)", kFrameInk = "var(--frame)";
 
 /// Text of an SVG picture: panels and words that are drawn one after the other.
 class SvgText {
  public:
-  explicit SvgText(Inks inks = {}) : inks_(inks) {}
-
   void add(std::string_view element);
   void words(double x, double y, std::string_view anchor, double size, std::string_view words,
              std::string_view attributes = "");
@@ -76,11 +72,7 @@ class SvgText {
 
   const std::string& text() const { return text_; }
 
-  /// What was drawn, on white, as a file of its own.
-  std::string picture(double width, double height) const;
-
  private:
-  Inks inks_;
   std::string text_;
 };
 

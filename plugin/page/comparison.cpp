@@ -295,7 +295,7 @@ std::string comparison_page(const fs::path& a, const fs::path& b, const std::vec
     const auto other = std::ranges::find(view_b.panels, quantity, name_of);
     if (other == view_b.panels.end()) continue;
     Panel both{.quantity = quantity, .unit = panel.unit, .min_span = panel.min_span};
-    both.series = {series_of(panel, "A", kPageColours.first, ""), series_of(*other, "B", kPageColours.second, "6 4")};
+    both.series = {series_of(panel, "A", colours::kFirst, ""), series_of(*other, "B", colours::kSecond, "6 4")};
     if (!is_zero(both.series.front()) || !is_zero(both.series.back())) page.chart(both);
   }
   page.add("</div>");

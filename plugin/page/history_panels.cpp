@@ -42,8 +42,8 @@ StepTimes step_times_of(std::vector<double> ms) {
 }  // namespace
 
 std::vector<HistoryPanel> history_panels() {
-  using Colours = CurveColours;
-  constexpr auto kCurrent = &Colours::first, kPlastic = &Colours::second;
+  using namespace colours;
+  constexpr std::string_view kCurrent = kFirst, kPlastic = kSecond;
   return {
       {"elongation",
        "%",
@@ -62,30 +62,30 @@ std::vector<HistoryPanel> history_panels() {
       {"energy",
        "J",
        1e-9,
-       {{"elastic", {"elastic_energy"}, 1, 0, &Colours::first},
-        {"dissipated by flow", {"dissipated_energy"}, 1, 0, &Colours::second},
-        {"kinetic", {"kinetic_energy"}, 1, 0, &Colours::third},
-        {"sum", {"elastic_energy", "dissipated_energy", "kinetic_energy"}, 1, 0, &Colours::fourth}}},
+       {{"elastic", {"elastic_energy"}, 1, 0, kFirst},
+        {"dissipated by flow", {"dissipated_energy"}, 1, 0, kSecond},
+        {"kinetic", {"kinetic_energy"}, 1, 0, kThird},
+        {"sum", {"elastic_energy", "dissipated_energy", "kinetic_energy"}, 1, 0, kFourth}}},
       {"energy balance",
        "J",
        1e-9,
-       {{"work", {"load_work", "support_work"}, 1, 0, &Colours::first},
-        {"flow", {"flow_loss"}, 1, 0, &Colours::second},
-        {"in the body", {"elastic_energy", "kinetic_energy"}, 1, 0, &Colours::third},
-        {"damping", {"damping_loss"}, 1, 0, &Colours::fourth},
-        {"integrator", {"numerical_loss"}, 1, 0, &Colours::fifth},
-        {"recovery and changes", {"recovery_work", "change_work"}, 1, 0, &Colours::sixth, true},
-        {"unexplained", {"energy_error"}, 1, 0, &Colours::rest}}},
-      {"displacement of loaded nodes", "mm", 1e-3, {{"mean", {"end_displacement"}, 1000, 0, &Colours::first}}},
+       {{"work", {"load_work", "support_work"}, 1, 0, kFirst},
+        {"flow", {"flow_loss"}, 1, 0, kSecond},
+        {"in the body", {"elastic_energy", "kinetic_energy"}, 1, 0, kThird},
+        {"damping", {"damping_loss"}, 1, 0, kFourth},
+        {"integrator", {"numerical_loss"}, 1, 0, kFifth},
+        {"recovery and changes", {"recovery_work", "change_work"}, 1, 0, kSixth, true},
+        {"unexplained", {"energy_error"}, 1, 0, kRest}}},
+      {"displacement of loaded nodes", "mm", 1e-3, {{"mean", {"end_displacement"}, 1000, 0, kFirst}}},
       {"removed hexahedra", "", 5, {{"removed", {"removed"}}}},
       {"opened joints", "", 5, {{"opened", {"opened"}}}},
-      {"solver iterations", "", 5, {{"iterations", {"solver_iterations"}, 1, 0, &Colours::first}}},
-      {"time per step", "ms", 1e-3, {{"step", {"step_ms"}, 1, 0, &Colours::first}}},
+      {"solver iterations", "", 5, {{"iterations", {"solver_iterations"}, 1, 0, kFirst}}},
+      {"time per step", "ms", 1e-3, {{"step", {"step_ms"}, 1, 0, kFirst}}},
   };
 }
 
 HistoryPanel panel_of(const ProbeRecord& probe) {
-  return {probe.name, probe.unit, 1e-12, {{probe.name, {probe_column(probe.name)}, 1, 0, &CurveColours::first}}};
+  return {probe.name, probe.unit, 1e-12, {{probe.name, {probe_column(probe.name)}, 1, 0, colours::kFirst}}};
 }
 
 bool has_nothing_to_see(const Panel& panel) {
@@ -101,8 +101,7 @@ bool has_nothing_to_see(const Panel& panel) {
   });
 }
 
-HistoryView view_history(const std::filesystem::path& file, std::span<const HistoryPanel> wanted,
-                         const CurveColours& colours) {
+HistoryView view_history(const std::filesystem::path& file, std::span<const HistoryPanel> wanted) {
   HistoryView view;
   view.num_rows = count_rows(file);
   HistoryTable table(file);
@@ -135,7 +134,7 @@ HistoryView view_history(const std::filesystem::path& file, std::span<const Hist
         continue;
       shown.push_back(std::move(series.curves[c]));
       shown.back().name = curve.name;
-      shown.back().colour = colours.*curve.colour;
+      shown.back().colour = curve.colour;
     }
     if (shown.empty() || series.steps.empty()) continue;
     series.curves = std::move(shown);

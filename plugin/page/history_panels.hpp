@@ -12,11 +12,13 @@
 
 namespace hexaplast::output {
 
-/// Colours of the curves in a panel: current or first run, plastic or second run, and more.
-struct CurveColours {
-  std::string_view first = "#2563a8", second = "#c2410c", third = "#15803d", fourth = "#6d28d9", fifth = "#0e7490",
-                   sixth = "#be185d", rest = "#8a8f98";  ///< rest: of what is left over
-};
+/// Colours of the curves in a panel: current or first run, plastic or second run, and more; those of the page, in its
+/// scheme.
+namespace colours {
+constexpr std::string_view kFirst = "var(--first)", kSecond = "var(--second)", kThird = "var(--third)",
+                           kFourth = "var(--fourth)", kFifth = "var(--fifth)", kSixth = "var(--sixth)",
+                           kRest = "var(--frame)";  ///< of what is left over
+}
 
 /// What a panel shows: the sum of columns of history.csv, shifted and then scaled to the panel's unit.
 struct HistoryCurve {
@@ -24,7 +26,7 @@ struct HistoryCurve {
   std::vector<std::string> columns;
   double scale = 1;
   double shift = 0;
-  std::string_view CurveColours::*colour = &CurveColours::second;
+  std::string_view colour = colours::kSecond;
   bool unless_zero = false;  ///< left out of its panel where it is 0 all along
 };
 
@@ -58,7 +60,6 @@ struct HistoryView {
 bool has_nothing_to_see(const Panel& panel);
 
 /// Throws OutputError.
-HistoryView view_history(const std::filesystem::path& file, std::span<const HistoryPanel> wanted,
-                         const CurveColours& colours = {});
+HistoryView view_history(const std::filesystem::path& file, std::span<const HistoryPanel> wanted);
 
 }  // namespace hexaplast::output

@@ -122,10 +122,10 @@ void HtmlPage::paragraph(std::string_view words, std::string_view css_class) {
 }
 
 void HtmlPage::chart(const Panel& panel, std::string_view note) {
-  SvgText svg(kPageInks);
+  SvgText svg;
   svg.add(fmt::format(R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {} {}" fill="{}" role="img" )"
                       R"(aria-label="{} over time">)",
-                      kChartWidth, kChartHeight, kPageInks.text, escaped(panel.label())));
+                      kChartWidth, kChartHeight, kTextInk, escaped(panel.label())));
   const PanelAxes axes = svg.panel(kChartFrame, panel);
   svg.add("</svg>");
   add(fmt::format(

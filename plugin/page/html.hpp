@@ -43,11 +43,6 @@ class HtmlPage {
   bool has_viewer_ = false;
 };
 
-/// Colours and inks that follow the scheme of a page.
-inline constexpr CurveColours kPageColours{"var(--first)", "var(--second)", "var(--third)", "var(--fourth)",
-                                           "var(--fifth)", "var(--sixth)",  "var(--frame)"};
-inline constexpr Inks kPageInks{"var(--ink)", "var(--grid)", "var(--frame)"};
-
 /// A frame with the viewer of a run; data: as read_viewer_data() gives it.
 std::string viewer_page(std::string_view title, const std::string& data);
 

@@ -67,9 +67,9 @@ std::map<long, std::vector<std::string>> removed_by_step(const fs::path& directo
 // One slow step must not press all others to the ground.
 std::string mark_step_times(Panel& panel, const StepTimes& times) {
   constexpr double kHighest = 3;  // of p99
-  panel.levels = {{"p50", std::string(kPageColours.second), times.p50},
-                  {"p90", std::string(kPageColours.third), times.p90},
-                  {"p99", std::string(kPageColours.fourth), times.p99}};
+  panel.levels = {{"p50", std::string(colours::kSecond), times.p50},
+                  {"p90", std::string(colours::kThird), times.p90},
+                  {"p99", std::string(colours::kFourth), times.p99}};
   panel.highest = times.p99 > 0 ? kHighest * times.p99 : panel.highest;
   if (times.longest <= panel.highest) return fmt::format("The slowest step took {:.4g} ms.", times.longest);
   return fmt::format("The slowest step took {:.4g} ms; what exceeds three times p99 is drawn at the upper edge.",
@@ -80,7 +80,7 @@ void add_charts(HtmlPage& page, const fs::path& directory, const std::vector<Pro
   std::vector<HistoryPanel> wanted;
   for (const ProbeRecord& probe : probes) wanted.push_back(panel_of(probe));
   std::ranges::copy(history_panels(), std::back_inserter(wanted));
-  HistoryView view = view_history(directory / "history.csv", wanted, kPageColours);
+  HistoryView view = view_history(directory / "history.csv", wanted);
   if (view.panels.empty()) return;
   page.heading("Over time");
   page.add("<div class=\"charts\">");

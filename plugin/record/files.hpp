@@ -23,14 +23,14 @@ void require_readable(const std::filesystem::path& file);
 void make_directory(const std::filesystem::path& directory);
 
 /// Makes `directory` ready for a new run: creates it, or checks that it can be written and holds no earlier run; with
-/// `force` the files of an earlier run (history.csv, removed.csv, opened.csv, frames/frame_N.png, plot.svg,
+/// `force` the files of an earlier run (history.csv, removed.csv, opened.csv, frames/frame_N.png,
 /// manifest.json, report.html, checkpoint_N.hxc; mesh.pvd and mesh_N.vtu, and the same of surface and instruments) are
 /// removed, others stay. Throws OutputError, before anything is changed, when the place is a file, cannot be written,
 /// holds an earlier run and `force` is not set, or holds one of which a file is among `inputs`.
 void prepare_directory(const std::filesystem::path& directory, bool force, const InputFiles& inputs = {});
 
 /// Makes the directory of a run ready to go on after `step`: removes what was left unfinished, and what only the end of
-/// a run or later steps have written (pictures, plot.svg, states and checkpoints of later steps, as far as `is_kept`
+/// a run or later steps have written (pictures, states and checkpoints of later steps, as far as `is_kept`
 /// does not want them). Throws OutputError, before anything is changed, when it cannot be written, or a file of the run
 /// is among `inputs`.
 void prepare_to_go_on(const std::filesystem::path& directory, long step, const InputFiles& inputs,

@@ -207,7 +207,7 @@ TEST(Directory, OfAnEarlierRunIsLeftAloneUnlessForced) {
   fs::create_directories(scratch / "run/frames");
   for (const char* name : {"history.csv", "removed.csv", "mesh.pvd", "mesh_000300.vtu", "mesh_000300.vtu.part",
                            "surface.pvd", "surface_000300.vtu", "instruments.pvd", "instruments_000300.vtu",
-                           "springs.pvd", "springs_000300.vtu", "frames/frame_000300.png", "plot.svg", "manifest.json",
+                           "springs.pvd", "springs_000300.vtu", "frames/frame_000300.png", "manifest.json",
                            "report.html", "viewer.json", "notes.txt", "mesh_fine.vtu", "frames/mine.png"})
     put(scratch / "run" / name, "earlier");
   const std::vector<std::string> before = names_in(scratch / "run");

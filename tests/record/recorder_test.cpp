@@ -4,11 +4,8 @@
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "body_state.hpp"
-#include "formats/xml.hpp"
-#include "page/plot.hpp"
 #include "picture/axis.hpp"
 #include "record/recorded_run.hpp"
 #include "record/state_arrays.hpp"
@@ -253,41 +250,6 @@ TEST(Summary, LargestPlasticStrainIsOfWhatIsLeft) {
   EXPECT_NEAR(torn.plastic_strain.place.x(), 0.435, 1e-12);
   EXPECT_NEAR(torn.plastic_strain.place.y(), 0.05, 1e-12);
   EXPECT_EQ(torn.num_pieces, 2);
-}
-
-TEST(PlotFile, NamesTheCurvesOfEachPanelAndKeepsAnyTitleOnThePage) {
-  const Recorded run(plan(6, 100), 6);
-  const fs::path plot = run.scratch / "run/plot.svg";
-  std::string text;
-  const auto written = [&](const std::string& title) {
-    output::write_plot(plot, run.scratch / "run/history.csv", title, 1);
-    text = content(plot);
-    return parse_xml(text).root;
-  };
-  XmlElement svg = written("pull & <hold> \"50 %\" \x01 {}");
-  EXPECT_EQ(svg.name, "svg");
-  EXPECT_EQ(svg.child("text")->content, "pull &amp; &lt;hold&gt; &quot;50 %&quot;  {}");
-  svg = written(std::string(200, 'w'));
-  std::multiset<std::string_view> words;
-  for (const XmlElement& at : svg.children)
-    if (at.name == "text") words.insert(at.content);
-  EXPECT_EQ(words.count("current"), 2u) << "elongation and volume error; it does not twist";
-  EXPECT_EQ(words.count("plastic"), 2u);
-  EXPECT_EQ(words.count("kinetic"), 1u) << "energy has the place of twist";
-  EXPECT_EQ(words.count("yielded"), 1u);
-  const double size = std::stod(std::string(svg.child("text")->attribute("font-size")));
-  EXPECT_LT(200 * 0.6 * size, 1040 - 86) << "letters of 0.6 of the size";
-}
-
-TEST(PlotFile, StaysSmallForLongRuns) {
-  const Scratch scratch;
-  const Body body = yielding_block();
-  Recorder recorder(scratch / "run", body, plan(5000, 100000));
-  const PointArray x = body.mesh().positions();
-  for (long step = 0; step <= 5000; ++step) recorder.record({.step = step, .time = 0.01 * step}, x, x);
-  output::write_plot(scratch / "run/plot.svg", scratch / "run/history.csv", "long", body.mesh().num_elements());
-  EXPECT_LT(fs::file_size(scratch / "run/plot.svg"), 250000u);
-  EXPECT_TRUE(has(content(scratch / "run/plot.svg"), ">50<"));  // the axis reaches the last time
 }
 
 TEST(Ticks, AreRoundAndInside) {

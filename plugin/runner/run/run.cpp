@@ -15,7 +15,6 @@
 #include "formats/text.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
-#include "page/plot.hpp"
 #include "record/files.hpp"
 #include "record/recorder.hpp"
 #include "runner/command.hpp"
@@ -124,10 +123,8 @@ void write_checkpoint(Simulation& simulation, output::Recorder& recorder, RunRec
   output::write_checkpoint(*record.options.out, simulation.latest().step, simulation.scene_identity(), sections);
 }
 
-/// The curves over time, then the pictures, which take longest and may fail for want of a renderer.
-void complete(output::Recorder& recorder, Simulation& simulation, const RunOptions& options) {
-  output::write_plot(*options.out / "plot.svg", *options.out / "history.csv", options.scene.file.stem().string(),
-                     simulation.bodies()->mesh().num_elements());
+/// The pictures, which take long and may fail for want of a renderer.
+void complete(output::Recorder& recorder) {
   for (const std::string& warning : recorder.finish()) spdlog::warn("warning: {}", warning);
 }
 
@@ -206,7 +203,7 @@ void advance(Simulation& simulation, long num_steps, Files& files, const RunOpti
       throw;  // nothing more can be written
     } catch (...) {
       try {
-        if (recorder) complete(*recorder, simulation, options);
+        if (recorder) complete(*recorder);
       } catch (const output::OutputError& error) {
         spdlog::warn("warning: {}", error.what());
       }
@@ -286,7 +283,7 @@ void carry_out(Simulation& simulation, long num_steps, Files& files, const RunOp
     else
       files.stream->complete(attributes);
   }
-  if (files.recorder) complete(*files.recorder, simulation, options);
+  if (files.recorder) complete(*files.recorder);
   if (files.final_state)
     output::write_final(*files.final_state, simulation.time(), simulation.positions(), simulation.velocities(),
                         *simulation.bodies(), simulation.state_hash());
@@ -454,7 +451,7 @@ void add_run(CLI::App& app, Call& call) {
   add_steps(command, options.steps);
   CLI::Option* out =
       add_option(command, "--out", options.out, "DIR",
-                 "Write history.csv, mesh.pvd, frames, plot.svg, manifest.json and report.html into this directory");
+                 "Write history.csv, mesh.pvd, frames, manifest.json and report.html into this directory");
   add_final_state(command, options.final_state);
   add_option(command, "--summary", options.summary, "FILE", "Write the results of the run as JSON");
   CLI::Option* data = add_option(command, "--data", options.data, "FILE.h5",

@@ -416,7 +416,7 @@ TEST_F(Refusal, ComesAfterTheWarningsOfTheRunAndLeavesTheStateOfTheLastGoodStep)
     EXPECT_TRUE(has(outcome.err, error));
     EXPECT_TRUE(has(manifest(scene).at("warnings").dump(), warning));
   }
-  EXPECT_TRUE(is_there("warns/mesh_000004.vtu") && is_there("warns/plot.svg"));
+  EXPECT_TRUE(is_there("warns/mesh_000004.vtu") && is_there("warns/report.html"));
 }
 
 class Stall : public Command {};

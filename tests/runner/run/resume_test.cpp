@@ -219,8 +219,8 @@ TEST_F(Resume, FollowsNoLinkOutOfTheRunsDirectory) {
   succeeds("run bar.scn --out run --frames 0 --checkpoint every=10 --steps 20");
   fs::create_directory(directory_ / "elsewhere");
   write("elsewhere/frame_000001.png", "mine");
-  for (const char* name : {"mesh.pvd", "report.html", "manifest.json", "plot.svg", "mesh_000040.vtu",
-                           "mesh_000024.vtu.part", "surface.pvd"}) {
+  for (const char* name :
+       {"mesh.pvd", "report.html", "manifest.json", "mesh_000040.vtu", "mesh_000024.vtu.part", "surface.pvd"}) {
     write(std::string("elsewhere/") + name, "mine");
     fs::remove(directory_ / "run" / name);
     fs::create_symlink(directory_ / "elsewhere" / name, directory_ / "run" / name);
@@ -353,7 +353,7 @@ TEST_F(RunDirectory, IsOneProgramsAtATime) {
   for (const auto& [name, bytes] : files_in(directory_ / "new")) names += name + " ";
   EXPECT_EQ(names,
             "history.csv manifest.json mesh.pvd mesh_000000.vtu mesh_000002.vtu mesh_000004.vtu mesh_000006.vtu "
-            "plot.svg removed.csv report.html viewer.json ");
+            "removed.csv report.html viewer.json ");
 }
 
 TEST_F(RunDirectory, ASignalAlwaysLeavesACheckpoint) {
