@@ -2,11 +2,8 @@
 #include "page/report.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
-#include <fstream>
 #include <iterator>
 #include <map>
 
@@ -23,7 +20,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMaxPictures = 8;
-constexpr std::size_t kMaxRemovedSteps = 40;  // rows of the table of removed hexahedra
 
 std::string duration_words(double seconds) {
   if (seconds < 60) return fmt::format("{:.2f} s", seconds);
@@ -47,21 +43,6 @@ std::map<long, fs::path> key_frames(const fs::path& directory) {
   for (const auto& frame : all)
     if (++number * kMaxPictures / all.size() > some.size()) some.insert(frame);
   return some;
-}
-
-/// Removed hexahedra by step, as removed.csv lists them.
-std::map<long, std::vector<std::string>> removed_by_step(const fs::path& directory) {
-  std::map<long, std::vector<std::string>> removed;
-  std::ifstream in(directory / "removed.csv");
-  std::string line;
-  std::getline(in, line);
-  while (std::getline(in, line)) {
-    const std::size_t first = line.find(','), last = line.rfind(',');
-    long step = 0;
-    if (first < last && std::from_chars(line.data(), line.data() + first, step).ec == std::errc())
-      removed[step].push_back(line.substr(last + 1));
-  }
-  return removed;
 }
 
 // One slow step must not press all others to the ground.
@@ -113,26 +94,6 @@ void add_viewer(HtmlPage& page, const fs::path& directory) {
     page.paragraph(fmt::format("Reports of bodies with more than {} nodes have pictures only: nothing to turn.",
                                ViewerStates::kMaxNodes),
                    "lead");
-}
-
-void add_removed(HtmlPage& page, const fs::path& directory) {
-  const std::map<long, std::vector<std::string>> removed = removed_by_step(directory);
-  if (removed.empty()) return;
-  constexpr std::size_t kMaxNamed = 40;  // hexahedra of a step
-  page.heading("Removed hexahedra");
-  std::vector<std::vector<std::string>> rows;
-  for (const auto& [step, hexahedra] : removed) {
-    if (rows.size() == kMaxRemovedSteps) break;
-    const std::size_t named = std::min(hexahedra.size(), kMaxNamed);
-    rows.push_back({fmt::format("step {}", step), fmt::format("{}", hexahedra.size()),
-                    fmt::format("{}{}", fmt::join(hexahedra.begin(), hexahedra.begin() + static_cast<long>(named), " "),
-                                named < hexahedra.size() ? " ..." : "")});
-  }
-  page.table({"", "how many", "numbers"}, rows);
-  if (rows.size() < removed.size())
-    page.paragraph(
-        fmt::format("The first {} of {} steps with removals; removed.csv lists all.", rows.size(), removed.size()),
-        "lead");
 }
 
 void add_scene(HtmlPage& page, const Manifest& run) {
@@ -197,7 +158,6 @@ void write_report(const fs::path& directory, const Manifest& run) {
   }
   add_pictures(page, directory, run.dt);
   add_charts(page, directory, run.probes);
-  add_removed(page, directory);
   add_scene(page, run);
   add_run(page, run);
 

@@ -220,16 +220,6 @@ TEST(Report, HoldsEightPicturesOfManyTheLastAmongThem) {
   EXPECT_EQ(images.back(), "cGljdHVyZSAyMQ==");  // picture 21
 }
 
-TEST(Report, ListsRemovedHexahedraByStep) {
-  const Scratch scratch;
-  fs::create_directories(scratch / "run");
-  put(scratch / "run/removed.csv", "step,time,hexahedron\n5,0.05,11\n5,0.05,4\n7,0.07,2\n");
-  const std::string page = report_of_table(scratch, "step,time,removed\n0,0,0\n7,0.07,3\n");
-  EXPECT_TRUE(has(page, "<th scope=\"row\">step 5</th><td>2</td><td>11 4</td>"));
-  EXPECT_TRUE(has(page, "<th scope=\"row\">step 7</th><td>1</td><td>2</td>"));
-  EXPECT_EQ(chart_of(page, "removed hexahedra").at("series")[0].at("curves")[0].at("values").back(), 3);
-}
-
 // Of a bar that is only twisted, and one that is only stretched: 1e-14 degrees are rounding.
 TEST(Report, LeavesOutChartsWithoutContent) {
   const Scratch scratch;
@@ -240,8 +230,9 @@ TEST(Report, LeavesOutChartsWithoutContent) {
   for (const char* absent : {"\"elongation\"", "\"yielded hexahedra\"", "\"removed hexahedra\""})
     EXPECT_FALSE(has(page, absent));
 
-  page = report_of_table(scratch, head + "1,0.1,0,0,1e-4,0,1e-14\n2,0.2,0,0,2e-4,0,-2e-14\n");
+  page = report_of_table(scratch, head + "1,0.1,0,0,1e-4,0,1e-14\n2,0.2,0,3,2e-4,0,-2e-14\n");
   EXPECT_EQ(chart_of(page, "elongation").at("series")[0].at("steps"), Json({0, 1, 2}));
+  EXPECT_EQ(chart_of(page, "removed hexahedra").at("series")[0].at("curves")[0].at("values"), Json({0, 0, 3}));
   EXPECT_FALSE(has(page, "\"twist\""));
 }
 
