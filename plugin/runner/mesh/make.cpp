@@ -8,7 +8,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <optional>
 #include <string>
 
@@ -18,7 +17,7 @@
 #include "hexaplast/geometry/cage.hpp"
 #include "hexaplast/geometry/grid.hpp"
 #include "hexaplast/geometry/offset.hpp"
-#include "hexaplast/geometry/shapes.hpp"
+#include "parts/grids.hpp"
 #include "record/vtu.hpp"
 #include "runner/command.hpp"
 #include "runner/mesh/mesh.hpp"
@@ -97,29 +96,20 @@ void make_cage(const MeshCageOptions& options) {
   print_summary(options, cage, grid);
 }
 
-// Lengths in m.
+struct BoxOptions {
+  std::vector<int> cells;
+  std::array<double, 3> size{}, origin{};  ///< [m]; origin: the lower corner
+};
+
+/// A shape, and the file for its hexahedra.
+template <class Shape>
 struct ShapeOptions {
-  std::array<int, 3> cells{};
+  Shape shape;
   std::filesystem::path out;
 };
-struct MeshGridOptions : ShapeOptions {
-  std::array<double, 3> size{};
-  std::array<double, 3> origin{};  ///< the lower corner
-};
-struct MeshSheetOptions : ShapeOptions {
-  std::array<double, 2> size{};
-  double thickness = 0;
-  double curvature = 0;  ///< [1/m]
-};
-struct MeshTubeOptions : ShapeOptions {  ///< outward, around, along
-  double inner = 0, outer = 0;
+struct MeshTubeOptions : ShapeOptions<parts::TubeGridOptions> {
   std::optional<double> length;
-  double bend = 0;                             ///< [deg]
   std::optional<std::filesystem::path> along;  ///< its vertices are points of the centreline
-};
-struct MeshSpherePatchOptions : ShapeOptions {
-  double inner = 0, outer = 0;
-  double angle = 90;  ///< [deg]
 };
 struct MeshOffsetOptions {
   std::filesystem::path surface;
@@ -129,29 +119,28 @@ struct MeshOffsetOptions {
   std::filesystem::path out;
 };
 
-constexpr int kMaxAlong = 1'000'000;      // hexahedra along one direction
-constexpr double kMaxCells = 16'777'216;  // as in scenes: refused before anything is allocated
-constexpr double kDegree = std::numbers::pi / 180;
-
-void require_feasible(double num_cells) {
-  if (num_cells > kMaxCells)
-    throw InputError(fmt::format("{:.4g} hexahedra, must be at most {:.10g}", num_cells, kMaxCells));
-}
-
 void save(const std::filesystem::path& out, const HexMesh& mesh, const InputFiles& inputs) {
   save_mesh(out, {.points = coordinates_of(mesh.positions()), .hexahedra = mesh.hexahedra()}, inputs);
 }
 
-/// Makes a mesh of `cells` and writes it.
-template <class Make>
-void write_shape(const std::filesystem::path& out, const std::array<int, 3>& cells, const Make& make,
-                 const InputFiles& inputs = {}) {
+HexMesh make_grid(const BoxOptions& box) {
+  const Vec3 min(box.origin.data()), size(box.size.data());
+  parts::check_num_hexahedra("cells", static_cast<double>(box.cells[0]) * box.cells[1] * box.cells[2]);
+  return regular_grid({box.cells[0], box.cells[1], box.cells[2]}, min, min + size);
+}
+
+/// Makes hexahedra, writes them and prints what they are.
+template <class Shape>
+void write_shape(const Shape& shape, const std::filesystem::path& out, const InputFiles& inputs = {}) {
   require_vtu(out);
-  require_feasible(static_cast<double>(cells[0]) * cells[1] * cells[2]);
-  const HexMesh mesh = make();
-  save(out, mesh, inputs);
-  fmt::print("{}\n  nodes               {}\n", printable_line(out.stem().string()), mesh.num_nodes());
-  print_hexahedra(mesh);
+  try {
+    const HexMesh mesh = make_grid(shape);
+    save(out, mesh, inputs);
+    fmt::print("{}\n  nodes               {}\n", printable_line(out.stem().string()), mesh.num_nodes());
+    print_hexahedra(mesh);
+  } catch (const parts::OptionError& error) {  // of all that is wrong, the first
+    throw InputError(fmt::format("{}: {}", error.reasons().front().attribute, error.reasons().front().text));
+  }
 }
 
 ShellThickness thickness_of(const MeshOffsetOptions& options) {
@@ -175,39 +164,24 @@ QuadSurface load_surface(const std::filesystem::path& file) {
   return surface_of(mesh);
 }
 
-// Each writes hexahedra (.vtu) and prints what they are.
-
-void make_grid(const MeshGridOptions& options) {
-  const Vec3 min(options.origin.data()), size(options.size.data());
-  write_shape(options.out, options.cells, [&] { return regular_grid(options.cells, min, min + size); });
-}
-
-void make_sheet(const MeshSheetOptions& options) {
-  write_shape(options.out, options.cells,
-              [&] { return sheet(options.cells, options.size, options.thickness, options.curvature); });
+template <class Shape>
+void make_shape(const ShapeOptions<Shape>& options) {
+  write_shape(options.shape, options.out);
 }
 
 void make_tube(const MeshTubeOptions& options) {
   if (options.length.has_value() == options.along.has_value())
     throw UsageError("mesh tube: either --length or --along must be given");
-  const auto make = [&] {
-    const int num_points = options.cells[2] + 1;
-    const Centreline curve = options.length ? arc(*options.length, options.bend * kDegree, num_points)
-                                            : curve_through(load_mesh(*options.along).positions, num_points);
-    return tube(options.cells, options.inner, options.outer, curve);
-  };
-  write_shape(options.out, options.cells, make, options.along ? InputFiles({*options.along}) : InputFiles());
-}
-
-void make_sphere_patch(const MeshSpherePatchOptions& options) {
-  write_shape(options.out, options.cells,
-              [&] { return sphere_patch(options.cells, options.inner, options.outer, options.angle * kDegree); });
+  parts::TubeGridOptions shape = options.shape;
+  if (options.length) shape.length = *options.length;
+  if (options.along) shape.centreline = load_mesh(*options.along).positions;
+  write_shape(shape, options.out, options.along ? InputFiles({*options.along}) : InputFiles());
 }
 
 void make_shell(const MeshOffsetOptions& options) {
   require_vtu(options.out);
   const QuadSurface surface = load_surface(options.surface);
-  require_feasible(static_cast<double>(surface.num_quads()) * options.layers);
+  parts::check_num_hexahedra("layers", static_cast<double>(surface.num_quads()) * options.layers);
   const Shell shell = offset(surface, thickness_of(options));
 
   save(options.out, shell.mesh, InputFiles({options.surface}));
@@ -224,8 +198,9 @@ std::pair<CLI::App&, Options&> add_shape(CLI::App& mesh, Call& call, const char*
                                          const char* directions, void (*make)(const Options&)) {
   const auto defined = add_subcommand(mesh, call, name, help, make,
                                       [name](const Options&) { return fmt::format("hexaplast mesh {}", name); });
-  add_option(defined.first, "--cells", defined.second.cells, "N N N", fmt::format("Number of hexahedra {}", directions))
-      ->check(CLI::Range(1, kMaxAlong))
+  add_option(defined.first, "--cells", defined.second.shape.cells, "N",
+             fmt::format("Number of hexahedra {}", directions))
+      ->expected(3)
       ->required();
   add_out(defined.first, defined.second.out);
   return defined;
@@ -238,8 +213,9 @@ std::string refuse_length(const std::string& word) {
   return is_length ? "" : fmt::format("{}: must be a finite number greater than 0", word);
 }
 
-CLI::Option* add_length(CLI::App& command, const char* name, double& length, const char* help) {
-  return command.add_option(name, length, help)->type_name("M")->check(refuse_length)->required();
+void add_radii(CLI::App& command, double& inner, double& outer) {
+  add_option(command, "--inner", inner, "M", "Inner radius [m]")->required();
+  add_option(command, "--outer", outer, "M", "Outer radius [m]")->required();
 }
 
 }  // namespace
@@ -266,21 +242,21 @@ void add_mesh_cage(CLI::App& mesh, Call& call) {
 
 void add_mesh_grid(CLI::App& mesh, Call& call) {
   const auto [command, options] =
-      add_shape(mesh, call, "grid", "Make a box of hexahedra", "along x, y and z", make_grid);
-  add_option(command, "--size", options.size, "M M M", "Lengths along x, y and z [m]")
+      add_shape(mesh, call, "grid", "Make a box of hexahedra", "along x, y and z", make_shape<BoxOptions>);
+  add_option(command, "--size", options.shape.size, "M M M", "Lengths along x, y and z [m]")
       ->check(refuse_length)
       ->required();
-  add_option(command, "--origin", options.origin, "M M M", "Its lower corner [m]")->capture_default_str();
+  add_option(command, "--origin", options.shape.origin, "M M M", "Its lower corner [m]")->capture_default_str();
 }
 
 void add_mesh_sheet(CLI::App& mesh, Call& call) {
   const auto [command, options] = add_shape(mesh, call, "sheet", "Make a sheet, flat or bent, about the origin",
-                                            "along x, along y and across", make_sheet);
-  add_option(command, "--size", options.size, "M M", "Lengths along x and y, of the middle [m]")
-      ->check(refuse_length)
+                                            "along x, along y and across", make_shape<parts::SheetGridOptions>);
+  add_option(command, "--size", options.shape.size, "M", "Lengths along x and y, of the middle [m]")
+      ->expected(2)
       ->required();
-  add_length(command, "--thickness", options.thickness, "Thickness [m]");
-  add_option(command, "--curvature", options.curvature, "K",
+  add_option(command, "--thickness", options.shape.thickness, "M", "Thickness [m]")->required();
+  add_option(command, "--curvature", options.shape.curvature, "K",
              "One over the radius about y [1/m]; negative: ends upwards")
       ->capture_default_str();
 }
@@ -288,13 +264,10 @@ void add_mesh_sheet(CLI::App& mesh, Call& call) {
 void add_mesh_tube(CLI::App& mesh, Call& call) {
   const auto [command, options] = add_shape(mesh, call, "tube", "Make a tube along z, along an arc or along a curve",
                                             "outward, around and along", make_tube);
-  add_length(command, "--inner", options.inner, "Inner radius [m]");
-  add_length(command, "--outer", options.outer, "Outer radius [m]");
+  add_radii(command, options.shape.inner_radius, options.shape.outer_radius);
   CLI::Option* length =
-      add_option(command, "--length", options.length, "M", "Length of a tube from the origin along z [m]")
-          ->check(refuse_length);
-  add_option(command, "--bend", options.bend, "DEG", "Angle by which it is bent towards x on its way [deg]")
-      ->check(CLI::Range(-359.0, 359.0))
+      add_option(command, "--length", options.length, "M", "Length of a tube from the origin along z [m]");
+  add_option(command, "--bend", options.shape.bend, "DEG", "Angle by which it is bent towards x on its way [deg]")
       ->needs(length);
   add_option(command, "--along", options.along, "FILE",
              "Mesh file (.obj, ...) whose vertices, in their order, are points of a smooth centreline")
@@ -304,11 +277,9 @@ void add_mesh_tube(CLI::App& mesh, Call& call) {
 void add_mesh_sphere_patch(CLI::App& mesh, Call& call) {
   const auto [command, options] =
       add_shape(mesh, call, "sphere-patch", "Make a square patch of a spherical shell about the origin",
-                "along x, along y and outward", make_sphere_patch);
-  add_length(command, "--inner", options.inner, "Inner radius [m]");
-  add_length(command, "--outer", options.outer, "Outer radius [m]");
-  add_option(command, "--angle", options.angle, "DEG", "Angle from side to side, seen from the centre [deg]")
-      ->check(CLI::Range(1e-3, 179.0))
+                "along x, along y and outward", make_shape<parts::SpherePatchGridOptions>);
+  add_radii(command, options.shape.inner_radius, options.shape.outer_radius);
+  add_option(command, "--angle", options.shape.angle, "DEG", "Angle from side to side, seen from the centre [deg]")
       ->capture_default_str();
 }
 
@@ -318,9 +289,11 @@ void add_mesh_offset(CLI::App& mesh, Call& call) {
                      [](const MeshOffsetOptions& given) { return given.surface.string(); });
   add_option(command, "surface", options.surface, "SURFACE", "Mesh file: .obj, .vtk, .vtu or .msh, with quads alone")
       ->required();
-  add_length(command, "--thickness", options.thickness, "Thickness, measured normal to the quads [m]");
+  add_option(command, "--thickness", options.thickness, "M", "Thickness, measured normal to the quads [m]")
+      ->check(refuse_length)
+      ->required();
   add_option(command, "--layers", options.layers, "N", "Number of hexahedra across it")
-      ->check(CLI::Range(1, kMaxAlong))
+      ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   add_choice(command, "--direction", options.direction, {"inward", "outward", "both"},
              "outward: on the side from which the quads run counter-clockwise; both: half to either side");

@@ -111,10 +111,12 @@ TEST_F(MeshMake, ShapesRefuseWhatMeansNothing) {
   const std::string tube = "tube --cells 1 8 6 --inner 0.1 --outer 0.15";
   expect_none_made({{tube, 2, "either --length or --along must be given"},
                     {tube + " --bend 90", 2, "--bend requires --length"},
-                    {"tube --cells 1 8 --inner 0.1 --outer 0.15 --length 1", 2, "--cells: Value --inner not in range"},
+                    {"tube --cells 1 8 --inner 0.1 --outer 0.15 --length 1", 2, "--cells"},
                     {"tube --cells 1 2 6 --inner 0.1 --outer 0.15 --length 1", 3,
                      "hexaplast mesh tube: error: a grid of 2 cells in direction 1: at least 3 needed"},
-                    {"grid --cells 100000 100000 100000 --size 1 1 1", 3, "1e+15 hexahedra, must be at most 16777216"},
+                    {"grid --cells 100000 100000 100000 --size 1 1 1", 3, "1e+15 cells, must be at most 16777216"},
+                    {"sheet --cells 1 1 1 --size 1 1 --thickness 0", 3, "thickness: 0 must be > 0"},
+                    {"grid --cells 1 0 1 --size 1 1 1", 3, "0 cells in direction 1"},
                     {"grid --cells 1 1 1 --size 1 0 1", 2, "0: must be a finite number"},
                     {"grid --cells 1 1 1 --size 1 inf 1", 2, "inf: must be a finite number"}});
   expect_refused({{"mesh grid --cells 1 1 1 --size 1 1 1 -o cube.stl", 2, "cube.stl"},
