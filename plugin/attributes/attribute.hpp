@@ -53,7 +53,6 @@ enum class Access {
   kState,   ///< the scene gives the first value, the component the later ones
   kIgnored  ///< accepted because scenes have it (visual or bookkeeping), without effect here
 };
-inline constexpr std::string_view kAccessNames[] = {"input", "output", "state", "ignored"};
 
 using hexaplast::Range;
 

@@ -5,9 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "attributes/words.hpp"
@@ -21,48 +19,6 @@ namespace {
 
 using attributes::Attribute;
 using attributes::Description;
-using Json = nlohmann::ordered_json;
-
-Json words(std::string_view text) {
-  Json list = Json::array();
-  for (const std::string_view word : scene::split_words(text)) list.push_back(word);
-  return list;
-}
-
-// What is not limited is left out, as JSON has no infinity.
-Json json_of(const attributes::Range& range) {
-  Json json = Json::object();
-  if (std::isfinite(range.min)) json[range.exclusive_min ? "above" : "least"] = range.min;
-  if (std::isfinite(range.max)) json[range.exclusive_max ? "below" : "most"] = range.max;
-  return json;
-}
-
-Json json_of(const Attribute& attribute) {
-  Json json = {{"name", attribute.name}, {"type", attributes::describe(attribute.type)}};
-  if (!attribute.words.empty()) json["words"] = words(attribute.words);
-  if (!attribute.unit.empty()) json["unit"] = attribute.unit;
-  if (!attribute.initial.empty()) json["default"] = attribute.initial;
-  if (const Json range = json_of(attribute.range); !range.empty()) json["range"] = range;
-  json["access"] = attributes::kAccessNames[static_cast<std::size_t>(attribute.access)];
-  json["help"] = attribute.help;
-  return json;
-}
-
-Json json_of(const Description& component) {
-  Json json = {{"name", component.class_name}, {"category", component.category}, {"help", component.help}};
-  json["has_effect"] = !component.takes_anything;
-  json["templates"] = words(component.templates);
-  json["attributes"] = Json::array();
-  for (const Attribute& attribute : component.attributes) json["attributes"].push_back(json_of(attribute));
-  return json;
-}
-
-Json json_of(const Descriptions& components) {
-  Json json = {{"components", Json::array()}, {"common_attributes", Json::array()}};
-  for (const Description* component : components) json["components"].push_back(json_of(*component));
-  for (const Attribute& attribute : attributes::kCommon) json["common_attributes"].push_back(json_of(attribute));
-  return json;
-}
 
 std::string_view first_sentence(std::string_view text) {
   for (std::size_t at = 0; at < text.size(); ++at)
@@ -81,6 +37,7 @@ void print(const Description& component) {
     if (const std::string range = attributes::describe(attribute.range); !range.empty()) fmt::print(", {}", range);
     if (!attribute.initial.empty()) fmt::print("; default {}", attribute.initial);
     if (attribute.access == attributes::Access::kOutput) fmt::print("; computed");
+    if (attribute.access == attributes::Access::kIgnored) fmt::print("; without effect");
     fmt::print("\n    {}\n", attribute.help);
   }
 }
@@ -121,8 +78,7 @@ const Description& named(const Descriptions& components, const std::string& name
 
 struct ListOptions {
   std::optional<std::string> component;  ///< all of them where it is not given
-  bool json = false;
-  bool markdown = false;  ///< the page docs/components.md
+  bool markdown = false;                 ///< the page docs/components.md
   SceneOptions plugins;
 };
 
@@ -131,8 +87,6 @@ void list(const ListOptions& options) {
   const Description* one = options.component ? &named(components, *options.component) : nullptr;
   if (options.markdown) {
     fmt::print("{}", component_page(components));
-  } else if (options.json) {
-    fmt::print("{}\n", (one ? json_of(*one) : json_of(components)).dump(2));
   } else if (one) {
     print(*one);
   } else {
@@ -148,10 +102,7 @@ void add_list(CLI::App& app, Call& call) {
                      [](const ListOptions&) { return "hexaplast"; });
   CLI::Option* component =
       add_option(command, "component", options.component, "COMPONENT", "One component with its attributes");
-  CLI::Option* json = command.add_flag("--json", options.json, "As JSON");
-  command.add_flag("--markdown", options.markdown, "As the page docs/components.md")
-      ->excludes(component)
-      ->excludes(json);
+  command.add_flag("--markdown", options.markdown, "As the page docs/components.md")->excludes(component);
   add_plugins(command, options.plugins);
 }
 
