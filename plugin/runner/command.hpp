@@ -32,7 +32,6 @@ void add_list(CLI::App& app, Call& call);
 void add_bench(CLI::App& app, Call& call);
 void add_resume(CLI::App& app, Call& call);
 void add_render(CLI::App& app, Call& call);
-void add_page(CLI::App& app, Call& call);      ///< hidden: the manual page, and completion for bash
 void add_describe(CLI::App& app, Call& call);  ///< hidden: what hexaplast-sweep and hexaplast-fit ask of a scene
 
 /// What the command tells its caller. Fixed: scripts rely on it.

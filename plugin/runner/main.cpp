@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
   Call call{.words = {"hexaplast"}};
   call.words.insert(call.words.end(), argv + 1, argv + argc);
   for (const auto add : {add_run, add_view, add_element, add_mesh, add_check, add_compare, add_list, add_bench,
-                         add_resume, add_render, add_page, add_describe})
+                         add_resume, add_render, add_describe})
     add(app, call);
   // programs in Python, which have been started where they are asked for
   app.add_subcommand("sweep", "Run a scene for every combination of attribute values; continues what was begun");

@@ -64,7 +64,7 @@ TEST_F(OddFiles, AFullDeviceIsNoticedByWhateverPrints) {
   write("cube.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
   for (const std::string arguments :
        {"--help", "--version", "run --help", "mesh grid --help", "list", "list --markdown", "list RegularGridTopology",
-        "page man", "page bash", "check bar.scn", "run bar.scn", "mesh info box.vtu", "mesh info --json box.vtu",
+        "check bar.scn", "run bar.scn", "mesh info box.vtu", "mesh info --json box.vtu",
         "mesh grid --cells 1 1 1 --size 1 1 1 -o box.vtu", "mesh cage cube.obj --cells 2 -o cage.vtu",
         "compare run run"}) {
     const Outcome outcome = shell("sh -c \"'" HEXAPLAST_COMMAND "' " + arguments + " > /dev/full\"");
