@@ -14,7 +14,7 @@
 
 #include "base/simd.hpp"
 #include "bench/bar.hpp"
-#include "bench/machine.hpp"
+#include "bench/record.hpp"
 #include "hexaplast/base/hash.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/solve/conjugate_gradients.hpp"
@@ -146,7 +146,7 @@ class KindRun {
       record.precision = kind_.precision == Precision::kDouble ? "double" : "mixed";
       record.threads = threads;
       record.simd = simd_target();
-      record.processor = MachineLimits::processor();
+      record.processor = processor_name();
       record.alone = rate(alone);
       record.loops = threads > 1 ? rate(loops) : record.alone;
       record.together = rate(together);

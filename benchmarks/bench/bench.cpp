@@ -135,8 +135,7 @@ class Peer {
 /// All that is measured in one size.
 class SizeRun {
  public:
-  SizeRun(int size, const Options& options, const MachineLimits& limits)
-      : options_(options), limits_(limits), size_(size) {
+  SizeRun(int size, const Options& options) : options_(options), size_(size) {
     set_num_threads(1);
     const Bar elastic = warmed_up({.size = size_});
     peer_.emplace(elastic.body());
@@ -202,7 +201,7 @@ class SizeRun {
       record.target = solver_.target;
       record.threads = num_threads();
       record.simd = simd_target();
-      record.processor = MachineLimits::processor();
+      record.processor = processor_name();
       record.iterations = static_cast<double>(iterations_) / static_cast<double>(ms_.size());
       record.tolerance = solver_.tolerance;
       record.hex_per_ms = record.size / times.min;
@@ -345,15 +344,10 @@ class SizeRun {
 
   void add(Record record, const BarSettings& bar, const Solver& solver, const Stages& stages) {
     check(record, bar.mode);
-    const double operator_seconds = 1e-9 * stages.operator_ns;
     record.linearize_ns = stages.linearize_ns;
     record.operator_ns = stages.operator_ns;
     record.vectors_ns = stages.vectors_ns;
     record.flow_ns = stages.flow_ns;
-    record.operator_gflops = 1e-9 * stages.operator_flops / operator_seconds;
-    record.operator_gbs = 1e-9 * stages.operator_bytes / operator_seconds;
-    record.peak_gflops = limits_.peak_gflops(bar.precision, record.threads);
-    record.read_gbs = limits_.read_gbs(stages.operator_footprint, record.threads);
     outcome_.records.push_back(std::move(record));
     solver_of_.push_back(solver);
   }
@@ -390,7 +384,6 @@ class SizeRun {
   }
 
   const Options& options_;
-  const MachineLimits& limits_;
   int size_;
   std::optional<Peer> peer_;
   Outcome outcome_;
@@ -420,11 +413,10 @@ double time_peer(const Body& body, double iterations) {
   return peer.ms(iterations);
 }
 
-Outcome run(const Options& options, const MachineLimits& limits,
-            const std::function<void(const std::vector<Record>&)>& on_size) {
+Outcome run(const Options& options, const std::function<void(const std::vector<Record>&)>& on_size) {
   Outcome all;
   for (const int size : options.sizes) {
-    Outcome one = SizeRun(size, options, limits).measure();
+    Outcome one = SizeRun(size, options).measure();
     on_size(one.records);
     std::move(one.records.begin(), one.records.end(), std::back_inserter(all.records));
     std::move(one.failures.begin(), one.failures.end(), std::back_inserter(all.failures));

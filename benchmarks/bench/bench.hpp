@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "bench/machine.hpp"
 #include "bench/record.hpp"
 #include "hexaplast/body.hpp"
 
@@ -28,8 +27,7 @@ struct Outcome {
 
 /// Measures the bar in every size, mode, precision, solver and number of threads, with the dense peer in between.
 /// `on_size` is given the records of each size as soon as they are complete.
-Outcome run(const Options& options, const MachineLimits& limits,
-            const std::function<void(const std::vector<Record>&)>& on_size);
+Outcome run(const Options& options, const std::function<void(const std::vector<Record>&)>& on_size);
 
 /// Times of steps [ms], of any body: the fastest, the median and the one that only a hundredth exceeds.
 struct StepTimes {

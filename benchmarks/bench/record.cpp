@@ -48,10 +48,6 @@ void for_each_field(R& r, const Visit& visit) {
   visit("operator_ns", r.operator_ns);
   visit("vectors_ns", r.vectors_ns);
   visit("flow_ns", r.flow_ns);
-  visit("operator_gflops", r.operator_gflops);
-  visit("operator_gbs", r.operator_gbs);
-  visit("peak_gflops", r.peak_gflops);
-  visit("read_gbs", r.read_gbs);
 }
 
 /// Five significant digits: more is noise.
@@ -76,6 +72,15 @@ std::string number(double value, const char* format) {
 }
 
 }  // namespace
+
+std::string processor_name() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    const auto colon = line.find(": ");
+    if (line.rfind("model name", 0) == 0 && colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "unknown";
+}
 
 std::string to_json(const std::vector<Record>& records) {
   nlohmann::ordered_json array = nlohmann::ordered_json::array();
@@ -118,21 +123,19 @@ std::vector<Record> read_json(const std::filesystem::path& file) {
 std::string table_head() {
   return fmt::format(
       "{:>7} {:<34} {:>5} {:<12} {:<6} {:<9} {:>7} {:>2} | {:>6} {:>8} {:>8} {:>8} {:>7} {:>7} {:>8} | {:>5} {:>5} "
-      "{:>5} {:>5} {:>5} {:>5}  {}\n",
+      "{:>5} {:>5}  {}\n",
       "hex", "element", "nu", "mode", "prec.", "solver", "asked", "th", "its", "hex/ms", "p50 ms", "p99 ms", "x peer",
-      "B/hex", "residual", "lin", "op", "vec", "flow", "%flop", "%read", "state hash");
+      "B/hex", "residual", "lin", "op", "vec", "flow", "state hash");
 }
 
 std::string table_row(const Record& r) {
   return fmt::format(
       "{:>7} {:<34} {:>5} {:<12} {:<6} {:<9} {:>7} {:>2} | {:>6.1f} {:>8.1f} {:>8.3f} {:>8.3f} {:>7} {:>7} {:>8.1e} | "
-      "{:>5} {:>5} {:>5} {:>5} {:>5} {:>5}  {}\n",
+      "{:>5} {:>5} {:>5} {:>5}  {}\n",
       r.size, r.element, number(r.poisson_ratio, "{:.3g}"), r.mode, r.precision, r.solver, r.target, r.threads,
       r.iterations, r.hex_per_ms, r.p50_ms, r.p99_ms, number(r.ratio_to_dense_peer, "{:.2f}"),
       number(r.bytes_per_hex, "{:.0f}"), r.residual, number(r.linearize_ns, "{:.0f}"), number(r.operator_ns, "{:.1f}"),
-      number(r.vectors_ns, "{:.1f}"), number(r.flow_ns, "{:.0f}"),
-      number(100 * r.operator_gflops / r.peak_gflops, "{:.0f}"), number(100 * r.operator_gbs / r.read_gbs, "{:.0f}"),
-      r.state_hash);
+      number(r.vectors_ns, "{:.1f}"), number(r.flow_ns, "{:.0f}"), r.state_hash);
 }
 
 std::vector<std::string> compare(const std::vector<Record>& records, const std::vector<Record>& baseline,

@@ -10,6 +10,9 @@ namespace hexaplast::bench {
 
 inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
+/// Model of the processor, as the system names it.
+std::string processor_name();
+
 /// One thread-precision-solver-mode cell of the table. Times are wall times of whole implicit steps.
 struct Record {
   // what was measured
@@ -39,15 +42,11 @@ struct Record {
   double yielded = 0;                         ///< fraction of the hexahedra that yielded in the last step
   std::string state_hash;                     ///< at the end; the same for any number of threads
 
-  // [ns per hexahedron] of the stages, each the fastest of several, and how near the operator gets to the machine
+  // [ns per hexahedron] of the stages, each the fastest of several
   double linearize_ns = kNotMeasured;  ///< gradients, rotations, forces, operator coefficients
   double operator_ns = kNotMeasured;   ///< one product
   double vectors_ns = kNotMeasured;    ///< the rest of one plain conjugate gradient iteration
   double flow_ns = kNotMeasured;       ///< plastic flow, rest shapes
-  double operator_gflops = kNotMeasured;
-  double operator_gbs = kNotMeasured;
-  double peak_gflops = kNotMeasured;  ///< measured on this machine, in the operator's precision
-  double read_gbs = kNotMeasured;     ///< likewise, from where the operator's coefficients lie
 };
 
 /// An array of objects; what was not measured is null.

@@ -15,16 +15,6 @@ namespace hexaplast::bench {
 
 namespace {
 
-// Additions and multiplications per hexahedron of one product, as theory.md section 9.3 writes it. Boxes: modes and
-// their transpose 2 x 72, two gradients 2 x 84, what is assumed 90 + 2 x 108, columns of the samples 156 + 219, eight
-// samples of Z, stress and back 51 + 14 + 45 ...
-constexpr double kBoxFlops = 2 * 72 + 2 * 84 + 90 + 2 * 108 + 156 + 219 + 8 * (51 + 14 + 45);
-// ... general shapes: edges and their transpose 36 + 72, mean columns and hourglass modes with their transposes
-// 2 x (144 + 36 + 54), what is assumed 90 + 2 x 108 + 27 + 45, H and its transpose 144 + 120, scaled edges 2 x 36,
-// gradients 2 x 72 + 2 x 84, and eight samples with R 2 x 45 + 27 + 54 + 17 + 45 + 36
-constexpr double kGeneralFlops = 36 + 72 + 2 * (144 + 36 + 54) + 90 + 2 * 108 + 27 + 45 + 144 + 120 + 2 * 36 + 2 * 72 +
-                                 2 * 84 + 8 * (2 * 45 + 27 + 54 + 17 + 45 + 36);
-
 template <class Work>
 double min_seconds(int repetitions, const Work& work) {
   double min = std::numeric_limits<double>::infinity();
@@ -45,19 +35,6 @@ double time_product(const ChunkedOperator<T>& op, int repetitions) {
   return min_seconds(repetitions, [&](int) {
     parallel_for(partition.num_chunks, [&](int chunk) { op.add_product(chunk, T(1e-3), p.data(), Ap.data()); });
   });
-}
-
-template <class T, class Coef>
-void describe_operator(const ElementOperator<T, Coef>& op, int num_elements, Stages& stages) {
-  const Partition& partition = op.partition();
-  double general = 0;
-  for (const unsigned char is_general : op.is_general) general += is_general != 0;
-  const double fraction = general / partition.num_blocks;
-  stages.operator_flops = fraction * kGeneralFlops + (1 - fraction) * kBoxFlops;
-  // coefficients and corner slots stream through; p is read, Ap read and written
-  stages.operator_footprint = op.bytes() + partition.corner.size() * sizeof(int) +
-                              3 * 4 * static_cast<std::size_t>(partition.num_slots) * sizeof(T);
-  stages.operator_bytes = static_cast<double>(stages.operator_footprint) / num_elements;
 }
 
 /// Time of one iteration of plain conjugate gradients [s]: the difference between many and few.
@@ -99,12 +76,8 @@ Stages measure_stages(Bar& bar, int repetitions) {
   if (bar.body().state().is_plain()) return stages;  // the rest is of the kernels
 
   bar.body().linearize(bar.positions());
-  std::visit(
-      [&](const auto& op) {
-        describe_operator(op, bar.num_elements(), stages);
-        stages.operator_ns = ns * time_product(op, 5 * repetitions);
-      },
-      bar.body().state().at.op);
+  stages.operator_ns =
+      ns * std::visit([&](const auto& op) { return time_product(op, 5 * repetitions); }, bar.body().state().at.op);
   stages.vectors_ns = std::max(0.0, ns * time_iteration(bar, repetitions) - stages.operator_ns);
   if (bar.body().can_flow()) stages.flow_ns = ns * time_flow(bar, repetitions);
   return stages;

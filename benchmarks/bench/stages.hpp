@@ -5,16 +5,13 @@
 
 namespace hexaplast::bench {
 
-/// [ns per hexahedron] of the stages of one step of a bar as it stands, each the fastest of several, and what a product
-/// with the operator consists of; of the plain implementation the first alone.
+/// [ns per hexahedron] of the stages of one step of a bar as it stands, each the fastest of several; of the plain
+/// implementation the first alone.
 struct Stages {
-  double linearize_ns = 0;             ///< gradients, rotations, forces, operator coefficients
-  double operator_ns = 0;              ///< one product
-  double vectors_ns = 0;               ///< one plain conjugate gradient iteration without the product
-  double flow_ns = 0;                  ///< plastic flow; 0 where nothing flows
-  double operator_flops = 0;           ///< per hexahedron: additions and multiplications in the operator's formulas
-  double operator_bytes = 0;           ///< per hexahedron: coefficients, weights, indices, and the vectors once each
-  std::size_t operator_footprint = 0;  ///< [B] of all of these
+  double linearize_ns = 0;  ///< gradients, rotations, forces, operator coefficients
+  double operator_ns = 0;   ///< one product
+  double vectors_ns = 0;    ///< one plain conjugate gradient iteration without the product
+  double flow_ns = 0;       ///< plastic flow; 0 where nothing flows
 };
 
 /// Measures through the library's own verbs, `repetitions` times; the bar stays as it is.

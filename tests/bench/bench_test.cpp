@@ -177,7 +177,7 @@ TEST(BenchRecords, HashesMustAgreeBetweenThreads) {
 TEST(BenchRun, MeasuresWhatFlowCosts) {
   Options options{.sizes = {300}, .quick = true, .flow = true};
   const int before = num_threads();
-  const Outcome outcome = run(options, MachineLimits(options.threads), [](const std::vector<Record>&) {});
+  const Outcome outcome = run(options, [](const std::vector<Record>&) {});
   set_num_threads(before);
   EXPECT_EQ(outcome.failures, std::vector<std::string>());
   const std::vector<std::string> modes = {"elastic", "plastic_part", "plastic", "elastic"};  // the last one relaxes
@@ -196,9 +196,8 @@ TEST(BenchOfEveryCell, FindsNothingWrong) {
   options.sizes = {300};
   options.quick = true;
   const int before = num_threads();
-  const MachineLimits limits(options.threads);
   std::size_t reported = 0;
-  const Outcome outcome = run(options, limits, [&](const std::vector<Record>& records) { reported += records.size(); });
+  const Outcome outcome = run(options, [&](const std::vector<Record>& records) { reported += records.size(); });
   set_num_threads(before);
 
   EXPECT_EQ(outcome.failures, std::vector<std::string>());

@@ -104,7 +104,7 @@ bench::Record measure_scene(const BenchOptions& options, int threads) {
   record.target = "scene";
   record.threads = threads;
   record.simd = simd_target();
-  record.processor = bench::MachineLimits::processor();
+  record.processor = bench::processor_name();
   record.iterations = static_cast<double>(simulation.totals().iterations) / static_cast<double>(num_steps);
   record.hex_per_ms = record.size / times.p50;  // steps of a scene differ: the fastest says little
   record.p50_ms = times.p50;
@@ -135,18 +135,8 @@ bench::Outcome measure_bars(const BenchOptions& options, bool prints) {
   wanted.quick = options.quick;
   wanted.flow = options.flow;
 
-  const bench::MachineLimits limits(options.threads);
-  if (prints) {
-    fmt::print("{}, {}; best measured here and now:\n", bench::MachineLimits::processor(), simd_target());
-    for (const int threads : options.threads)
-      fmt::print(
-          "  {} thread{}: {:.0f} GFLOP/s double, {:.0f} single; reads {:.0f} GB/s in 1 MB, {:.0f} in 16 MB, "
-          "{:.0f} in 256 MB\n",
-          threads, threads == 1 ? "" : "s", limits.peak_gflops(Precision::kDouble, threads),
-          limits.peak_gflops(Precision::kMixed, threads), limits.read_gbs(1u << 20, threads),
-          limits.read_gbs(16u << 20, threads), limits.read_gbs(256u << 20, threads));
-  }
-  return bench::run(wanted, limits, [&](const std::vector<bench::Record>& records) {
+  if (prints) fmt::print("{}, {}\n", bench::processor_name(), simd_target());
+  return bench::run(wanted, [&](const std::vector<bench::Record>& records) {
     if (!prints) return;
     fmt::print("\n{}", bench::table_head());
     for (const bench::Record& record : records) fmt::print("{}", printable(bench::table_row(record)));
@@ -166,7 +156,7 @@ bench::BatchOutcome measure_batch(const BenchOptions& options, bool prints) {
   }
   if (prints)
     fmt::print("{}, {}; steps of a body per second of processor time, and how many times as fast as alone:\n{}",
-               bench::MachineLimits::processor(), simd_target(), bench::batch_head());
+               bench::processor_name(), simd_target(), bench::batch_head());
   return bench::run_batch(wanted, [&](const bench::BatchRecord& record) {
     if (!prints) return;
     fmt::print("{}", printable(bench::batch_row(record)));

@@ -11,7 +11,7 @@
 #include "attributes/stock.hpp"
 #include "base/memory.hpp"
 #include "base/simd.hpp"
-#include "bench/machine.hpp"
+#include "bench/record.hpp"
 #include "hexaplast/base/archive.hpp"
 #include "hexaplast/base/hash.hpp"
 #include "hexaplast/base/parallel.hpp"
@@ -108,7 +108,7 @@ output::Manifest describe_run(scene::Scene& scene) {
           .precision = precision_of(scene),
           .motion_solver = class_of_first<scene::OdeSolver>(scene),
           .linear_solver = class_of_first<scene::LinearSolver>(scene),
-          .processor = bench::MachineLimits::processor(),
+          .processor = bench::processor_name(),
           .cores = static_cast<int>(std::thread::hardware_concurrency()),
           .memory_bytes = physical_memory(),
           .started = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))),
