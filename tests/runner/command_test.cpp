@@ -224,10 +224,10 @@ TEST_F(Command, BenchMeasuresAScene) {
 
 // BenchBatch has what the records say.
 TEST_F(Command, BenchStepsABatchAtOnce) {
-  const Outcome outcome = succeeds("bench --batch --quick --sizes 90 --bodies 2 --threads 1 --json batch.json");
+  const Outcome outcome = succeeds("bench --batch --quick --sizes 90 --bodies 5 --threads 1,3 --json batch.json");
   EXPECT_TRUE(has(outcome.out, "together"));
-  ASSERT_EQ(json("batch.json").size(), 4u);
-  EXPECT_EQ(json("batch.json")[0]["bodies"], 2);
+  ASSERT_EQ(json("batch.json").size(), 8u);  // two modes, two precisions, two numbers of threads
+  EXPECT_EQ(json("batch.json")[0]["bodies"], 5);
 }
 
 TEST_F(Command, BenchRefusesWhatMeansNothing) {
