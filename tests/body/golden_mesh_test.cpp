@@ -8,7 +8,7 @@ class GoldenMesh : public testing::TestWithParam<std::string> {
  protected:
   const std::string mode = GetParam();
   const Json data = golden("mesh_" + mode + (mode == "objective" ? "_gn" : ""));
-  const Json& params = data["params"];
+  const Json& params = data["parameters"];
   Body body{HexMesh(matrix(data["X"]), hexahedra(data["H"])),
             {material(params)},
             settings(params, mode, RotationFrame::kBestFit)};
@@ -47,9 +47,9 @@ TEST_P(GoldenMesh, TwentyDynamicSteps) {
     if (body.mesh().positions()(n, 2) > 0.15) loaded.push_back(n);
   }
   Motion setup;
-  setup.density = params["rho"];
+  setup.density = params["density"];
   setup.dt = dynamic["dt"];
-  setup.euler = {.rayleigh_mass = params["rayleigh_m"], .rayleigh_stiffness = params["rayleigh_k"]};
+  setup.euler = {.rayleigh_mass = params["rayleighMass"], .rayleigh_stiffness = params["rayleighStiffness"]};
   setup.fixed = dynamic["fixed"].get<std::vector<int>>();
   setup.load = [&](double, ConstPoints, Points f) {
     for (const int n : loaded) f(n, 2) += 8;

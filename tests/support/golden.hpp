@@ -47,20 +47,20 @@ inline std::vector<Hexahedron> hexahedra(const Json& rows) { return rows.get<std
 
 inline Material material(const Json& params) {
   Material m;
-  m.young_modulus = params.at("E");
-  m.poisson_ratio = params.at("nu");
-  m.yield_stress = number(params.at("tau"));
-  m.flow_rate = params.at("flow");
-  m.rotation_yield = number(params.at("tauR"));
-  m.rotation_flow_rate = params.at("flowR");
-  m.hardening = params.at("kappa");
+  m.young_modulus = params.at("youngModulus");
+  m.poisson_ratio = params.at("poissonRatio");
+  m.yield_stress = number(params.at("yieldStress"));
+  m.flow_rate = params.at("plasticFlowRate");
+  m.rotation_yield = number(params.at("rotationYield"));
+  m.rotation_flow_rate = params.at("rotationFlowRate");
+  m.hardening = params.at("hardening");
   return m;
 }
 
 /// Settings of a rotation mode: "objective", "paper_vertex" or "paper_centre". The numbers were computed with
 /// Model::turns_isolated_shapes, and one step of it does not reach what every method ends at.
 inline Settings settings(const Json& params, const std::string& mode, RotationFrame frame) {
-  if (params.at("norm") != "fro") throw std::runtime_error("golden data know the Frobenius norm only");
+  if (params.at("yieldNorm") != "frobenius") throw std::runtime_error("golden data know the Frobenius norm only");
   Settings s = published_element();
   s.implementation = Implementation::kPlain;
   s.yield_norm = YieldNorm::kFrobenius;
@@ -69,8 +69,8 @@ inline Settings settings(const Json& params, const std::string& mode, RotationFr
                                                    : RotationPlasticity::kObjective;
   s.rotation_frame = frame;
   s.averaging_tolerance = 1e-12;
-  s.volume_restitution = params.at("volrate");
-  s.inversion_threshold = params.at("guard_F");
+  s.volume_restitution = params.at("volumeRestitution");
+  s.inversion_threshold = params.at("inversionThreshold");
   return s;
 }
 

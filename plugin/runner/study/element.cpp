@@ -27,55 +27,6 @@ using Json = nlohmann::ordered_json;
 
 // ---- input ----------------------------------------------------------------------------------------------------------
 
-/// Short keys of reference files and the names they stand for.
-constexpr std::array<std::pair<const char*, const char*>, 19> kShortKeys{{
-    {"X0", "initial"},
-    {"x", "plasticRest"},
-    {"y", "rest"},
-    {"xh", "current"},
-    {"Pi", "rotationMap"},
-    {"G", "plasticInverse"},
-    {"tau", "yieldStress"},
-    {"tauR", "rotationYield"},
-    {"params", "parameters"},
-    {"E", "youngModulus"},
-    {"nu", "poissonRatio"},
-    {"flow", "plasticFlowRate"},
-    {"norm", "yieldNorm"},
-    {"flowR", "rotationFlowRate"},
-    {"kappa", "hardening"},
-    {"scheme", "bending"},
-    {"volrate", "volumeRestitution"},
-    {"guard_F", "inversionThreshold"},
-    {"gauge", "rotationFrame"},
-}};
-
-/// Words of reference files and the ones they stand for.
-constexpr std::array<std::pair<const char*, const char*>, 8> kShortWords{{
-    {"fro", "frobenius"},
-    {"vm", "vonMises"},
-    {"mises", "vonMises"},
-    {"spec", "spectral"},
-    {"blendfix", "blended"},
-    {"none", "world"},
-    {"best", "bestFit"},
-    {"gn", "gaussNewton"},
-}};
-
-/// Renames the keys of an object, so that the rest of the program knows one vocabulary.
-Json with_full_names(const Json& given) {
-  Json renamed = Json::object();
-  for (const auto& [key, value] : given.items()) {
-    std::string name = key;
-    for (const auto& [brief, full] : kShortKeys)
-      if (key == brief) name = full;
-    if (renamed.contains(name))
-      throw InputError(fmt::format("{}: is given twice, the other time under another name", key));
-    renamed[name] = value;
-  }
-  return renamed;
-}
-
 [[noreturn]] void reject(const std::string& key, const Json& value, const std::string& allowed) {
   std::string shown = value.dump();
   if (shown.size() > 60) shown = shown.substr(0, 57) + "...";
@@ -151,10 +102,9 @@ struct Element {
   Material constants;
   Settings settings;
   double dt = 0.01;
-  bool names_modes = false;  // a reference file: its own mode is answered with a block for each of three
 };
 
-/// The value of a member, as numbers. Reference files may have words in brief.
+/// The value of a member, as numbers.
 template <class Options>
 std::vector<double> member(const Row<Options>& row, const std::string& key, const Json& value) {
   if (row.at.list) {
@@ -168,10 +118,7 @@ std::vector<double> member(const Row<Options>& row, const std::string& key, cons
     if (!value.is_number_integer()) reject(key, value, "a whole number");
     return {value.get<double>()};
   }
-  std::string given = value.is_string() ? value.get<std::string>() : "";
-  for (const auto& [brief, name] : kShortWords)
-    if (given == brief && place_of_word(row, given) < 0) given = name;
-  const int place = place_of_word(row, given);
+  const int place = place_of_word(row, value.is_string() ? value.get<std::string>() : "");
   if (place < 0) reject(key, value, fmt::format("one of {}", fmt::join(row.words, ", ")));
   return {static_cast<double>(place)};
 }
@@ -189,31 +136,26 @@ void read_parameter(const std::string& key, const Json& value, Element& element)
   if (key == "dt")
     element.dt = number("parameters.dt", value);
   else if (!read_member(material_rows(), key, value, element.constants) &&
-           !read_member(settings_rows(), key, value, element.settings) && !element.names_modes)
+           !read_member(settings_rows(), key, value, element.settings))
     throw InputError(fmt::format("parameters: no parameter is called {}", key));
 }
 
-Element read_element(const Json& given) {
-  if (!given.is_object()) throw InputError("the input must be one JSON object");
-  const Json json = with_full_names(given);
-  if (!json.contains("initial")) throw InputError("\"initial\" (or X0) is missing: eight corners");
+Element read_element(const Json& json) {
+  if (!json.is_object()) throw InputError("the input must be one JSON object");
+  if (!json.contains("initial")) throw InputError("\"initial\" is missing: eight corners");
 
   Element element;
-  element.names_modes = given.contains("X0");
-  if (element.names_modes) element.settings = published_element();  // of which reference files are
   static const std::set<std::string> known{"initial",     "plasticRest",   "rest",           "current",   "rotationMap",
                                            "yieldStress", "rotationYield", "plasticInverse", "parameters"};
-  if (!element.names_modes)
-    for (const auto& [key, value] : json.items())
-      if (!known.contains(key)) throw InputError(fmt::format("no key is called {}", key));
+  for (const auto& [key, value] : json.items())
+    if (!known.contains(key)) throw InputError(fmt::format("no key is called {}", key));
 
   const auto optional_points = [&](const char* key, const ElementPoints& otherwise) {
     return json.contains(key) ? points(key, json[key]) : otherwise;
   };
   if (json.contains("parameters")) {
     if (!json["parameters"].is_object()) reject("parameters", json["parameters"], "an object");
-    const Json parameters = with_full_names(json["parameters"]);
-    for (const auto& [key, value] : parameters.items()) read_parameter(key, value, element);
+    for (const auto& [key, value] : json["parameters"].items()) read_parameter(key, value, element);
   }
   // one hexahedron by itself is computed exactly and with every option, whatever its body is
   element.settings.precision = Precision::kDouble;
@@ -277,10 +219,9 @@ Json elastic_block(const Element& element) {
           {"stiffness", to_json(found.stiffness)}};
 }
 
-Json step_block(const Element& element, RotationPlasticity mode) {
-  Settings settings = element.settings;
-  settings.rotation_plasticity = mode;
-  const HexahedronStep found = inspect_step(element.state, element.constants, settings, element.dt, Names::kScenes);
+Json step_block(const Element& element) {
+  const HexahedronStep found =
+      inspect_step(element.state, element.constants, element.settings, element.dt, Names::kScenes);
   Json block{{"F_i", to_json(found.F_corner)},
              {"F_o", to_json(found.F_centre)},
              {"Fbar_plain", to_json(found.F_blended)},
@@ -306,19 +247,14 @@ Json step_block(const Element& element, RotationPlasticity mode) {
              {"Pi_new", to_json(found.history.rotation_map)},
              {"x_new", to_json(found.plastic_rest)},
              {"volume_x_new", found.plastic_volume}};
-  if (settings.rest_shape == RestShape::kIsolated) block["G_new"] = to_json(found.history.plastic_inverse);
+  if (element.settings.rest_shape == RestShape::kIsolated) block["G_new"] = to_json(found.history.plastic_inverse);
   return block;
 }
 
 Json all_blocks(const Element& element) {
-  Json out{{"elastic", elastic_block(element)}};
-  const auto add = [&](const char* name, RotationPlasticity mode) { out[name] = step_block(element, mode); };
-  const RotationPlasticity mode = element.settings.rotation_plasticity;
-  if (element.names_modes || mode == RotationPlasticity::kObjective) add("objective", RotationPlasticity::kObjective);
-  if (element.names_modes || mode == RotationPlasticity::kVertex) add("paper_vertex", RotationPlasticity::kVertex);
-  if (element.names_modes || mode == RotationPlasticity::kCentre) add("paper_centre", RotationPlasticity::kCentre);
-  if (!element.names_modes && mode == RotationPlasticity::kNone) add("none", RotationPlasticity::kNone);
-  return out;
+  constexpr const char* kStepNames[] = {"objective", "paper_vertex", "paper_centre", "none"};
+  const char* name = kStepNames[static_cast<std::size_t>(element.settings.rotation_plasticity)];
+  return {{"elastic", elastic_block(element)}, {name, step_block(element)}};
 }
 
 // ---- path -----------------------------------------------------------------------------------------------------------
