@@ -42,9 +42,6 @@ class ElementOperator final : public ChunkedOperator<T> {
   /// Makes room for blocks of these kinds; has_coefficients: per block, not 0 where it has some, or null: all have.
   void resize(const std::vector<unsigned char>& is_general, const unsigned char* has_coefficients = nullptr);
 
-  /// Bytes that are kept, all of which one application reads.
-  std::size_t bytes() const { return coef_.size() * sizeof(Coef) + weight_.size() * sizeof(T); }
-
   /// Of all elements of a block.
   std::span<Coef> coefficients(int block) { return {coef_.data() + first_[block], first_[block + 1] - first_[block]}; }
   std::span<const Coef> coefficients(int block) const {
