@@ -5,31 +5,8 @@ Lengths in m, forces in N, times in s, stresses in Pa. n nodes, m hexahedra.
 """
 
 try:
-    from ._hexaplast import (
-        Batch,
-        Body,
-        BodyState,
-        Fields,
-        FlowReport,
-        Grip,
-        Instrument,
-        Joints,
-        Material,
-        Scene,
-        SceneBody,
-        SceneInstrument,
-        Settings,
-        Simulation,
-        SolidInstrument,
-        StepReport,
-        __version__,
-        grid,
-        num_threads,
-        read_mesh,
-        run,
-        set_num_threads,
-        simd_target,
-    )
+    from ._hexaplast import *  # noqa: F403
+    from ._hexaplast import __version__
 except ModuleNotFoundError as error:
     if error.name != "hexaplast._hexaplast":
         raise
@@ -39,31 +16,4 @@ except ModuleNotFoundError as error:
 from ._forceps import Forceps
 from ._notebook import Viewer, show
 
-__all__ = [
-    "Batch",
-    "Body",
-    "BodyState",
-    "Fields",
-    "FlowReport",
-    "Forceps",
-    "Grip",
-    "Instrument",
-    "Joints",
-    "Material",
-    "Scene",
-    "SceneBody",
-    "SceneInstrument",
-    "Settings",
-    "Simulation",
-    "SolidInstrument",
-    "StepReport",
-    "Viewer",
-    "__version__",
-    "grid",
-    "num_threads",
-    "read_mesh",
-    "run",
-    "set_num_threads",
-    "show",
-    "simd_target",
-]
+__all__ = ["__version__", *(name for name in dir() if not name.startswith("_"))]
