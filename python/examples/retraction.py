@@ -8,12 +8,9 @@ episode. `Retraction` is one flap, `Retractions` are many that are stepped toget
 
     python3 retraction.py [--iterations N] [--threads N] [--picture FILE]
 
-finds a linear policy by the cross-entropy method, and prints its return before and after; then steps per second of a
-batch, and of the same flaps one after the other.
+finds a linear policy by the cross-entropy method, and prints its return before and after.
 """
 import argparse
-import hashlib
-import time
 
 import numpy as np
 
@@ -164,46 +161,6 @@ def evaluate(policy, seeds=range(4)):
     return float(np.mean([returns(policy[None], flaps, seed) for seed in seeds]))
 
 
-def speed(threads, count=16):
-    """Steps per second of a batch and of the same simulations one after the other, and the hash of each."""
-    actions = np.random.default_rng(5).uniform(-FASTEST, FASTEST, (STEPS, count, 3))
-
-    def prepared():
-        flaps = Retractions(count)
-        for k in range(count):
-            flaps.reset(k, np.random.default_rng(k))
-        return flaps
-
-    def lead(simulation, action):
-        held, velocity = action
-        simulation.prescribe(held, simulation.positions[held] + DT * velocity)
-
-    def together(flaps):
-        for of_step in actions:
-            flaps.batch.step(zip(flaps.held, of_step), lead)
-
-    def alone(flaps):
-        for of_step in actions:
-            for simulation, action in zip(flaps.batch.simulations, zip(flaps.held, of_step)):
-                lead(simulation, action)
-                simulation.step()
-
-    def timed(way, num_threads):
-        hexaplast.set_num_threads(num_threads)
-        flaps = prepared()
-        begin = time.perf_counter()
-        way(flaps)
-        took = time.perf_counter() - begin
-        hashes = "".join(s.state_hash() for s in flaps.batch.simulations)
-        return STEPS * count / took, hashlib.sha256(hashes.encode()).hexdigest()[:16]
-
-    before = hexaplast.num_threads()
-    try:  # the best of several: other programs run too
-        return [max(timed(way, n) for _ in range(3)) for way, n in [(together, threads), (together, 1), (alone, 1)]]
-    finally:
-        hexaplast.set_num_threads(before)
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--iterations", type=int, default=20)
@@ -219,9 +176,6 @@ def main():
         flaps = Retractions(1)
         returns(policy[None], flaps, 0)
         image.imsave(options.picture, flaps.batch.simulations[0].picture(1280, 720))
-    names = [f"batch on {options.threads} threads", "batch on 1 thread", "one after the other"]
-    for name, (rate, of_states) in zip(names, speed(options.threads)):
-        print(f"{name}: {rate:.0f} steps/s, states {of_states}")
 
 
 if __name__ == "__main__":

@@ -82,8 +82,3 @@ def test_a_policy_learns_to_retract():
     untrained = retraction.evaluate(np.zeros((3, 4)))
     trained = retraction.evaluate(retraction.train(iterations=3, count=8))
     assert trained > untrained + 5, (untrained, trained)  # of 50 at most
-
-
-def test_a_batch_computes_what_flaps_one_after_the_other_do():
-    (_, together), (_, on_one_thread), (_, alone) = retraction.speed(threads=2, count=3)
-    assert together == on_one_thread == alone
