@@ -5,29 +5,7 @@ import math
 
 import numpy as np
 
-from ._hexaplast import Instrument, _require_jaws
-
-
-def _motion(pose, turn=None):
-    """The rigid motion (4, 4) of a pose (3,), which has the rotation `turn`, (7,) or (4, 4)."""
-    pose = np.asarray(pose, float)
-    if pose.shape == (4, 4):
-        return pose
-    if pose.shape not in ((3,), (7,)):
-        raise ValueError(f"pose: shape {pose.shape}, must be (3,), (7,) or (4, 4)")
-    motion = np.eye(4)
-    motion[:3, 3] = pose[:3]
-    if len(pose) == 3:
-        motion[:3, :3] = turn
-        return motion
-    length = np.linalg.norm(pose[3:])
-    if length == 0:
-        raise ValueError("pose: the quaternion is 0 0 0 0, must have a length")
-    x, y, z, w = pose[3:] / length
-    motion[:3, :3] += 2 * np.array([[-y * y - z * z, x * y - z * w, x * z + y * w],
-                                    [x * y + z * w, -x * x - z * z, y * z - x * w],
-                                    [x * z - y * w, y * z + x * w, -x * x - y * y]])
-    return motion
+from ._hexaplast import Instrument, _motion, _require_jaws
 
 
 def _finite(opening):
@@ -77,7 +55,7 @@ class Forceps:
     def _move(self, pose=None, opening=None):
         frame, aimed_at = self._between(*(jaw.target for jaw in self._jaws))
         if pose is not None:
-            frame = _motion(pose, frame[:3, :3])
+            frame = _motion(pose, frame)
         if opening is None:
             opening = aimed_at
         for jaw, side, turn in zip(self._jaws, (-0.5, 0.5), (np.eye(3), self._turn)):

@@ -64,6 +64,16 @@ void add_instrument(py::module_& module) {
       throw InputError("forceps: a jaw must be an InstrumentContactForceField, which touches");
     if (&left.taken() != &right.taken()) throw InputError("forceps: the jaws are of two simulations");
   });
+  module.def(  // (4, 4)
+      "_motion",
+      [](py::handle given, py::handle present) {
+        const Pose pose = pose_from(given, pose_from(present, {}));
+        Eigen::Matrix<double, 4, 4, Eigen::RowMajor> motion = Eigen::Matrix4d::Identity();
+        motion.topLeftCorner<3, 3>() = pose.orientation.toRotationMatrix();
+        motion.topRightCorner<3, 1>() = pose.position;
+        return py::array_t<double>({4, 4}, motion.data());
+      },
+      py::arg("pose"), py::arg("present") = py::make_tuple(0, 0, 0));
   py::class_<Instrument, std::shared_ptr<Instrument>>(module, "Instrument",
                                                       "A rigid instrument that touches, moved from outside")
       .def_property("pose", in_turn([](Instrument& i) { return array_of(i.pose()); }),

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "arrays.hpp"
+#include "body.hpp"
 #include "picture/bodies.hpp"
 #include "picture/gallery.hpp"
 
@@ -31,14 +32,25 @@ struct PictureOptions {
 /// (height, width, 3). Throws InputError and py::type_error for options that cannot be, RendererUnavailable.
 py::array picture_of(const Moment& moment, output::Staging staging, const PictureOptions& options);
 
-/// def: `function` as picture(), with those keywords.
-template <class Of, class Function>
-void def_picture(Of& of, const Function& function) {
-  of.def(
+/// What simulations and scenes have alike.
+template <class Motion>
+py::class_<Motion>& def_motion(py::class_<Motion>& of) {
+  of.def_property_readonly("dt", &Motion::dt, "[s]")
+      .def_property_readonly("time", &Motion::time, "[s]")
+      .def_property_readonly("num_steps", &Motion::num_steps, "steps so far")
+      .def_property_readonly("kinetic_energy", in_turn([](Motion& m) { return m.kinetic_energy(); }), "[J]")
+      .def_property_readonly("elastic_energy", in_turn([](Motion& m) { return m.elastic_energy(); }), "[J]")
+      .def("record", &Motion::record,
+           "From now on, states are kept for show(): of all steps at most 60, at equal distances. reset, load and\n"
+           "a Simulation's set_state begin anew")
+      .def("_page", &Motion::page)
+      .def("copy", &copy_of, "Another one, with bodies of its own in the same state; it records nothing")
+      .def("__copy__", &copy_of);
+  return of.def(
       "picture",
-      [function](typename Of::type& self, int width, int height, const py::object& view, const py::object& camera,
-                 const std::string& field, const py::object& range) {
-        return function(self, PictureOptions{width, height, view, camera, field, range});
+      [](Motion& self, int width, int height, const py::object& view, const py::object& camera,
+         const std::string& field, const py::object& range) {
+        return self.picture({width, height, view, camera, field, range});
       },
       py::arg("width") = 640, py::arg("height") = 360, py::kw_only(), py::arg("view") = py::none(),
       py::arg("camera") = py::none(), py::arg("field") = "plastic_strain", py::arg("range") = py::none(),

@@ -457,8 +457,11 @@ void add_scene(py::module_& module) {
       module, "Scene",
       "A scene file in motion, step by step: the same bits as `hexaplast run` computes. positions and\n"
       "velocities are read-only views that follow it.");
-  def_picture(of_scene, [](Scene& s, const PictureOptions& options) { return s.picture(options); });
-  of_scene
+  def_motion(of_scene)
+      .def_property_readonly("positions", in_turn([](Scene& s) { return s.shown_positions(); }),
+                             "(n, 3) [m]; of several bodies the nodes of one behind those of another")
+      .def_property_readonly("velocities", in_turn([](Scene& s) { return s.shown_velocities(); }),
+                             "(n, 3) [m/s], as positions")
       .def(py::init(&make_scene), py::arg("file"), py::arg("overrides") = py::dict(), py::kw_only(),
            py::arg("plugins") = std::vector<std::string>(), py::arg("plugin_path") = std::vector<path>(),
            py::arg("mesh_path") = std::vector<path>(),
@@ -468,22 +471,10 @@ void add_scene(py::module_& module) {
       .def_property_readonly(
           "body", &Scene::body,
           "The only SceneBody; None where the scene has only masses. ValueError where it has several")
-      .def_property_readonly("positions", in_turn([](Scene& s) { return s.shown_positions(); }),
-                             "(n, 3) [m]; of several bodies the nodes of one behind those of another")
-      .def_property_readonly("velocities", in_turn([](Scene& s) { return s.shown_velocities(); }),
-                             "(n, 3) [m/s], as positions")
-      .def_property_readonly("dt", &Scene::dt, "[s]")
-      .def_property_readonly("time", &Scene::time, "[s]")
-      .def_property_readonly("num_steps", &Scene::num_steps, "steps so far")
       .def_property_readonly("planned_steps", &Scene::planned_steps, "those of RunSettings; None where it says none")
-      .def_property_readonly("kinetic_energy", in_turn([](Scene& s) { return s.kinetic_energy(); }), "[J]")
-      .def_property_readonly("elastic_energy", in_turn([](Scene& s) { return s.elastic_energy(); }), "[J]")
       .def("step", &Scene::step, "One time step")
       .def("run", &Scene::run, py::arg("steps") = py::none(),
            "Several steps; without a number, up to those that the scene's RunSettings say. Reports the worst of them")
-      .def("record", &Scene::record,
-           "From now on, states are kept for show(): of all steps at most 60, at equal distances. reset begins anew")
-      .def("_page", &Scene::page)
       .def("open", in_turn([](Scene& s, SceneBody& body, py::handle joints) {
              s.open(body, indices("joints", joints, body.body().joints().count()));
            }),
@@ -523,8 +514,6 @@ void add_scene(py::module_& module) {
            "Takes over what save() of the same scene returned, or a checkpoint that `hexaplast run` wrote. What is "
            "damaged\n"
            "or another scene's is a ValueError, and changes nothing")
-      .def("copy", &copy_of, "The same scene, read again, in the same state; it records nothing")
-      .def("__copy__", &copy_of)
       .def(py::pickle(in_turn([](Scene& s) { return s.state(); }),
                       [](const py::tuple& state) {
                         auto made = std::make_unique<Scene>(Source::from(state[0]));

@@ -92,6 +92,11 @@ Simulation::Simulation(std::shared_ptr<Body> body, Arguments arguments)
   reactions_.setZero(num_nodes(), 3);
 }
 
+double Simulation::kinetic_energy() const {
+  const Eigen::Map<const Eigen::VectorXd> mass(moving_->mass().data(), std::ssize(moving_->mass()));
+  return hexaplast::kinetic_energy(mass, velocities());
+}
+
 py::array Simulation::shown_reactions() {
   if (!arguments_.reactions) throw InputError("reactions are not measured: Simulation(..., reactions=True)");
   return shown_reactions_.view(reactions_);
@@ -298,8 +303,9 @@ void add_simulation(py::module_& module) {
       "A body in motion: lumped masses, gravity, nodal forces, fixed nodes and prescribed displacements. One step is "
       "one implicit\n"
       "Euler step of the positions and one plastic flow. positions and velocities are read-only views that follow it.");
-  def_picture(simulation, [](Simulation& s, const PictureOptions& options) { return s.picture(options); });
-  simulation
+  def_motion(simulation)
+      .def_property_readonly("positions", in_turn([](Simulation& s) { return s.shown_positions(); }), "(n, 3) [m]")
+      .def_property_readonly("velocities", in_turn([](Simulation& s) { return s.shown_velocities(); }), "(n, 3) [m/s]")
       .def(py::init([](std::shared_ptr<Body> body, double density, double dt, std::array<double, 3> gravity,
                        double rayleigh_mass, double rayleigh_stiffness, const std::string& solver, double tolerance,
                        int iterations, const std::string& preconditioner, bool reactions) {
@@ -319,27 +325,10 @@ void add_simulation(py::module_& module) {
            "auto,\n"
            "which takes what suits the system; or direct (sparse Cholesky). reactions: whether they are measured")
       .def_property_readonly("body", &Simulation::body)
-      .def_property_readonly("positions", in_turn([](Simulation& s) { return s.shown_positions(); }), "(n, 3) [m]")
-      .def_property_readonly("velocities", in_turn([](Simulation& s) { return s.shown_velocities(); }), "(n, 3) [m/s]")
       .def_property_readonly("masses", in_turn([](Simulation& s) {
                                return py::array_t<double>(std::ssize(s.get().mass()), s.get().mass().data());
                              }),
                              "(n,) [kg] of the nodes")
-      .def_property_readonly(
-          "dt", [](Simulation& s) { return s.get().dt(); }, "[s]")
-      .def_property_readonly(
-          "time", [](Simulation& s) { return s.get().time(); }, "[s]")
-      .def_property_readonly(
-          "num_steps", [](Simulation& s) { return s.get().steps(); }, "steps so far")
-      .def_property_readonly("kinetic_energy", in_turn([](Simulation& s) {
-                               const std::vector<double>& mass = s.get().mass();
-                               const auto size = static_cast<Eigen::Index>(mass.size());
-                               return kinetic_energy(Eigen::Map<const Eigen::VectorXd>(mass.data(), size),
-                                                     s.get().velocities);
-                             }),
-                             "[J]")
-      .def_property_readonly("elastic_energy",
-                             in_turn([](Simulation& s) { return s.get().body.energy(s.get().positions); }), "[J]")
       .def(
           "step", [](Simulation& s, const py::object& forces) { return s.run(1, forces); },
           py::arg("forces") = py::none(), "One time step under nodal forces (n, 3) [N]; without, under none")
@@ -429,10 +418,6 @@ void add_simulation(py::module_& module) {
                              "(n, 3) [N] by which nodes were fixed or prescribed in the latest step; of reactions=True")
       .def("set_state", &Simulation::set_state, py::arg("positions"), py::arg("velocities"),
            "Replaces positions (n, 3) [m] and velocities (n, 3) [m/s]")
-      .def("record", &Simulation::record,
-           "From now on, states are kept for show(): of all steps at most 60, at equal distances. reset, load and\n"
-           "set_state begin anew")
-      .def("_page", &Simulation::page)
       .def("reset", &Simulation::reset, "Back to the beginning, instruments and grips too; fixed nodes stay fixed")
       .def(
           "save", in_turn([](Simulation& s) { return s.save(); }),
@@ -443,8 +428,6 @@ void add_simulation(py::module_& module) {
            "Takes over what save() of a simulation with the same mesh, settings, arguments, instruments and grips "
            "returned.\n"
            "What is damaged or another one's is a ValueError that names what differs, and changes nothing")
-      .def("copy", &copy_of, "Another simulation with a body of its own in the same state; it records nothing")
-      .def("__copy__", &copy_of)
       .def(py::pickle(in_turn([](Simulation& s) {
                         py::list tools;
                         for (const auto& tool : s.all<Tool>())

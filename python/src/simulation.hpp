@@ -44,6 +44,11 @@ class Simulation {
   const std::shared_ptr<Body>& body() const { return body_; }
   std::atomic_flag& taken() { return body_->taken(); }
   int num_nodes() const { return moving_->body.mesh().num_nodes(); }
+  double dt() const { return moving_->dt(); }
+  double time() const { return moving_->time(); }
+  long num_steps() const { return moving_->steps(); }
+  double kinetic_energy() const;
+  double elastic_energy() const { return moving_->body.energy(positions()); }
   const Arguments& arguments() const { return arguments_; }
 
   /// [N] of supports, in the latest step. Throws InputError where they are not measured.
