@@ -266,25 +266,6 @@ def noisy(truth, seed, noise, kept, plastic_noise):
     return "\n".join(rows) + "\n"
 
 
-def test_intervals_cover_what_a_run_was_made_with(place):
-    """scripts/fit_coverage has fifty fits of a scene with forceps (docs/reliability.md), test_confidence the statistics."""
-    truth, num_fits = place.make_truth(), 4
-    covered, widths, errors = [0, 0], [0, 0], [0, 0]
-    for seed in range(num_fits):
-        place.write(curve_csv=noisy(truth, seed, 0.002, 0, 0))
-        found = place.fit("bar.scn", "--target", "curve.csv", "--compare", "elongation", *BOTH)
-        assert abs(found["columns"][0]["noise"] - 0.002) < 0.001
-        for p, (one, value) in enumerate(zip(found["parameters"], TRUTH.values())):
-            low, high = one["confidence_from"], one["confidence_to"]
-            assert low <= one["value"] <= high
-            covered[p] += low <= value <= high
-            widths[p] += math.log(high / low) / 2 / num_fits
-            errors[p] += math.log(one["value"] / value)**2 / num_fits
-    for p in range(2):
-        assert covered[p] >= 3
-        assert widths[p] < 5 * math.sqrt(errors[p])  # not absurdly wide
-
-
 def test_curves_of_different_noise_count_by_their_own(place):
     truth = place.make_truth()
     place.write(curve_csv=noisy(truth, 3, 0.0002, 0, 0.01))

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 
 #include "base/disjoint_sets.hpp"
 #include "hexaplast/mesh/node_copies.hpp"
@@ -137,6 +138,12 @@ TEST(NodeCopies, OfRandomOpeningsAreTheConnectedCorners) {
     std::vector<double> shares(mesh.num_nodes(), 0.0);
     for (int n = 0; n < copies.num_nodes(); ++n) shares[copies.initial()[n]] += copies.share()[n];
     for (const double sum : shares) EXPECT_NEAR(sum, 1, 1e-15);
+
+    // the surface is closed: its faces share each edge in pairs
+    std::map<std::pair<int, int>, int> faces_at;
+    for (const auto& face : HexMesh(mesh.positions()(copies.initial(), Eigen::all), hexahedra).boundary_faces())
+      for (int k = 0; k < 4; ++k) ++faces_at[std::minmax(face[k], face[(k + 1) % 4])];
+    for (const auto& [edge, count] : faces_at) EXPECT_EQ(count % 2, 0);
   }
 }
 
