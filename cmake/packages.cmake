@@ -23,7 +23,8 @@ set(CPACK_COMPONENT_TOOLS_DEPENDS library components)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/triggers
     ${PROJECT_BINARY_DIR}/none/postinst ${PROJECT_BINARY_DIR}/none/postrm)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev (>= 3.4)")
-set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "fonts-dejavu-core, python3, python3-numpy, python3-scipy, python3-h5py")
+set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS
+    "fonts-dejavu-core, python3, python3-numpy, python3-scipy, python3-h5py, python3-matplotlib")
 
 if(TARGET hexaplast_python)
   list(APPEND packages python)

@@ -77,7 +77,7 @@ def _write(wheel, files, info, version, tag):
                             "Summary: Real-time hexahedral corotational elastoplastic FEM for surgery simulation\n"
                             "License: LGPL-2.1-or-later\nRequires-Python: >=3.9\nRequires-Dist: numpy\n"
                             "Provides-Extra: studies\nRequires-Dist: scipy; extra == 'studies'\n"
-                            "Requires-Dist: h5py; extra == 'studies'\n"
+                            "Requires-Dist: h5py; extra == 'studies'\nRequires-Dist: matplotlib; extra == 'studies'\n"
                             f"Description-Content-Type: text/markdown\n\n{readme}\n",
         f"{info}/WHEEL": f"Wheel-Version: 1.0\nGenerator: hexaplast\nRoot-Is-Purelib: false\nTag: {tag}\n",
         f"{info}/LICENSE": (SOURCE / "LICENSE").read_text(),

@@ -21,7 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kNeeds = "it needs Python with the packages python3-numpy, python3-scipy and python3-h5py";
+constexpr const char* kNeeds =
+    "it needs Python with the packages python3-numpy, python3-scipy, python3-h5py and python3-matplotlib";
 
 fs::path this_command() {
   std::error_code unknown;

@@ -2,17 +2,24 @@
 """Pictures of sweeps and fits: small plots of one quantity side by side, with the same axes, as SVG."""
 
 import dataclasses
+import io
 import math
 import os
-from xml.sax.saxutils import escape
+import warnings
 
-from . import command
+import matplotlib.style
+from matplotlib.figure import Figure
+
+from .command import printable, write_whole
 
 FIRST, SECOND, THIRD, PALE = "#2563a8", "#c2410c", "#3f7a1f", "#a5adb8"
-GRID, FRAME = "#e3e5e8", "#8a8f98"
-LEFT, RIGHT, TOP, BOTTOM = 78, 34, 84, 24  # margins of the page [pixels]
-GAP_X, GAP_Y, HEAD, FOOT = 30, 38, 34, 60  # between plots, around a row of them
-MIN_WIDTH = 560
+# whatever the user's own style is; the same file each time
+STYLE = ["default", {
+    "svg.fonttype": "none", "svg.hashsalt": "hexaplast", "text.parse_math": False, "text.color": "#22222a", "font.size": 9,
+    "axes.titlesize": 9, "figure.titlesize": 10, "legend.fontsize": 10,
+    "axes.formatter.useoffset": False, "axes.grid": True, "axes.axisbelow": True, "axes.edgecolor": "#8a8f98",
+    "grid.color": "#e3e5e8", "xtick.color": "#8a8f98", "ytick.color": "#8a8f98", "xtick.labelcolor": "#22222a",
+    "ytick.labelcolor": "#22222a", "xtick.minor.size": 0, "lines.linewidth": 1.4, "lines.markersize": 4}]
 MAX_PLOTS = 64  # of a quantity: more are too small to be told apart
 NO_TWIST = 0.05  # [deg] a bar that is pulled turns by less
 NO_SPAN = 1e-9  # rounding: not drawn as a change
@@ -45,135 +52,63 @@ class Row:
     is_logarithmic: bool = False
 
 
-def ticks(low, high, count):
-    """Round numbers that cover an interval, about `count` of them."""
-    raw = (high - low) / max(count - 1, 1)
-    power = 10.0 ** math.floor(math.log10(raw))
-    step = next(m * power for m in (1, 2, 2.5, 5, 10) if m * power >= raw * (1 - 1e-9))
-    return [k * step for k in range(math.floor(low / step + 1e-9), math.ceil(high / step - 1e-9) + 1)]
+def _layout(count):
+    """Columns, and width and height of a plot [inches]: one alone is large, many are small."""
+    return (1, 6.5, 3.6) if count == 1 else (count, 3.1, 2.6) if count <= 3 else (4, 2.6, 2)
 
 
-def decades(low, high):
-    first, last = math.floor(math.log10(low) + 1e-9), math.ceil(math.log10(high) - 1e-9)
-    return [10.0**k for k in range(first, max(last, first + 1) + 1)]
+def _draw_row(part, row, width, height):
+    """Returns the lines by their names. width, height: of the part [inches]"""
+    count, lines = len(row.plots), {}
+    columns, *_ = _layout(count)
+    place = {"left": 0.75 / width, "right": 1 - 0.15 / width, "bottom": 0.55 / height, "top": 1 - 0.25 / height,
+             "wspace": 0.1, "hspace": 0.3}
+    all_axes = part.subplots(-(-count // columns), columns, sharex=True, sharey=True, squeeze=False, gridspec_kw=place).ravel()
+    for axes, plot in zip(all_axes, row.plots):
+        axes.set_title(printable(plot.title))
+        for curve in plot.curves:
+            lines[curve.name], = axes.plot(plot.x, curve.values, linestyle="-" if curve.has_line else "none",
+                                           marker="o" if curve.has_dots else "none", color=curve.colour)
+    for axes in all_axes[count:]:
+        axes.remove()
+    for axes in all_axes[count - columns:count]:
+        axes.tick_params(labelbottom=True)
 
-
-class _Axis:
-    """From numbers to pixels."""
-
-    def __init__(self, marks, begin, end, is_logarithmic=False):
-        self.marks, self._begin, self._end = marks, begin, end
-        self._scale = math.log10 if is_logarithmic else float
-
-    def __call__(self, value):
-        low, high = self._scale(self.marks[0]), self._scale(self.marks[-1])
-        return self._begin + (self._end - self._begin) * (self._scale(value) - low) / (high - low)
-
-
-class _Svg:
-    def __init__(self):
-        self._parts = []
-
-    def add(self, text):
-        self._parts.append(text)
-
-    def words(self, x, y, anchor, size, words, more=""):
-        self.add(f'<text x="{x:.2f}" y="{y:.2f}" text-anchor="{anchor}" font-size="{size}"{more}>{escape(words)}</text>')
-
-    def line(self, x1, y1, x2, y2, colour, more=""):
-        self.add(f'<line x1="{x1:.2f}" y1="{y1:.2f}" x2="{x2:.2f}" y2="{y2:.2f}" stroke="{colour}"{more}/>')
-
-    def curve(self, curve, points):
-        parts = [[]]
-        for x, y in points:
-            if math.isfinite(y):
-                parts[-1].append((x, y))
-            elif parts[-1]:
-                parts.append([])
-        for part in parts:
-            if curve.has_line and len(part) > 1:
-                places = " ".join(f"{x:.2f},{y:.2f}" for x, y in part)
-                self.add(f'<polyline points="{places}" fill="none" stroke="{curve.colour}" stroke-width="1.8" '
-                         'stroke-linejoin="round"/>')
-            if curve.has_dots:
-                for x, y in part:
-                    self.add(f'<circle cx="{x:.2f}" cy="{y:.2f}" r="2.6" fill="{curve.colour}"/>')
-
-    def picture(self, width, height):
-        return (f'<?xml version="1.0" encoding="UTF-8"?>\n<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" '
-                f'height="{height:.0f}" viewBox="0 0 {width:.0f} {height:.0f}"\n'
-                '     font-family="DejaVu Sans, Helvetica, Arial, sans-serif" fill="#22222a">\n'
-                f'<rect width="{width:.0f}" height="{height:.0f}" fill="#ffffff"/>\n' + "\n".join(self._parts) + "\n</svg>\n")
-
-
-def _layout(num_plots):
-    """Columns, width, height, ticks across and upwards: one plot alone is large, many are small."""
-    if num_plots == 1:
-        return 1, 560, 300, 6, 6
-    return (num_plots, 270, 190, 4, 5) if num_plots <= 3 else (4, 210, 150, 3, 4)
-
-
-def _draw_row(svg, row, top):
-    """Returns the lower end."""
-    columns, width, height, across, upwards = _layout(len(row.plots))
+    axes = all_axes[0]  # whose scales are those of all
+    if row.plots[0].names:
+        axes.set_xticks(row.plots[0].x, [printable(name) for name in row.plots[0].names])
+        axes.set_xlim(-0.5, len(row.plots[0].x) - 0.5)
+    elif row.is_logarithmic:
+        axes.set_xscale("log")
+        axes.xaxis.set_major_formatter("{x:.6g}")
     values = [value for plot in row.plots for curve in plot.curves for value in curve.values if math.isfinite(value)] or [0]
     low, high = min(values), max(values)
     if high - low < NO_SPAN:
-        low, high = low - 0.5, high + 0.5
-    vertical = ticks(min(low, 0) if low > 0 and low < high / 2 else low, high, upwards)
-    places = [x for plot in row.plots for x in plot.x]
-    named = row.plots[0].names
-    if named:
-        horizontal = [-0.5, *range(len(named)), len(named) - 0.5]
-    elif row.is_logarithmic:
-        horizontal = decades(min(places), max(places))
-    else:
-        low, high = min(places), max(places)
-        horizontal = ticks(low, high if high > low else low + 1, across)
-    svg.words(LEFT, top, "start", 15, row.quantity)
-    for number, plot in enumerate(row.plots):
-        left = LEFT + number % columns * (width + GAP_X)
-        upper = top + HEAD + number // columns * (height + GAP_Y)
-        x = _Axis(horizontal, left, left + width, row.is_logarithmic)
-        y = _Axis(vertical, upper + height, upper)
-        for mark in horizontal[1:-1] if named else horizontal:
-            svg.line(x(mark), upper, x(mark), upper + height, GRID)
-            if number + columns >= len(row.plots):
-                svg.words(x(mark), upper + height + 17, "middle", 12, named[mark] if named else f"{mark:.6g}")
-        for mark in vertical:
-            svg.line(left, y(mark), left + width, y(mark), GRID)
-            if number % columns == 0:
-                svg.words(left - 8, y(mark) + 4, "end", 12, f"{mark + 0.0:.6g}")
-        svg.add(f'<rect x="{left:.2f}" y="{upper:.2f}" width="{width}" height="{height}" fill="none" stroke="{FRAME}"/>')
-        for curve in plot.curves:
-            svg.curve(curve, [(x(a), y(b) if math.isfinite(b) else math.nan) for a, b in zip(plot.x, curve.values)])
-        svg.words(left + width / 2, upper - 8, "middle", 12, plot.title)
-    rows = -(-len(row.plots) // columns)
-    bottom = top + HEAD + rows * (height + GAP_Y) - GAP_Y
-    svg.words(LEFT + columns * (width + GAP_X) - GAP_X, bottom + 37, "end", 13, row.across)
-    return bottom
+        axes.set_ylim(low - 0.5, high + 0.5)
+    elif 0 < low < high / 2:
+        axes.set_ylim(bottom=0)
+    part.supylabel(printable(row.quantity), x=0.1 / width, ha="left")
+    part.supxlabel(printable(row.across), y=0.05 / height)
+    return lines
 
 
 def picture(title, rows):
-    """The rows, one below the other. Curves of the same name and colour are in the legend once."""
-    svg, width, bottom = _Svg(), MIN_WIDTH, TOP
-    for row in rows:
-        bottom = _draw_row(svg, row, bottom + HEAD) + FOOT
-        columns, plot_width, *_ = _layout(len(row.plots))
-        width = max(width, columns * (plot_width + GAP_X) - GAP_X)
-    svg.words(LEFT, 42, "start", 19, title, ' font-weight="bold"')
-    x, shown = LEFT, []
-    for curve in (curve for row in rows for plot in row.plots for curve in plot.curves):
-        if (curve.name, curve.colour) in shown:
-            continue
-        shown.append((curve.name, curve.colour))
-        if curve.has_line:
-            svg.line(x, 67, x + 26, 67, curve.colour, ' stroke-width="2.4"')
-        if curve.has_dots:
-            svg.add(f'<circle cx="{x + 13:.2f}" cy="67.00" r="3.2" fill="{curve.colour}"/>')
-        svg.words(x + 33, 72, "start", 13, curve.name)
-        x += 54 + 7.4 * len(curve.name)
-    return svg.picture(LEFT + width + RIGHT, bottom + BOTTOM)
+    """The rows, one below the other. Curves of the same name are in the legend once."""
+    layouts = [_layout(len(row.plots)) for row in rows]
+    width = max(columns * width for columns, width, _ in layouts)
+    heights = [-(-len(row.plots) // columns) * height + 0.4 for row, (columns, _, height) in zip(rows, layouts)]
+    with matplotlib.style.context(STYLE), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph")  # text stays text: the reader's fonts have it
+        page = Figure((width, 0.8 + sum(heights)))
+        top, *parts = page.subfigures(1 + len(rows), 1, height_ratios=[0.8, *heights])
+        lines = {}
+        for part, row, height in zip(parts, rows, heights):
+            lines |= _draw_row(part, row, width, height)
+        top.suptitle(printable(title), x=0.1 / width, y=0.85, ha="left", size=14, weight="bold")
+        top.legend(lines.values(), lines, loc="lower left", ncol=len(lines), frameon=False)
+        svg = io.StringIO()
+        page.savefig(svg, format="svg", metadata={"Creator": None, "Date": None})
+    return svg.getvalue()
 
 
 def draw_sweep(directory):
@@ -213,5 +148,5 @@ def draw_sweep(directory):
                               None if numbers else along.values))
         rows.append(Row(quantity, along.attribute + (f" [{unit}]" if unit else ""), plots,
                         along.is_logarithmic and numbers is not None))
-    command.write_whole(file, picture(directory.plan["title"], rows))
+    write_whole(file, picture(directory.plan["title"], rows))
     return None

@@ -349,7 +349,7 @@ def test_without_python_or_its_packages_an_error_names_them(flowing):
         assert ended.returncode == 5
         return ended.stderr
 
-    packages = "python3-numpy, python3-scipy and python3-h5py"
+    packages = "python3-numpy, python3-scipy, python3-h5py and python3-matplotlib"
     for words in (["sweep"], ["fit"]):
         assert f"hexaplast-{words[0]} is neither beside" in refused(*words) and packages in refused(*words)
     for name in ("sweep", "fit", "data"):

@@ -179,7 +179,7 @@ TEST_F(DebianPackages, HoldWhatTheirNamesSayAndWorkTogether) {
   EXPECT_TRUE(has(tools, "/bin/hexaplast\n") && has(tools, "/man1/hexaplast.1")) << tools;
   EXPECT_TRUE(has(tools, "/bash-completion/completions/hexaplast\n")) << tools;
   EXPECT_TRUE(has(tools, "/bin/hexaplast-sweep\n") && has(tools, "/hexaplast_study/sweep.py\n")) << tools;
-  EXPECT_TRUE(has(field("hexaplast-tools", "Recommends"), "python3-scipy, python3-h5py"));
+  EXPECT_TRUE(has(field("hexaplast-tools", "Recommends"), "python3-scipy, python3-h5py, python3-matplotlib"));
   for (const std::string& package : {kLibrary, "hexaplast-components"s, "libhexaplast-dev"s, "hexaplast-tools"s})
     EXPECT_TRUE(has(files(package), "/doc/" + package + "/copyright\n")) << package;
 
