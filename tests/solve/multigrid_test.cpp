@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <optional>
-
+#include "elastic/cell_operator.hpp"
 #include "hexaplast/geometry/shapes.hpp"
-#include "layout/coarsening.hpp"
 #include "support/core.hpp"
 
 namespace hexaplast {
@@ -56,7 +54,8 @@ HexMesh copies(const HexMesh& mesh, int count) {
   return all;
 }
 
-/// A block without the cells of one corner region and some others: a voxel cage.
+/// A block without the cells of one corner region and some others, a voxel cage; every third hexahedron is turned by a
+/// quarter about its third axis.
 HexMesh cage() {
   const HexMesh block = regular_grid({9, 10, 11}, Vec3::Zero(), Vec3(0.9, 1.0, 1.1));
   std::vector<Hexahedron> kept;
@@ -64,112 +63,18 @@ HexMesh cage() {
     const int i = e % 9, j = e / 9 % 10, k = e / 90;
     if ((i > 5 && j > 6) || (k == 4 && i < 2) || (i + j + k) % 17 == 0) continue;
     kept.push_back(block.hexahedra()[e]);
+    if (kept.size() % 3 == 0) {
+      const auto [a, b, c, d, f, g, h, l] = kept.back();
+      kept.back() = {b, c, d, a, g, h, l, f};
+    }
   }
   return HexMesh(block.positions(), kept);
 }
 
-std::optional<Coarsening> coarsened(const HexMesh& mesh) {
-  const Charts charts(mesh);
-  if (charts.levels.empty()) return std::nullopt;
-  return coarsen(charts.levels.front(), mesh.num_nodes(), mesh.hexahedra());
-}
-
-/// Weights of every node sum to one, and carry linear fields of the coarse nodes' places to the fine ones.
-void expect_linear(const HexMesh& mesh, const Coarsening& coarse, bool exact_geometry) {
-  PointArray place = PointArray::Zero(coarse.num_nodes, 3);
-  for (int n = 0; n < coarse.num_nodes; ++n)
-    for (int k = coarse.placement.first[n]; k < coarse.placement.first[n + 1]; ++k)
-      place.row(n) += coarse.placement.weight[k] * mesh.positions().row(coarse.placement.column[k]);
-  for (int n = 0; n < mesh.num_nodes(); ++n) {
-    if (mesh.incident(n).empty()) continue;
-    double sum = 0;
-    Vec3 at = Vec3::Zero();
-    for (int k = coarse.prolongation.first[n]; k < coarse.prolongation.first[n + 1]; ++k) {
-      sum += coarse.prolongation.weight[k];
-      at += coarse.prolongation.weight[k] * place.row(coarse.prolongation.column[k]).transpose();
-    }
-    EXPECT_NEAR(sum, 1, 1e-6);
-    if (exact_geometry) {
-      EXPECT_LE((at - mesh.positions().row(n).transpose()).norm(), 1e-6) << "node " << n;
-    }
-  }
-}
-
-TEST(Coarsening, HalvesAGridAndKeepsLinearFields) {
-  const HexMesh mesh = regular_grid({8, 5, 6}, Vec3::Zero(), Vec3(0.8, 0.5, 0.6));
-  const auto coarse = coarsened(mesh);
-  ASSERT_TRUE(coarse);
-  EXPECT_EQ(coarse->cells.size(), 4u * 3u * 3u);
-  EXPECT_EQ(coarse->num_nodes, 5 * 4 * 4);
-  expect_linear(mesh, *coarse, true);
-}
-
-TEST(Coarsening, TakesCagesWithHolesAndElementsInAnyOrientation) {
-  const HexMesh mesh = cage();
-  std::vector<Hexahedron> turned = mesh.hexahedra();
-  for (std::size_t e = 0; e < turned.size(); e += 3) {  // a quarter turn about the third axis
-    const Hexahedron h = turned[e];
-    turned[e] = {h[1], h[2], h[3], h[0], h[5], h[6], h[7], h[4]};
-  }
-  const HexMesh mixed(mesh.positions(), turned);
-  const auto coarse = coarsened(mixed);
-  ASSERT_TRUE(coarse);
-  EXPECT_LT(coarse->cells.size(), mixed.hexahedra().size() / 4);
-  expect_linear(mixed, *coarse, true);
-  // every element has one place
-  int places = 0;
-  for (const auto& children : coarse->children)
-    for (const int child : children) places += child >= 0;
-  EXPECT_EQ(places, mixed.num_elements());
-}
-
-TEST(Coarsening, ClosesTubes) {
-  const HexMesh mesh = straight_tube(16, 2, 10);
-  const auto coarse = coarsened(mesh);
-  ASSERT_TRUE(coarse);
-  EXPECT_EQ(coarse->cells.size(), 8u * 1 * 5);
-  EXPECT_EQ(coarse->num_nodes, 8 * 2 * 6);
-  expect_linear(mesh, *coarse, false);
-}
-
-TEST(Coarsening, KeepsSeparatePartsApart) {
-  const HexMesh part = regular_grid({4, 4, 6}, Vec3::Zero(), Vec3(0.4, 0.4, 0.6));
-  const auto single = coarsened(part);
-  ASSERT_TRUE(single);
-  for (const int count : {3, 6, 40}) {
-    const HexMesh mesh = copies(part, count);
-    const auto coarse = coarsened(mesh);
-    ASSERT_TRUE(coarse) << count;
-    EXPECT_EQ(coarse->cells.size(), count * single->cells.size());
-    EXPECT_EQ(coarse->num_nodes, count * single->num_nodes);
-    expect_linear(mesh, *coarse, true);
-    for (std::size_t cell = 0; cell < coarse->cells.size(); ++cell)
-      for (const int child : coarse->children[cell])
-        EXPECT_EQ(child / part.num_elements(), coarse->children[cell][0] / part.num_elements()) << "cell " << cell;
-  }
-}
-
-TEST(Coarsening, TakesMeshesOfSeveralLattices) {
-  const HexMesh mesh = o_grid(8);
-  const auto coarse = coarsened(mesh);
-  ASSERT_TRUE(coarse);
-  EXPECT_LT(coarse->cells.size(), mesh.hexahedra().size() / 4);
-  expect_linear(mesh, *coarse, false);
-}
-
-TEST(Coarsening, LeavesMeshesWhoseCellsWouldNotMeetAcrossASeam) {
-  for (const int across : {3, 5, 7}) {
-    const HexMesh mesh = o_grid(8, across);
-    EXPECT_FALSE(coarsened(mesh)) << across;
-  }
-  const HexMesh slit = straight_tube(17, 2, 10);
-  EXPECT_FALSE(coarsened(slit));
-}
-
-/// Iterations to a relative residual of 1e-6 in the first step of a body under gravity, one end fixed; the answer is
-/// compared with the direct solver's.
-int iterations_of(const HexMesh& mesh, std::vector<Material> materials, Precision precision, double tolerance,
-                  Preconditioner preconditioner) {
+/// What the solver reports of the first step of a body under gravity, one end fixed; the answer is compared with the
+/// direct solver's.
+SolveReport first_solve(const HexMesh& mesh, std::vector<Material> materials, Precision precision, double tolerance,
+                        Preconditioner preconditioner) {
   Settings settings;
   settings.precision = precision;
   Motion setup;
@@ -183,12 +88,12 @@ int iterations_of(const HexMesh& mesh, std::vector<Material> materials, Precisio
   fast.step();
   direct.step();
   EXPECT_LE((fast.velocities - direct.velocities).norm(), 20 * tolerance * direct.velocities.norm());
-  return fast.latest.iterations;
+  return fast.latest;
 }
 
-/// Of a stiff body, in double precision.
+/// To a relative residual of 1e-6, of a stiff body, in double precision.
 int iterations_of(const HexMesh& mesh, Preconditioner preconditioner = Preconditioner::kMultigrid) {
-  return iterations_of(mesh, {Material{.young_modulus = 1e6}}, Precision::kDouble, 1e-6, preconditioner);
+  return first_solve(mesh, {Material{.young_modulus = 1e6}}, Precision::kDouble, 1e-6, preconditioner).iterations;
 }
 
 TEST(Multigrid, NeedsFewIterationsWhereJacobiNeedsMany) {
@@ -221,8 +126,8 @@ TEST(Multigrid, HoldsInMixedPrecisionAndForMixedStiffness) {
   const HexMesh mesh = regular_grid({8, 8, 16}, Vec3::Zero(), Vec3(0.1, 0.1, 0.2));
   std::vector<Material> materials(mesh.num_elements());
   for (int e = 0; e < mesh.num_elements(); ++e) materials[e].young_modulus = e / 64 % 8 < 3 ? 1e6 : 1e4;
-  EXPECT_LT(iterations_of(mesh, materials, Precision::kMixed, 1e-3, Preconditioner::kMultigrid), 40);
-  EXPECT_LT(iterations_of(mesh, materials, Precision::kMixed, 1e-3, Preconditioner::kAuto), 40);
+  for (const Preconditioner preconditioner : {Preconditioner::kMultigrid, Preconditioner::kAuto})
+    EXPECT_LT(first_solve(mesh, materials, Precision::kMixed, 1e-3, preconditioner).iterations, 40);
 }
 
 TEST(MixedPrecision, GivesTheDoubleAnswerToItsTolerance) {
@@ -230,13 +135,38 @@ TEST(MixedPrecision, GivesTheDoubleAnswerToItsTolerance) {
   const Material stiff{.young_modulus = 1e5};
   for (const Preconditioner preconditioner : {Preconditioner::kDiagonal, Preconditioner::kMultigrid})
     for (const double tolerance : {1e-2, 1e-4, 1e-6, 1e-9})
-      EXPECT_GT(iterations_of(mesh, {stiff}, Precision::kMixed, tolerance, preconditioner), 0);
+      EXPECT_GT(first_solve(mesh, {stiff}, Precision::kMixed, tolerance, preconditioner).iterations, 0);
 }
 
+// Of one that is too small, and of those whose cells would not meet across a seam.
 TEST(Multigrid, FallsBackToTheDiagonalWhereThereIsNoLattice) {
-  const HexMesh mesh = support::block({2, 2, 3}, 0.1);
-  EXPECT_FALSE(coarsened(mesh));
-  EXPECT_GT(iterations_of(mesh, {Material{}}, Precision::kDouble, 1e-8, Preconditioner::kMultigrid), 0);
+  for (const HexMesh& mesh : {support::block({2, 2, 3}, 0.1), o_grid(8, 3), o_grid(8, 5), straight_tube(17, 2, 10)})
+    EXPECT_EQ(first_solve(mesh, {Material{}}, Precision::kDouble, 1e-8, Preconditioner::kMultigrid).preconditioner,
+              PreconditionedBy::kDiagonal)
+        << mesh.num_elements();
+}
+
+// Their moduli are those of cells above them too.
+TEST(CellOperator, HasNothingWhereACellIsInsideOut) {
+  const HexMesh mesh = distorted_block({5, 3, 2}, kEdge, 0.1, 9);
+  const auto partition = std::make_shared<const Partition>(mesh);
+  const Hexahedron corners = mesh.hexahedra()[0];
+  PointArray X = mesh.positions();
+  X.row(corners[0]) = 2 * X.row(corners[6]) - X.row(corners[0]);
+  CellOperator op(partition);
+  for (int e = 0; e < mesh.num_elements(); ++e)
+    for (int i = 0; i < kCorners; ++i) op.modulus(partition->place_of_element[e], i, CellOperator::kMu) = 1;
+  AlignedVector<double> rest = slot_vector<double>(*partition), current = rest;
+  to_slots(*partition, X, rest);
+  to_slots(*partition, mesh.positions(), current);
+  op.update(rest.data(), current.data(), nullptr, kEdge);
+  for (int e = 0; e < mesh.num_elements(); ++e)
+    for (int i = 0; i < kCorners; ++i)
+      EXPECT_EQ(op.modulus(partition->place_of_element[e], i, CellOperator::kMu), e == 0 ? 0 : 1);
+  AlignedVector<float> p = slot_vector<float>(*partition), product = p;
+  p[4 * static_cast<std::size_t>(partition->slot_of_node[corners[0]])] = 1;  // a node of this cell alone
+  for (int chunk = 0; chunk < partition->num_chunks; ++chunk) op.add_product(chunk, 1, p.data(), product.data());
+  for (const float entry : product) EXPECT_EQ(entry, 0);
 }
 
 MovingBody flowing_bar() {
