@@ -87,8 +87,7 @@ bool Patience::spin_until(const Arrived& arrived) {
   return false;
 }
 
-ThreadPool::ThreadPool(int threads, Clock::time_point (*now)())
-    : threads_(threads), now_(now), shares_(std::make_unique<Share[]>(threads)) {
+ThreadPool::ThreadPool(int threads) : threads_(threads), shares_(std::make_unique<Share[]>(threads)) {
   const SignalsBlocked blocked;
   workers_.reserve(static_cast<std::size_t>(threads - 1));
   try {
@@ -106,7 +105,7 @@ ThreadPool::~ThreadPool() {
 }
 
 void ThreadPool::run(int count, Range range, const void* body) {
-  const Clock::time_point begin = now_();
+  const Clock::time_point begin = Clock::now();
   if (begin < alone_until_) return range(body, 0, count);
 
   count_ = count;
@@ -123,10 +122,10 @@ void ThreadPool::run(int count, Range range, const void* body) {
   const int done = work(0);
 
   if ((gate_.fetch_and(~kOpen, std::memory_order_acq_rel) & ~kOpen) == 0) return;
-  const Clock::time_point own_end = now_();
+  const Clock::time_point own_end = Clock::now();
   wait_for_those_inside();
   if (done == 0) return;
-  const Clock::time_point end = now_();
+  const Clock::time_point end = Clock::now();
   const auto alone = (own_end - begin) * (static_cast<double>(count) / done);  // what the loop would have taken
   if (const auto loss = std::chrono::duration_cast<Clock::duration>(end - begin - alone); loss > kLoss)
     alone_until_ = end + kAlonePerLoss * std::min<Clock::duration>(loss, kMaxLoss);

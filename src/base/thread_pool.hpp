@@ -34,10 +34,9 @@ class Patience {
 class ThreadPool {
  public:
   using Range = void (*)(const void* body, int first, int last) noexcept;
-  using Clock = std::chrono::steady_clock;
 
-  /// `threads` counts the caller. Where the system refuses some, the pool is smaller. now: read by the caller alone.
-  explicit ThreadPool(int threads, Clock::time_point (*now)() = Clock::now);
+  /// `threads` counts the caller. Where the system refuses some, the pool is smaller.
+  explicit ThreadPool(int threads);
   ~ThreadPool();
 
   /// Whether the calling thread is one that a pool has made.
@@ -47,6 +46,8 @@ class ThreadPool {
   void run(int count, Range range, const void* body);
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   /// What is left of a share: first index and end, 32 bits each. On a cache line of its own.
   struct alignas(64) Share {
     std::atomic<std::uint64_t> left{0};
@@ -60,7 +61,6 @@ class ThreadPool {
   void wait_for_those_inside();
 
   int threads_;
-  Clock::time_point (*now_)();
   std::unique_ptr<Share[]> shares_;  // the caller's is the first
   std::vector<std::thread> workers_;
 

@@ -13,7 +13,6 @@
 #include <thread>
 #include <vector>
 
-#include "base/thread_pool.hpp"
 #include "hexaplast/base/hash.hpp"
 #include "support/compare.hpp"
 #include "support/random.hpp"
@@ -115,55 +114,6 @@ TEST(ParallelFor, ThreadsThatWaitSleep) {
   const Threads scope(4);
   visits(1003);
   while (num_running_threads() > 1) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-}
-
-/// A clock that goes by 1 ms with each look, by 20 ms while the helper is stopped, and tells it when to go on.
-struct StoppedInside {
-  static inline std::atomic<int> looks;
-  static inline std::atomic<int> ms;
-  static inline std::atomic<bool> is_helper_inside;
-
-  static ThreadPool::Clock::time_point now() {
-    ms += ++looks == 3 ? 20 : 1;
-    return ThreadPool::Clock::time_point(std::chrono::milliseconds(ms));
-  }
-};
-
-/// Parts that two threads do, and whether the caller did all by itself. The helper stays in its first part until the
-/// caller is out of work and has looked at the clock.
-struct Helped {
-  std::thread::id caller = std::this_thread::get_id();
-  std::atomic<int> by_helper = 0;
-  std::atomic<int> indices = 0;
-
-  static void range(const void* body, int first, int last) noexcept {
-    auto& self = *static_cast<Helped*>(const_cast<void*>(body));
-    self.indices += last - first;
-    if (std::this_thread::get_id() == self.caller) {
-      if (last - first == kCount) return;  // alone
-      while (!StoppedInside::is_helper_inside) std::this_thread::yield();
-    } else if (self.by_helper++ == 0) {
-      StoppedInside::is_helper_inside = true;
-      while (StoppedInside::looks < 2) std::this_thread::yield();
-    }
-  }
-  static constexpr int kCount = 64;
-};
-
-// As other programs do that take the processor away: what a loop lost by a thread that was stopped inside, the caller
-// does without help four times as long, and then asks again.
-TEST(ThreadPool, LeavesOutThreadsThatWereStoppedInsideForAWhile) {
-  ThreadPool pool(2, StoppedInside::now);
-  int asked = 0;
-  for (int loop = 0; loop < 200; ++loop) {
-    StoppedInside::looks = 0;
-    StoppedInside::is_helper_inside = false;
-    Helped helped;
-    pool.run(Helped::kCount, Helped::range, &helped);
-    EXPECT_EQ(helped.indices, Helped::kCount);
-    asked += helped.by_helper > 0;
-  }
-  EXPECT_EQ(asked, 3) << "a loop with help takes 22 ms by this clock, and some 80 without follow, of 1 ms each";
 }
 
 TEST(Dot, HasTheSameBitsForAnyThreadCount) {
