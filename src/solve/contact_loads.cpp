@@ -28,11 +28,6 @@ void add_pressure(const Quad& face, double pressure, ConstPoints x, Points f) {
   add_pressure(Triangle{face[0], face[2], face[3]}, pressure, x, f);
 }
 
-double area(const Quad& face, ConstPoints x) {
-  require_nodes("area", face, x.rows());
-  return (doubled_area(x, face[0], face[1], face[2]).norm() + doubled_area(x, face[0], face[2], face[3]).norm()) / 2;
-}
-
 void Obstacle::touching_at(ConstPoints x, std::vector<int>& touching) const {
   touching.clear();
   for (int node = 0; node < static_cast<int>(x.rows()); ++node)

@@ -18,9 +18,6 @@ namespace hexaplast {
 void add_pressure(const Triangle& face, double pressure, ConstPoints x, Points f);
 void add_pressure(const Quad& face, double pressure, ConstPoints x, Points f);
 
-/// Area [m^2] of a quad, as the two triangles on either side of its first diagonal.
-double area(const Quad& face, ConstPoints x);
-
 /// An elastic obstacle that fills the half space n.x < distance, as SOFA's PlaneForceField defines it:
 ///
 ///   d = n.x - distance  < 0:   f = -stiffness d n + damping d v,    K = -stiffness n n^T

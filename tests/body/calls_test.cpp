@@ -291,7 +291,6 @@ TEST_F(SizesOfCalls, OfGripsLoadsAndObstacles) {
       {"Grip::add_damping_diagonal", [&] { grip.add_damping_diagonal(1, few_f); }},
       {"add_pressure", [&] { add_pressure(beyond, 1, few, few_f); }},
       {"add_pressure", [&] { add_pressure(before, 1, few, few_f); }},
-      {"area", [&] { area(before, few); }},
       {"Obstacle::add_stiffness_product", [&] { wall.add_stiffness_product(std::vector{30}, 1, few, few_f); }},
       {"Obstacle::add_stiffness_blocks", [&] { wall.add_stiffness_blocks(std::vector{-1}, 1, small); }},
       {"add_tangential_forces",

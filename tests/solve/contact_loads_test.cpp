@@ -7,22 +7,6 @@
 namespace hexaplast {
 namespace {
 
-// A unit pressure on the unit square in the plane z = 0 makes a unit force along +z.
-TEST(Pressure, ActsAlongTheNormalOfAFaceAndGrowsWithItsArea) {
-  PointArray x(4, 3);
-  x << 0, 0, 0, 2, 0, 0, 2, 3, 0, 0, 3, 0;
-  PointArray f = PointArray::Zero(4, 3);
-  add_pressure(Quad{0, 1, 2, 3}, 5, x, f);
-  EXPECT_TRUE(f.colwise().sum().isApprox(Eigen::RowVector3d(0, 0, 30), 1e-15));
-  EXPECT_DOUBLE_EQ(f(0, 2), 10);  // on the diagonal: a third of each triangle
-  EXPECT_DOUBLE_EQ(f(1, 2), 5);
-  EXPECT_DOUBLE_EQ(area({0, 1, 2, 3}, x), 6);
-
-  f.setZero();
-  add_pressure(Triangle{0, 2, 1}, 5, x, f);
-  EXPECT_TRUE(f.isApprox((PointArray(4, 3) << 0, 0, -5, 0, 0, -5, 0, 0, -5, 0, 0, 0).finished(), 1e-15)) << f;
-}
-
 // On a closed surface the force is the gradient of pressure times enclosed volume, and has neither sum nor moment.
 TEST(Pressure, OnAClosedSurfaceIsTheGradientOfTheVolume) {
   const HexMesh mesh = distorted_block({1, 1, 1}, 0.4, 0.2, 7);

@@ -68,21 +68,6 @@ TEST_F(ComponentPage, EveryExampleOfTheComponentPageRunsWithoutComplaint) {
   EXPECT_TRUE(wanted.empty()) << *wanted.begin() << " is in no example";
 }
 
-TEST_F(ComponentPage, TheComponentPageNamesEveryAttributeWithItsComponent) {
-  const std::string page = content(kPage);
-  for (const auto& [name, category] : categories()) {
-    const std::size_t begin = page.find("\n### " + name + "\n");
-    ASSERT_NE(begin, page.npos) << name;
-    const std::string section = page.substr(begin, page.find("\n```xml", begin) - begin);
-    const std::string listed = hexaplast("list " + name).out;
-    const std::regex attribute("\n  (\\w+): (.*)");
-    for (std::sregex_iterator it(listed.begin(), listed.end(), attribute), end; it != end; ++it) {
-      if ((*it)[2].str().ends_with("; without effect")) continue;
-      EXPECT_TRUE(has(section, "`" + (*it)[1].str() + "`")) << name << (*it)[1];
-    }
-  }
-}
-
 TEST_F(Command, ListPrintsOneComponent) {
   const Outcome text = succeeds("list BoxROI");
   for (const char* part :
