@@ -202,18 +202,11 @@ TEST(Cage, ASurfaceWithAHoleIsRefusedWhereTheCageWouldBeHollow) {
     else
       for (std::size_t q = 0; q < 2; ++q) std::ranges::reverse(open.quads[q]);
   }
-}
-
-// Faces that are there again, turned over or not, close no hole.
-TEST(Cage, AHoleIsSeenHoweverOftenFacesAreThere) {
-  const CageGrid grid{.cells = {6, 6, 6}, .min = Vec3::Zero(), .max = Vec3::Constant(6)};
-  Surface once = box(Vec3(0.5, 0.5, 0.5), Vec3(5.5, 5.5, 5.5));
-  once.quads.pop_back();
-  Surface turned = once;
+  Surface turned = open;  // faces that are there again, turned over or not, close no hole
   for (Quad& quad : turned.quads) std::swap(quad[1], quad[3]);
-  for (const Surface& other : {once, turned})
+  for (const Surface& other : {open, turned})
     EXPECT_TRUE(
-        refuses<InputError>([&] { cage_of(side_by_side(once, other), grid); }, {"4 edges belong to one face alone"}));
+        refuses<InputError>([&] { cage_of(side_by_side(open, other), grid); }, {"4 edges belong to one face alone"}));
 }
 
 // A pinhole in a sphere: as long as no cell passes through it, the cage is that of the whole sphere.
