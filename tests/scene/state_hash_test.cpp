@@ -134,27 +134,6 @@ TEST_P(StateHashOf, IsTheSameForAnyThreadsAndAsEver) {
   if (pins) std::ofstream(kTable) << table.dump(2) << '\n';
 }
 
-TEST(StateHashes, ThatAreNotComparedAreSkips) {
-  testing::internal::CaptureStdout();
-  compare(Json{{"AVX3", nullptr}}, "AVX3", "1f");
-  const std::string said = testing::internal::GetCapturedStdout();
-  EXPECT_EQ(said.rfind("skipped: 1f on AVX3 ", 0), 0u) << said;
-}
-
-// So that it is seen here what would fail on a machine with the instruction set only; and no reason outlives its skip.
-TEST(StateHashes, ThatAreUnknownAreNamedAmongTheSkips) {
-  const std::string test = "Scenes/StateHashOf.IsTheSameForAnyThreadsAndAsEver/";
-  const Json table = read_table();
-  std::set<std::string> unknown, named;
-  for (const auto& [name, row] : table.items())
-    for (const auto& [target, hash] : row.items())
-      if (hash.is_null()) unknown.insert(test + name + " on " + target);
-  std::ifstream list(HEXAPLAST_SOURCE_DIR "/tests/allowed_skips.txt");
-  for (std::string line; std::getline(list, line);)
-    if (line.starts_with(test)) named.insert(line.substr(0, line.find(" is compared with nothing")));
-  EXPECT_EQ(named, unknown);
-}
-
 TEST(StateHashes, ArePinnedOfEveryShippedScene) {
   std::set<std::string> pinned, shipped;
   for (const PinnedScene& scene : kScenes) pinned.insert(scene.name);
