@@ -297,16 +297,6 @@ std::string undamped_bar(const std::string& scheme, const std::string& others, c
          others + "</Node>";
 }
 
-/// Velocities of its nodes: `spin` [rad/s] about an axis along y through its middle, and `speed` [m/s] along x.
-std::string moving(double spin, double speed) {
-  std::string velocities;
-  for (int n = 0; n < 81; ++n) {
-    const double x = n % 3 * 0.05 - 0.05, z = n / 9 * 0.05 - 0.2;
-    velocities += std::to_string(spin * z + speed) + " 0 " + std::to_string(-spin * x) + " ";
-  }
-  return "velocity='" + velocities + "'";
-}
-
 /// It is a quarter longer and thicker than at rest.
 std::string stretched() {
   std::string rest;
@@ -316,20 +306,11 @@ std::string stretched() {
 
 // Loads that do no work, begin late or take back what they gave; energy that was there before; nothing at all.
 TEST_F(Results, OfSlowAndStillAndFreeBodiesAreNoBlowUp) {
-  const std::string held = "<FixedProjectiveConstraint indices='0-8'/>", weight = "0 0 -1";
+  const std::string held = "<FixedProjectiveConstraint indices='0-8'/>";
   const std::pair<const char*, std::string> scenes[] = {
-      {"at rest", undamped_bar("", "")},
       {"at rest, far away", undamped_bar("", "", "0 0 0", "", "1000 0 0")},
-      {"at rest, in the smallest of motions", undamped_bar("", "", "0 0 0", moving(0, 1e-6))},
-      {"in free fall", undamped_bar("", "", weight)},
-      {"thrown", undamped_bar("", "", "-9.81 0 0", moving(0, 3))},
-      {"all held", undamped_bar("", "<FixedProjectiveConstraint indices='0-80'/>", weight)},
-      {"spinning", undamped_bar("", "", "0 0 0", moving(2, 0))},
-      {"let go of a stretch", undamped_bar("", "", "0 0 0", stretched())},
+      {"thrown", undamped_bar("", "", "-9.81 0 0", "velocity='" + repeated("3 0 0 ", 81) + "'")},
       {"let go of a stretch, with decaying velocities", undamped_bar("vdamping='40'", "", "0 0 0", stretched())},
-      {"led out and back",
-       undamped_bar("rayleighStiffness='.02'", held + "<LinearMovementProjectiveConstraint indices='72-80' keyTimes='0 "
-                                                      ".3 .6 99' movements='0 0 0  0 0 .1  0 0 0  0 0 0'/>")},
       {"drawn out and led back",
        undamped_bar("rayleighMass='5'",
                     held + "<GraspForceField keyTimes='0 .3 .6 9' positions='.05 .05 .4  .05 .05 .5  .05 "
@@ -339,9 +320,7 @@ TEST_F(Results, OfSlowAndStillAndFreeBodiesAreNoBlowUp) {
            "",
            held +
                "<LinearForceField points='80' times='0 1 1.01 1.02 9' forces='0 0 0  0 0 0  3 0 0  0 0 0  0 0 0'/>")},
-      {"onto an obstacle", undamped_bar("", "<PlaneForceField normal='0 0 1' d='-.2' stiffness='300'/>", weight)},
-      {"by the trapezoidal scheme", undamped_bar("trapezoidalScheme='true'", held, weight)},
-      {"without inertia", undamped_bar("firstOrder='true'", held, weight)},
+      {"by the trapezoidal scheme", undamped_bar("trapezoidalScheme='true'", held, "0 0 -1")},
       {"without a body",
        "<Node gravity='0 0 -9.81'><DefaultAnimationLoop/><RunSettings steps='50'/><EulerImplicitSolver/>"
        "<SparseLDLSolver/><MechanicalObject position='0 0 0  1 0 0'/><UniformMass vertexMass='1'/>"
