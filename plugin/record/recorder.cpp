@@ -48,7 +48,7 @@ std::vector<long> steps_to_film(long num_steps, double dt) {
 }
 
 std::unique_ptr<Film> film_of(const RunPlan& plan) {
-  return plan.video.empty() ? nullptr : open_film(plan.video, std::min(kFilmRate, 1 / plan.dt));
+  return plan.video.empty() ? nullptr : std::make_unique<Film>(plan.video, std::min(kFilmRate, 1 / plan.dt));
 }
 
 double mean_displacement(const std::vector<int>& nodes, ConstPoints from, ConstPoints to) {

@@ -3,10 +3,7 @@
 #include "picture/film.hpp"
 
 #include <png.h>
-#include <sys/stat.h>
 #include <zlib.h>
-
-#include <cstdlib>
 
 #include "hexaplast/base/error.hpp"
 #include "support/compare.hpp"
@@ -94,12 +91,12 @@ Image decoded(std::uint32_t width, std::uint32_t height, const std::string& data
 TEST(AnimatedPng, GivesBackEveryPictureAndItsTime) {
   const Scratch scratch;
   const fs::path file = scratch / "film.png";
-  const auto film = output::open_film(file, 12.5);
+  output::Film film(file, 12.5);
   constexpr int kCount = 5;
-  for (int k = 0; k < kCount; ++k) film->add(picture(k));
-  film->add(picture(kCount - 1));  // nothing moves
+  for (int k = 0; k < kCount; ++k) film.add(picture(k));
+  film.add(picture(kCount - 1));  // nothing moves
   EXPECT_FALSE(fs::exists(file)) << "before it is whole";
-  film->finish();
+  film.finish();
 
   const std::vector<Chunk> chunks = chunks_of(content(file));
   ASSERT_EQ(chunks[0].type, "IHDR");
@@ -140,105 +137,20 @@ TEST(AnimatedPng, GivesBackEveryPictureAndItsTime) {
 TEST(AnimatedPng, IsAPictureToWhoKnowsNoAnimation) {
   const Scratch scratch;
   const fs::path file = scratch / "film.apng";
-  const auto film = output::open_film(file, 25);
-  for (int k = 0; k < 3; ++k) film->add(picture(k));
-  film->finish();
+  output::Film film(file, 25);
+  for (int k = 0; k < 3; ++k) film.add(picture(k));
+  film.finish();
   EXPECT_EQ(support::read_png(file).pixels, picture(0).pixels);
 }
 
 TEST(Film, LeavesNothingWhereItIsNotFinished) {
   const Scratch scratch;
   support::put(scratch / "film.png", "older");
-  output::open_film(scratch / "film.png", 25)->add(picture(0));
+  output::Film(scratch / "film.png", 25).add(picture(0));
   EXPECT_EQ(content(scratch / "film.png"), "older");
   EXPECT_FALSE(fs::exists(scratch / "film.png.part"));
-  EXPECT_TRUE(refuses<OutputError>([&] { output::open_film(scratch / "nowhere" / "film.png", 25); }, {"nowhere"}));
-  EXPECT_TRUE(refuses<InputError>([&] { output::open_film(scratch / "film.gif", 25); }, {".mp4, .png or .apng"}));
-}
-
-/// A PATH on which ffmpeg is a script of ours.
-class FfmpegFilm : public testing::Test {
- protected:
-  FfmpegFilm() : path_(std::getenv("PATH")) {}
-  ~FfmpegFilm() override { ::setenv("PATH", path_.c_str(), 1); }
-
-  void install(const std::string& script) {
-    support::put(scratch_ / "ffmpeg", "#!/bin/sh\n" + script);
-    ::chmod((scratch_ / "ffmpeg").c_str(), 0755);
-    ::setenv("PATH", (scratch_ / "").c_str(), 1);
-  }
-
-  const Scratch scratch_;
-  std::string path_;
-};
-
-TEST_F(FfmpegFilm, HandsOverRawPictures) {
-  // the last word is the file to write; names with blanks and signs stay whole
-  install("for word; do echo \"$word\" >> '" + (scratch_ / "words").string() + "'; last=$word; done\n" +
-          "/bin/cat > \"$last\"\n");
-  const fs::path file = scratch_ / "a film; $(touch x) 'of' 2.mp4";
-  const auto film = output::open_film(file, 12.5);
-  std::string pixels;
-  for (int k = 0; k < 3; ++k) {
-    film->add(picture(k));
-    pixels.append(reinterpret_cast<const char*>(picture(k).pixels.data()), picture(k).pixels.size());
-  }
-  film->finish();
-  EXPECT_EQ(content(file), pixels);
-  const std::string words = content(scratch_ / "words");
-  for (const char* words_in_order :
-       {"-f\nrawvideo\n-pixel_format\nrgb24\n-video_size\n37x23\n-framerate\n12.5\n-i\n", "-f\nmp4\n"})
-    EXPECT_NE(words.find(words_in_order), std::string::npos) << words;
-}
-
-// Somebody else's link under the name of the unfinished film leads nowhere: the program is handed the file, not a name.
-TEST_F(FfmpegFilm, IsWrittenIntoItsOwnFileAlone) {
-  install("for last; do :; done\n/bin/cat > \"$last\"\n");
-  const fs::path file = scratch_ / "film.mp4", part = scratch_ / "film.mp4.part", victim = scratch_ / "victim";
-  support::put(victim, "mine");
-  const auto film = output::open_film(file, 25);
-  fs::remove(part);
-  fs::create_symlink(victim, part);
-  film->add(picture(0));
-  EXPECT_TRUE(refuses<OutputError>([&] { film->finish(); }, {"film.mp4.part", "has been taken away"}));
-  EXPECT_EQ(content(victim), "mine");
-  EXPECT_FALSE(fs::exists(file));
-}
-
-TEST_F(FfmpegFilm, SaysWhatFfmpegSays) {
-  install("/bin/cat > /dev/null\necho first >&2\necho 'Unknown encoder' >&2\nexit 7\n");
-  const fs::path file = scratch_ / "film.mp4";
-  const auto film = output::open_film(file, 25);
-  film->add(picture(0));
-  EXPECT_TRUE(refuses<OutputError>([&] { film->finish(); }, {"film.mp4", "ffmpeg ended with code 7: Unknown encoder"}));
-  EXPECT_FALSE(fs::exists(file));
-}
-
-// The pipe breaks while pictures are still coming: no signal, but the reason.
-TEST_F(FfmpegFilm, SurvivesItsEarlyEnd) {
-  install("echo 'no space' >&2\nexit 3\n");
-  const auto film = output::open_film(scratch_ / "film.mp4", 25);
-  const Image large{1000, 1000, std::vector<std::uint8_t>(3'000'000, 99)};
-  EXPECT_TRUE(refuses<OutputError>(
-      [&] {
-        for (int k = 0; k < 10; ++k) film->add(large);
-      },
-      {"ffmpeg ended with code 3: no space"}));
-}
-
-TEST_F(FfmpegFilm, IsRefusedWhereThereIsNone) {
-  ::setenv("PATH", (scratch_ / "empty").c_str(), 1);
-  EXPECT_TRUE(refuses<OutputError>([&] { output::open_film(scratch_ / "film.mp4", 25); }, {"ffmpeg", "PATH", ".png"}));
-}
-
-// The program itself, where it is installed.
-TEST(Ffmpeg, MakesAFilm) {
-  if (std::system("command -v ffmpeg > /dev/null 2>&1") != 0) GTEST_SKIP() << "ffmpeg is not installed";
-  const Scratch scratch;
-  const auto film = output::open_film(scratch / "film.mp4", 25);
-  for (int k = 0; k < 5; ++k) film->add(picture(k));
-  film->finish();
-  EXPECT_EQ(content(scratch / "film.mp4").substr(4, 4), "ftyp");
+  EXPECT_TRUE(refuses<OutputError>([&] { output::Film(scratch / "nowhere" / "film.png", 25); }, {"nowhere"}));
+  EXPECT_TRUE(refuses<InputError>([&] { output::Film(scratch / "film.mp4", 25); }, {".png or .apng", "ffmpeg -i"}));
 }
 
 }  // namespace

@@ -223,14 +223,14 @@ void render_film(Subject& subject, const RenderOptions& options, output::Rendere
   const output::Staging staging = staging_of(subject, options);
   output::Gallery gallery(run.mesh(), subject.title(), subject.time_decimals(), staging);
   for (const RecordedRun::Entry& entry : entries) add(entry, run.state(entry, staging.quantity), options, gallery);
-  const auto film = output::open_film(*options.video, static_cast<double>(entries.size() - 1) / seconds);
+  output::Film film(*options.video, static_cast<double>(entries.size() - 1) / seconds);
   Progress progress(0, static_cast<long>(entries.size()), true);
   long done = 0;
   gallery.for_each_drawing([&](int, const output::Drawing& drawing) {
-    film->add(renderer.render(drawing));
+    film.add(renderer.render(drawing));
     progress.show(++done, [] { return "pictures"; });
   });
-  film->finish();
+  film.finish();
 }
 
 output::Drawing sections_of(const Subject& subject, const RecordedRun::Entry& entry, const RecordedRun::State& state,
@@ -328,8 +328,7 @@ void add_render(CLI::App& app, Call& call) {
       ->excludes(sections);
   command.add_flag("--no-edges", options.no_edges, "Leave out the edges of hexahedra");
   command.add_flag("--no-marks", options.no_marks, "Leave out fixed nodes, springs, loads, instruments and gravity");
-  add_video(command, options.video,
-            "Film of all states in real time instead of a picture: .mp4 by ffmpeg, or .png, animated")
+  add_video(command, options.video, "Film of all states in real time instead of a picture: .png, animated")
       ->excludes(out)
       ->excludes(time)
       ->excludes(step)

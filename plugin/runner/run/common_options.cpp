@@ -115,10 +115,8 @@ std::vector<CLI::Option*> add_pictures(CLI::App& command, PictureOptions& option
 }
 
 CLI::Option* add_video(CLI::App& command, std::optional<std::filesystem::path>& video, const char* help) {
-  const auto refuse = [](const std::string& file) {
-    return output::is_film_name(file) ? "" : fmt::format("{}: a film's name must end in .mp4, .png or .apng", file);
-  };
-  return add_option(command, "--video", video, "FILE", help)->check(refuse);
+  const auto refuse = [](const std::string& file) { return output::refusal_of_film(file); };
+  return add_option(command, "--video", video, "FILE.png", help)->check(refuse);
 }
 
 }  // namespace hexaplast::runner

@@ -475,7 +475,7 @@ void add_run(CLI::App& app, Call& call) {
       ->type_name("every=N")
       ->needs(out);
   for (CLI::Option* option : add_pictures(command, options.pictures)) option->needs(out);
-  add_video(command, options.video, "Film of the run in real time: .mp4 by ffmpeg, or .png, animated")->needs(out);
+  add_video(command, options.video, "Film of the run in real time: .png, animated")->needs(out);
   command.add_flag("--force", options.force, "Replace files of an earlier run");
   add_quiet(command, options.quiet);
   add_strict(command, options.strict);
