@@ -45,29 +45,27 @@ class VisualStyle final : public scene::VisualStyle, public scene::Changeable {
     visual_models_ = said({"VisualModels", "Visual", "All"});
     behaviour_models_ = said({"BehaviorModels", "Behavior", "All"});
     loads_ = said({"ForceFields", "Behavior", "All"}).value_or(true);
-    wireframe_ = said({"Wireframe"}, "hideAll").value_or(false);
   }
   void refresh(std::span<const std::string_view>) override { init(); }
 
   std::optional<bool> shows_visual_models() const override { return visual_models_; }
   std::optional<bool> shows_behaviour_models() const override { return behaviour_models_; }
   bool shows_loads() const override { return loads_; }
-  bool shows_wireframe() const override { return wireframe_; }
 
  private:
   /// Of the words about one thing the last one counts.
-  std::optional<bool> said(std::initializer_list<std::string_view> names, std::string_view hides_too = {}) {
+  std::optional<bool> said(std::initializer_list<std::string_view> names) {
     std::optional<bool> shown;
     for (const std::string_view flag : scene::split_words(text("displayFlags"))) {
       const bool is_meant = flag.size() > 4 && std::ranges::count(names, flag.substr(4)) > 0;
       if (is_meant && flag.starts_with("show")) shown = true;
-      if ((is_meant && flag.starts_with("hide")) || flag == hides_too) shown = false;
+      if (is_meant && flag.starts_with("hide")) shown = false;
     }
     return shown;
   }
 
   std::optional<bool> visual_models_, behaviour_models_;
-  bool loads_ = true, wireframe_ = false;
+  bool loads_ = true;
 };
 
 class InteractiveCamera final : public scene::Camera, public scene::Changeable {

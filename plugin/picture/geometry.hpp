@@ -48,7 +48,6 @@ struct Geometry {
   bool is_hollow = false;  ///< the surface is embedded, and not the hexahedra' own
   bool is_closed = true, are_tools_closed = true;  ///< surfaces: only these have an inside where they are cut
   Vertices veil;                                   ///< of a body that what is shown lies in
-  Vertices wires;                                  ///< lines in the colours of the scale
   Places edges, cut_edges, cut_outline;
   Places halo;            ///< outlines of the surface, beside which the shape behind is not seen
   float edge_length = 0;  ///< [m] mean of the hexahedra that are left

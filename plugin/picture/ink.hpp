@@ -35,7 +35,6 @@ inline constexpr Colour kVeil{0.80f, 0.60f, 0.52f};  // what may be behind it is
 inline constexpr float kVeilOpacity = 0.34f;         // of a body that regions lie in
 inline constexpr float kSpringWidth = 1.6f;
 inline constexpr float kHaloWidth = 3.6f;  // beside which the shape behind is not seen: it hides its outline
-inline constexpr float kWireWidth = 1.5f;  // of edges in the colours of the scale
 inline constexpr float kSlackWidth = 1.1f, kSlackOpacity = 0.5f;  // of springs that are shorter than at rest
 inline constexpr float kCutWidth = 1.6f;                          // of the border of a cut face
 inline constexpr float kDotRadius = 3.2f;                         // radius of the mark of a fixed node, at most

@@ -140,9 +140,9 @@ void Painter::draw_shadow(const Geometry& geometry, const Matrix4f& seen) {
   set(flat_, "clip", Matrix4f(turn * seen));
   set_clips(flat_, geometry.cut, {});
   for (const Geometry::Vertices* vertices : {&geometry.surface, &geometry.walls, &geometry.tools})
-    draw_corners(*vertices, GL_TRIANGLES);
+    draw_corners(*vertices);
   set_clips(flat_, {}, {});
-  if (!geometry.is_hollow) draw_corners(geometry.cut_faces, GL_TRIANGLES);
+  if (!geometry.is_hollow) draw_corners(geometry.cut_faces);
   glBindFramebuffer(GL_FRAMEBUFFER, static_cast<unsigned>(frame));
 }
 
@@ -194,12 +194,12 @@ void Painter::draw_page(const Drawing& page, int density) {
   glBindVertexArray(0);
 }
 
-void Painter::draw_corners(const Geometry::Vertices& vertices, unsigned mode) {
+void Painter::draw_corners(const Geometry::Vertices& vertices) {
   if (vertices.empty()) return;
   glBindVertexArray(vertices_.array);
   send(vertices_.buffer, vertices.distinct);
   send(numbers_, vertices.corners, GL_ELEMENT_ARRAY_BUFFER);
-  glDrawElements(mode, static_cast<int>(vertices.size()), GL_UNSIGNED_INT, nullptr);
+  glDrawElements(GL_TRIANGLES, static_cast<int>(vertices.size()), GL_UNSIGNED_INT, nullptr);
 }
 
 void Painter::draw_lines(const Geometry::Places& ends, const Colour& colour, float opacity, float width) {

@@ -53,17 +53,16 @@ class Painter {
 
   // layers of a view, in their order
   void draw_behind(const Geometry& geometry, float density);
-  void draw_body(const View& view, bool has_lines, float density);
+  void draw_body(const View& view, bool has_lines);
   void draw_tools(const View& view);
   void draw_marks(const View& view, const std::optional<EdgeInk>& edges, float density);
   void draw_veil(const Geometry& geometry);
 
-  void draw_lit(const Geometry::Vertices& vertices, Lit how, const Colour* paint, unsigned mode = 4,  // GL_TRIANGLES
-                float opacity_of_paint = 1);
+  void draw_lit(const Geometry::Vertices& vertices, Lit how, const Colour* paint, float opacity_of_paint = 1);
   void draw_arrows(const Geometry::Vertices& arrows, const Colour& colour, float scale);
   void draw_within(const Geometry& geometry, std::initializer_list<const Geometry::Vertices*> closed,
                    const Eigen::AlignedBox3f& room, const std::function<void()>& draw_cap);
-  void draw_corners(const Geometry::Vertices& vertices, unsigned mode);
+  void draw_corners(const Geometry::Vertices& vertices);
   void draw_lines(const Geometry::Places& ends, const Colour& colour, float opacity, float width);
   void draw_places(const Geometry::Places& places, unsigned mode, const Colour& colour, float opacity = 1);
 

@@ -78,7 +78,7 @@ void Painter::draw(const View& view, const Viewport& viewport) {
   glBindTexture(GL_TEXTURE_2D, colours_);
   if (view.palette != palette_) send_colours(view.palette);
   set(surface_, "opacity", 1);
-  draw_body(view, !geometry.cut_outline.empty() || (edges && !geometry.edges.empty() && !geometry.is_cage), density);
+  draw_body(view, !geometry.cut_outline.empty() || (edges && !geometry.edges.empty() && !geometry.is_cage));
   draw_tools(view);
   draw_marks(view, edges, density);
   draw_veil(geometry);
@@ -105,15 +105,13 @@ void Painter::draw_behind(const Geometry& geometry, float density) {
   glClear(GL_DEPTH_BUFFER_BIT);
 }
 
-void Painter::draw_body(const View& view, bool has_lines, float density) {
+void Painter::draw_body(const View& view, bool has_lines) {
   const Geometry& geometry = view.geometry;
   // where no lines lie on it, stepping back would only show what faces away along its silhouette
   if (!has_lines) glDisable(GL_POLYGON_OFFSET_FILL);
   draw_lit(geometry.surface, kTissue, nullptr);
-  draw_lit(geometry.walls, kTissue, &kWall, GL_TRIANGLES, kWallTint);
+  draw_lit(geometry.walls, kTissue, &kWall, kWallTint);
   glEnable(GL_POLYGON_OFFSET_FILL);
-  glLineWidth(kWireWidth * density);
-  draw_lit(geometry.wires, kUnlit, nullptr, GL_LINES);
   draw_arrows(geometry.load_arrows, kLoad, view.camera.scale());
 }
 
@@ -178,12 +176,11 @@ void Painter::draw_veil(const Geometry& geometry) {
   draw_lit(geometry.veil, kTissue, &kVeil);
 }
 
-void Painter::draw_lit(const Geometry::Vertices& vertices, Lit how, const Colour* paint, unsigned mode,
-                       float opacity_of_paint) {
+void Painter::draw_lit(const Geometry::Vertices& vertices, Lit how, const Colour* paint, float opacity_of_paint) {
   glUniform1i(place_of(surface_, "lighting"), how);
   set(surface_, "paint",
       paint ? Vector4f(paint->red, paint->green, paint->blue, opacity_of_paint) : Vector4f(0, 0, 0, 0));
-  draw_corners(vertices, mode);
+  draw_corners(vertices);
 }
 
 void Painter::draw_arrows(const Geometry::Vertices& arrows, const Colour& colour, float scale) {

@@ -351,45 +351,36 @@ Geometry Shapes::geometry(const Moment& moment, const Camera& camera, const Stro
   geometry.edge_length = hexahedra.mean_edge();
   const bool is_within = !staging.shown_regions.empty();
   geometry.is_cage = staging.has_surfaces() && !is_within;
-  if (staging.is_wireframe) {
-    std::vector<const Moment::Shown*> shown = moment.filled(staging);
-    if (geometry.is_cage && staging.shows_hexahedra) shown.push_back(&moment.body);
-    for (const Moment::Shown* one : shown)
-      for (const Edge& edge : one->surface->edges())
-        for (const int point : edge) geometry.wires.add({{one->points[point], camera.towards(), one->values[point]}});
-  } else {
-    for (const Moment::Shown* one : moment.filled(staging)) {
-      draw_surface(*one, camera.scale(), geometry.surface, geometry.walls);
-      if (is_within && staging.shows_edges) add_lines(one->surface->edges(), one->points, geometry.edges);
-    }
-    for (const Moment::Shown* one : moment.whole(staging)) {
-      if (is_within) draw_surface(*one, camera.scale(), geometry.veil, geometry.veil);
-      if (!moment.ghosts.empty())
-        add_lines(one->surface->outline(one->points, camera.towards()), one->points, geometry.halo);
-      geometry.is_closed = geometry.is_closed && one->surface->is_closed();
-    }
-    geometry.is_hollow = geometry.is_cage;
-    const Vector3f above = staging.cut ? Vector3f(staging.cut->normal.cast<float>()) : Vector3f(0, 0, 0);
-    for (const Triangle& triangle : moment.cut.triangles)
-      for (const int point : triangle)
-        geometry.cut_faces.add({{moment.cut.points[point], above, moment.cut.values[point]}});
-    if (staging.shows_hexahedra && staging.shows_edges) {
-      if (!is_within) add_lines(hexahedra.edges(), moment.body.points, geometry.edges);
-      if (!geometry.is_hollow) add_lines(moment.cut.inner_lines, moment.cut.points, geometry.cut_edges);
-    }
-    if (!geometry.is_hollow)
-      add_lines(moment.cut.outline, moment.cut.points, geometry.cut_outline);
-    else if (staging.cut && geometry.is_closed)
-      for (const Geometry::Vertices* surface : {&geometry.surface, &geometry.walls})
-        add_crossing(*surface, *staging.cut, geometry.cut_outline);
+  for (const Moment::Shown* one : moment.filled(staging)) {
+    draw_surface(*one, camera.scale(), geometry.surface, geometry.walls);
+    if (is_within && staging.shows_edges) add_lines(one->surface->edges(), one->points, geometry.edges);
   }
+  for (const Moment::Shown* one : moment.whole(staging)) {
+    if (is_within) draw_surface(*one, camera.scale(), geometry.veil, geometry.veil);
+    if (!moment.ghosts.empty())
+      add_lines(one->surface->outline(one->points, camera.towards()), one->points, geometry.halo);
+    geometry.is_closed = geometry.is_closed && one->surface->is_closed();
+  }
+  geometry.is_hollow = geometry.is_cage;
+  const Vector3f above = staging.cut ? Vector3f(staging.cut->normal.cast<float>()) : Vector3f(0, 0, 0);
+  for (const Triangle& triangle : moment.cut.triangles)
+    for (const int point : triangle)
+      geometry.cut_faces.add({{moment.cut.points[point], above, moment.cut.values[point]}});
+  if (staging.shows_hexahedra && staging.shows_edges) {
+    if (!is_within) add_lines(hexahedra.edges(), moment.body.points, geometry.edges);
+    if (!geometry.is_hollow) add_lines(moment.cut.inner_lines, moment.cut.points, geometry.cut_edges);
+  }
+  if (!geometry.is_hollow)
+    add_lines(moment.cut.outline, moment.cut.points, geometry.cut_outline);
+  else if (staging.cut && geometry.is_closed)
+    for (const Geometry::Vertices* surface : {&geometry.surface, &geometry.walls})
+      add_crossing(*surface, *staging.cut, geometry.cut_outline);
   std::ranges::copy_if(moment.fixed, std::back_inserter(geometry.fixed), is_left);
 
   for (const Moment::Tool& tool : moment.tools) {
     if (const std::optional<Arrow> arrow = strongest.arrow_of(tool)) arrow->draw(geometry.tool_arrows);
     if (!tool.surface) continue;
     add_lines(tool.surface->outline(tool.points, camera.towards()), tool.points, geometry.tool_outline);
-    if (staging.is_wireframe) continue;
     geometry.are_tools_closed = geometry.are_tools_closed && tool.surface->is_closed();
     const std::vector<Vector3f> normals = tool.surface->group_normals(tool.points);
     for (std::size_t f = 0; f < tool.surface->faces().size(); ++f)

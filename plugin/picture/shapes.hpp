@@ -29,7 +29,6 @@ struct Staging {
   bool shows_surfaces = true;                      ///< the embedded ones; else the hexahedra
   bool shows_hexahedra = true;                     ///< beside embedded surfaces: as edges
   bool shows_edges = true;                         ///< those of hexahedra
-  bool is_wireframe = false;                       ///< edges in colours, and nothing else
   bool shows_loads = true;                         ///< as arrows
   Vec3 gravity = Vec3::Zero();                     ///< [m/s^2] its direction is shown where it is not 0
   std::optional<Vec3> up;                          ///< as somebody asks for it

@@ -91,7 +91,6 @@ std::optional<Viewpoint> viewpoint_of(const Json& json) {
 
 Json json_of(const PictureRecord& pictures) {
   Json json{{"hexahedra", pictures.shows_hexahedra},
-            {"wireframe", pictures.is_wireframe},
             {"loads", pictures.shows_loads},
             {"camera", json_of(pictures.viewpoint)},
             {"gravity_m_per_s2", json_of(pictures.gravity)},
@@ -102,7 +101,6 @@ Json json_of(const PictureRecord& pictures) {
 
 PictureRecord pictures_of(const Json& json) {
   return {.shows_hexahedra = json.at("hexahedra"),
-          .is_wireframe = json.at("wireframe"),
           .shows_loads = json.at("loads"),
           .viewpoint = viewpoint_of(json.at("camera")),
           .gravity = vector_of(json.at("gravity_m_per_s2")),

@@ -44,7 +44,6 @@ std::string_view describe(RunState state);  ///< "running", "finished", "interru
 /// How a scene wants pictures to be taken.
 struct PictureRecord {
   bool shows_hexahedra = true;  ///< else its surfaces alone
-  bool is_wireframe = false;
   bool shows_loads = true;
   std::optional<Viewpoint> viewpoint = {};
   Vec3 gravity = Vec3::Zero();  ///< [m/s^2]

@@ -47,8 +47,7 @@ class VisualStyle : public Component {
 
   virtual std::optional<bool> shows_visual_models() const = 0;  ///< none: not said
   virtual std::optional<bool> shows_behaviour_models() const = 0;
-  virtual bool shows_loads() const = 0;      ///< as arrows
-  virtual bool shows_wireframe() const = 0;  ///< edges alone
+  virtual bool shows_loads() const = 0;  ///< as arrows
 };
 
 /// From where something is seen.

@@ -144,7 +144,6 @@ output::Staging staging_of(const ShownScene& shown) {
   if (const std::vector styles = root.all<scene::VisualStyle>(); !styles.empty()) {
     shows_embedded_surfaces = styles.front()->shows_visual_models();
     shows_hexahedra = styles.front()->shows_behaviour_models();
-    staging.is_wireframe = styles.front()->shows_wireframe();
     staging.shows_loads = styles.front()->shows_loads();
   }
   for (const scene::VisualModel* model : root.all<scene::VisualModel>())

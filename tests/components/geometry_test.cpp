@@ -364,12 +364,12 @@ TEST(VisualStyle, TellsWhatItsLastWordSays) {
   const auto shown = [](const std::string& flags) {
     scene::Scene scene = read_and_init("<Node><VisualStyle displayFlags='" + flags + "'/></Node>");
     const auto* style = scene.root().local<scene::VisualStyle>();
-    return std::tuple(style->shows_visual_models(), style->shows_behaviour_models(), style->shows_wireframe());
+    return std::tuple(style->shows_visual_models(), style->shows_behaviour_models(), style->shows_loads());
   };
   using Answers = std::tuple<std::optional<bool>, std::optional<bool>, bool>;
-  EXPECT_EQ(shown("showWireframe showForceFields"), (Answers{{}, {}, true}));
-  EXPECT_EQ(shown("showBehaviorModels hideVisualModels"), (Answers{false, true, false}));
-  EXPECT_EQ(shown("showWireframe hideAll showVisual"), (Answers{true, false, false}));
+  EXPECT_EQ(shown("showWireframe showForceFields"), (Answers{{}, {}, true})) << "the first has no effect";
+  EXPECT_EQ(shown("showBehaviorModels hideVisualModels"), (Answers{false, true, true}));
+  EXPECT_EQ(shown("showForceFields hideAll showVisual"), (Answers{true, false, false}));
 }
 
 std::optional<scene::Viewpoint> viewpoint(const std::string& attributes) {

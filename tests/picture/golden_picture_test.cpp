@@ -111,15 +111,6 @@ TEST(GoldenPicture, OfWhatHasNoValueAndWhatIsRemoved) {
   expect_golden("holes", picture(staging, values, alive));
 }
 
-TEST(GoldenPicture, OfWires) {
-  Staging staging = small();
-  staging.is_wireframe = true;
-  staging.ghost.clear();
-  BoundaryConditions conditions = held();
-  conditions.fixed.clear();
-  expect_golden("wires", picture(staging, some_values(), {}, conditions));
-}
-
 /// The bar is pressed from above, pulled and pushed at its end, and an instrument draws four of its nodes aside.
 BoundaryConditions loaded() {
   BoundaryConditions conditions = held();

@@ -83,8 +83,8 @@ inline constexpr Table kVisualStyle{
     free_text(
         "displayFlags",
         "Words that begin with show or hide: VisualModels (surfaces; default show), BehaviorModels (hexahedra; "
-        "default: shown where no surface is; beside a surface as edges), ForceFields (arrows of loads; default show), "
-        "Wireframe (edges alone, in the colours of what they bound; default hide)."),
+        "default: shown where no surface is; beside a surface as edges), ForceFields (arrows of loads; default show). "
+        "Others, as showWireframe, have no effect."),
 };
 
 inline constexpr Table kInteractiveCamera{

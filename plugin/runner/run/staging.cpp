@@ -67,7 +67,6 @@ void stage(const PictureOptions& options, output::Staging& staging) {
 
 output::PictureRecord record_of(const output::Staging& staging) {
   return {.shows_hexahedra = staging.shows_hexahedra,
-          .is_wireframe = staging.is_wireframe,
           .shows_loads = staging.shows_loads,
           .viewpoint = staging.viewpoint,
           .gravity = staging.gravity,
@@ -77,7 +76,6 @@ output::PictureRecord record_of(const output::Staging& staging) {
 
 void restore(const output::PictureRecord& record, output::Staging& staging) {
   staging.shows_hexahedra = record.shows_hexahedra;
-  staging.is_wireframe = record.is_wireframe;
   staging.shows_loads = record.shows_loads;
   staging.viewpoint = record.viewpoint;
   staging.gravity = record.gravity;
