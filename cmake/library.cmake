@@ -23,13 +23,13 @@ function(hexaplast_library target)
           LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} NAMELINK_COMPONENT development)
 endfunction()
 
-# hexaplast_plugin_headers(TARGET module...): the headers of modules of plugin/, which are included as "module/file.hpp". Two
-# are not installed: one needs a library that nobody else needs, one a header of src.
+# hexaplast_plugin_headers(TARGET module...): the headers of modules of plugin/, which are included as "module/file.hpp". One
+# is not installed: it needs a header of src.
 function(hexaplast_plugin_headers target)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/plugin> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/hexaplast/plugin>)
   foreach(module IN LISTS ARGN)
     install(DIRECTORY ${PROJECT_SOURCE_DIR}/plugin/${module} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/hexaplast/plugin
-            COMPONENT development FILES_MATCHING PATTERN "*.hpp" PATTERN "json_file.hpp" EXCLUDE PATTERN "dense_body.hpp" EXCLUDE)
+            COMPONENT development FILES_MATCHING PATTERN "*.hpp" PATTERN "dense_body.hpp" EXCLUDE)
   endforeach()
 endfunction()
