@@ -17,6 +17,17 @@ void extend(Eigen::AlignedBox3d& box, ConstPoints points) {
   box.extend(points.colwise().maxCoeff().transpose());
 }
 
+/// What pictures show that look so.
+void stage(const Look& look, output::Staging& staging) {
+  staging.cut = look.cut;
+  staging.shown_regions = look.regions;
+  staging.shows_surfaces = look.shows_embedded_surfaces;
+  staging.shows_hexahedra = look.shows_edges || !staging.has_surfaces();
+  staging.shows_edges = look.shows_edges;
+  staging.shows_loads = look.shows_instruments;
+  staging.ghost = look.ghost == Ghost::kNone ? "" : look.ghost == Ghost::kInitial ? "initial shape" : "rest shape";
+}
+
 }  // namespace
 
 output::BoundaryConditions Look::conditions(const Snapshot& snapshot) const {
@@ -28,16 +39,6 @@ output::BoundaryConditions Look::conditions(const Snapshot& snapshot) const {
 
 const PointArray* Look::ghost_nodes(const Snapshot& snapshot) const {
   return ghost == Ghost::kPlasticRest ? &snapshot.plastic_rest : nullptr;
-}
-
-void stage(const Look& look, output::Staging& staging) {
-  staging.cut = look.cut;
-  staging.shown_regions = look.regions;
-  staging.shows_surfaces = look.shows_embedded_surfaces;
-  staging.shows_hexahedra = look.shows_edges || !staging.has_surfaces();
-  staging.shows_edges = look.shows_edges;
-  staging.shows_loads = look.shows_instruments;
-  staging.ghost = look.ghost == Ghost::kNone ? "" : look.ghost == Ghost::kInitial ? "initial shape" : "rest shape";
 }
 
 void Figure::update(const Snapshot& snapshot, const Look& look, const output::Strongest& strongest) {

@@ -9,7 +9,7 @@
 #include "picture/page.hpp"
 #include "picture/shapes.hpp"
 #include "view/camera.hpp"
-#include "view/source.hpp"
+#include "view/snapshot.hpp"
 
 namespace hexaplast::view {
 
@@ -29,9 +29,6 @@ struct Look {
   output::BoundaryConditions conditions(const Snapshot& snapshot) const;
   const PointArray* ghost_nodes(const Snapshot& snapshot) const;
 };
-
-/// What pictures show that look so.
-void stage(const Look& look, output::Staging& staging);
 
 /// What the window shows of a snapshot, and what the mouse meets.
 class Figure {

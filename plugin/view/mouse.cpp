@@ -9,10 +9,10 @@ namespace {
 constexpr double kPush = 0.02;  // of the size of what is shown, by which a click of the wheel moves the hand on
 
 void grab(WindowState& window, double x, double y) {
-  if (!window.session || !window.pointed_at) return;
+  if (!window.pointed_at) return;
   const Vec3 towards = -window.camera.ray(x, y).direction.normalized();
   window.grabbed = window.pointed_at->place;
-  window.session->grab({window.pointed_at->place, window.pointed_at->outwards, towards}, window.hand);
+  window.session.grab({window.pointed_at->place, window.pointed_at->outwards, towards}, window.hand);
 }
 
 }  // namespace
@@ -36,9 +36,9 @@ void follow_mouse(WindowState& window) {
     if (is_inside && ImGui::IsMouseClicked(button)) window.turning = button;
 
   if (window.grabbed && io.MouseDown[ImGuiMouseButton_Left]) {
-    window.session->drag(window.camera.at_depth_of(*window.grabbed, x, y));
+    window.session.drag(window.camera.at_depth_of(*window.grabbed, x, y));
   } else if (window.grabbed) {
-    window.session->release();
+    window.session.release();
     window.grabbed.reset();
   } else if (window.turning >= 0 && io.MouseDown[window.turning]) {
     const bool is_panning = window.turning == ImGuiMouseButton_Middle || io.KeyShift;

@@ -10,6 +10,7 @@
 #include "picture/axis.hpp"
 #include "picture/ink.hpp"
 #include "picture/quantity.hpp"
+#include "view/shown_scene.hpp"
 #include "view/widgets.hpp"
 #include "view/window_state.hpp"
 
@@ -70,7 +71,7 @@ void draw_hand(const WindowState& window, ImDrawList* draw) {
 void draw_name(const WindowState& window, ImDrawList* draw) {
   if (!window.pointed_at) return;
   const auto hexahedron = static_cast<std::size_t>(window.pointed_at->hexahedron);
-  std::string words = window.names.of(window.pointed_at->hexahedron);
+  std::string words = name_of(window.pointed_at->hexahedron, window.bodies, window.regions());
   const std::vector<double>& values = window.now.of_hexahedra;
   const output::QuantityEntry& quantity = window.scale.quantity();
   if (quantity.quantity != Quantity::kRegion && hexahedron < values.size() && std::isfinite(values[hexahedron]))
@@ -143,17 +144,13 @@ void draw_overlay(const WindowState& window) {
     draw->AddText({window.left + window.width - text_size(words).x - 16, y}, kFaint, words.c_str());
   };
   write_at_right(
-      fmt::format("{:.0f} frames/s   {} hexahedra", window.frames.per_second(), window.source.mesh().num_elements()),
+      fmt::format("{:.0f} frames/s   {} hexahedra", window.frames.per_second(), window.session.mesh().num_elements()),
       14);
-  if (window.session) {
-    const double speed = window.steps.per_second() * window.source.dt();
-    write_at_right(fmt::format("{:.0f} steps/s   speed {:.2f}   99 % of steps within {:.3g} ms",
-                               window.steps.per_second(), speed, window.traces.step_ms.quantile(0.99)),
-                   34);
-  }
-  draw->AddText({window.left + 16, 14}, kFaint,
-                window.session ? "left: hand   right: turn   middle: move   wheel: nearer"
-                               : "left, right: turn   middle: move   wheel: nearer");
+  const double speed = window.steps.per_second() * window.session.dt();
+  write_at_right(fmt::format("{:.0f} steps/s   speed {:.2f}   99 % of steps within {:.3g} ms",
+                             window.steps.per_second(), speed, window.traces.step_ms.quantile(0.99)),
+                 34);
+  draw->AddText({window.left + 16, 14}, kFaint, "left: hand   right: turn   middle: move   wheel: nearer");
   draw_instruments(window, draw);
   if (window.grabbed) draw_hand(window, draw);
   draw_name(window, draw);

@@ -70,29 +70,16 @@ void draw_motion(WindowState& window) {
   if (ImGui::Button(window.now.is_running ? "pause" : "run", button)) window.toggle_running();
   explain("Space");
   ImGui::SameLine();
-  if (ImGui::Button("step", button)) window.source.advance(1);
-  explain(window.session ? "S: one time step" : "S, right: the next state that was saved. Left: the one before");
+  if (ImGui::Button("step", button)) window.session.advance(1);
+  explain("S: one time step");
   ImGui::SameLine();
   if (ImGui::Button("reset", button)) window.reset();
-  explain(window.session ? "R: back to the beginning, with the material as it is now" : "R: back to the beginning");
+  explain("R: back to the beginning, with the material as it is now");
   ImGui::SameLine();
-  if (window.session) {
-    ImGui::BeginDisabled(window.now.num_undo == 0);
-    if (ImGui::Button("undo", button)) window.undo();
-    ImGui::EndDisabled();
-    explain("U: back to the state before the hand took hold last. The sliders of the material go back too.");
-  } else {
-    ImGui::NewLine();
-  }
-
-  if (window.replay) {
-    int state = window.replay->state();
-    ImGui::SetNextItemWidth(across);
-    if (ImGui::SliderInt("##state", &state, 0, window.replay->num_states() - 1,
-                         fmt::format("t = {:.4g} s", window.replay->time(state)).c_str()))
-      window.replay->go_to(state);
-    explain("The states that the run has saved");
-  }
+  ImGui::BeginDisabled(window.now.num_undo == 0);
+  if (ImGui::Button("undo", button)) window.undo();
+  ImGui::EndDisabled();
+  explain("U: back to the state before the hand took hold last. The sliders of the material go back too.");
 
   bool is_real_time = window.pace == Pace::kRealTime;
   if (ImGui::Checkbox("real time", &is_real_time)) {
@@ -112,7 +99,7 @@ void draw_motion(WindowState& window) {
 }
 
 void draw_regions(WindowState& window) {
-  const std::vector<std::string>& names = window.names.regions.names;
+  const std::vector<std::string>& names = window.regions().names;
   std::vector<int>& shown = window.look.regions;
   if (names.empty()) return;
   std::string words;
@@ -136,9 +123,9 @@ void draw_regions(WindowState& window) {
 void draw_view(WindowState& window) {
   if (ImGui::BeginCombo("colour", window.scale.quantity().label.data())) {
     for (const output::QuantityEntry& entry : output::kQuantities)
-      if ((entry.quantity != Quantity::kRegion || !window.names.regions.names.empty()) &&
+      if ((entry.quantity != Quantity::kRegion || !window.regions().names.empty()) &&
           ImGui::Selectable(entry.label.data(), entry.quantity == window.now.quantity))
-        window.source.show(entry.quantity);
+        window.session.show(entry.quantity);
     ImGui::EndCombo();
   }
   draw_regions(window);
@@ -168,13 +155,10 @@ void draw_view(WindowState& window) {
   ImGui::SameLine();
   if (ImGui::Button("window.png")) window.wants_picture = true;
   explain("P: writes a picture of this window");
-  ImGui::SameLine();
-  if (ImGui::Button("picture.png")) window.wants_page = true;
-  explain("Shift P: writes a picture as hexaplast render draws it");
 }
 
 void draw_hand(WindowState& window) {
-  const HandSettings& usual = window.session->suggested_hand();
+  const HandSettings& usual = window.session.suggested_hand();
   int tool = static_cast<int>(window.hand.tool);
   if (choose("instrument", tool, kToolNames)) window.hand.tool = static_cast<Tool>(tool);
   explain(
@@ -186,7 +170,7 @@ void draw_hand(WindowState& window) {
     return;
   }
   if (window.hand.tool != Tool::kGrip) {
-    if (!window.session->touch_refusal().empty()) return tell(kRust, window.session->touch_refusal());
+    if (!window.session.touch_refusal().empty()) return tell(kRust, window.session.touch_refusal());
     slider("size", "m", window.hand.size, usual.size / 10, usual.size * 4,
            "Diameter of the sphere and the capsule, edge of the box");
     const double none = 0, max = 2;
@@ -207,23 +191,21 @@ void draw_hand(WindowState& window) {
 }  // namespace
 
 void draw_controls(WindowState& window) {
-  ImGui::TextUnformatted(window.source.title().c_str());
+  ImGui::TextUnformatted(window.session.title().c_str());
   ImGui::TextDisabled("step %ld   t = %.3f s", window.now.step, window.now.sample.time);
   draw_motion(window);
   ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.5f);
   heading("view");
   draw_view(window);
-  if (window.session) {
-    heading("material");
-    const std::vector<Parameter>& parameters = window.session->parameters();
-    for (std::size_t k = 0; k < parameters.size(); ++k)
-      if (!is_switch(parameters[k])) draw_parameter(*window.session, parameters[k], window.now.parameter_values[k]);
-    if (std::ranges::any_of(parameters, is_switch)) heading("contact");
-    for (std::size_t k = 0; k < parameters.size(); ++k)
-      if (is_switch(parameters[k])) draw_switch(*window.session, parameters[k], window.now.parameter_values[k]);
-    heading("hand");
-    draw_hand(window);
-  }
+  heading("material");
+  const std::vector<Parameter>& parameters = window.session.parameters();
+  for (std::size_t k = 0; k < parameters.size(); ++k)
+    if (!is_switch(parameters[k])) draw_parameter(window.session, parameters[k], window.now.parameter_values[k]);
+  if (std::ranges::any_of(parameters, is_switch)) heading("contact");
+  for (std::size_t k = 0; k < parameters.size(); ++k)
+    if (is_switch(parameters[k])) draw_switch(window.session, parameters[k], window.now.parameter_values[k]);
+  heading("hand");
+  draw_hand(window);
   ImGui::PopItemWidth();
   if (!window.now.failure.empty()) tell(kRust, window.now.failure + "\nReset returns to the initial state.");
   if (!window.message.empty()) tell(kFaint, window.message);
@@ -231,21 +213,12 @@ void draw_controls(WindowState& window) {
 
 void draw_plots(const WindowState& window) {
   const Traces& traces = window.traces;
-  const double now = window.now.sample.time;
-  double begin = std::max(now, Traces::kSpan) - Traces::kSpan, end = begin + Traces::kSpan;
-  std::optional<double> cursor;
-  if (window.replay) {
-    begin = window.replay->time(0);
-    end = window.replay->time(window.replay->num_states() - 1);
-    if (!(end > begin)) end = begin + 1;
-    cursor = now;
-  }
+  const double begin = std::max(window.now.sample.time - Traces::kSpan, 0.0), end = begin + Traces::kSpan;
   const auto draw = [&](const char* title, const char* unit, std::initializer_list<Curve> curves) {
-    if (window.session || std::ranges::any_of(curves, [](const Curve& curve) { return !curve.trace.empty(); }))
-      plot(title, unit, curves, begin, end, cursor);
+    plot(title, unit, curves, begin, end);
   };
   for (std::size_t p = 0; p < traces.probes.size(); ++p) {
-    const auto& [name, unit] = window.names.probes[p];
+    const auto& [name, unit] = window.probes[p];
     draw(name.c_str(), unit.empty() ? "-" : unit.c_str(), {{"", kSteel, traces.probes[p]}});
   }
   draw("elongation", "%",
@@ -257,12 +230,11 @@ void draw_plots(const WindowState& window) {
        {{"kin", kLeaf, traces.kinetic}, {"el", kSteel, traces.elastic}, {"diss", kRust, traces.dissipated}});
   if (!traces.step_ms.empty()) {
     const double last = traces.step_ms.latest_time();
-    plot("time of a step", "ms", {{"", kInk, traces.step_ms}}, window.replay ? 0 : last - Traces::kSteps, last,
-         window.replay ? std::optional<double>(static_cast<double>(window.now.step)) : std::nullopt);
+    plot("time of a step", "ms", {{"", kInk, traces.step_ms}}, last - Traces::kSteps, last);
     ImGui::TextDisabled("median %.3g ms   99th percentile %.3g ms", traces.step_ms.quantile(0.5),
                         traces.step_ms.quantile(0.99));
   }
-  if (window.session) ImGui::TextDisabled("a step lasts %.4g ms of simulated time", 1e3 * window.source.dt());
+  ImGui::TextDisabled("a step lasts %.4g ms of simulated time", 1e3 * window.session.dt());
 }
 
 }  // namespace hexaplast::view

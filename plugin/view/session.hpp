@@ -16,7 +16,7 @@
 #include "scene/parts.hpp"
 #include "view/hand.hpp"
 #include "view/pacing.hpp"
-#include "view/source.hpp"
+#include "view/snapshot.hpp"
 
 /// The live window: a simulation that runs in a thread of its own, and what is seen of it.
 namespace hexaplast::view {
@@ -48,22 +48,24 @@ struct Parameter {
 
 /// Runs a scene in its own thread. All verbs may be called from another thread at any time; they return at once and
 /// take effect between two steps, in their order. The scene belongs to the session until `stop`.
-class Session final : public Source {
+class Session {
  public:
   static constexpr std::size_t kMaxUndo = 8;  ///< states that are kept
 
   /// make: makes the instruments of the hand (Hand). Throws SceneError.
   Session(Subject subject, MakeComponent make);
-  ~Session() override;
+  ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  void run() override;
-  void pause() override;
-  void advance(long steps) override;  ///< as fast as they go
-  void reset() override;              ///< the material stays as it is now
-  void set_pace(Pace pace, double speed = 1) override;
-  void show(Quantity quantity) override;
+  void run();
+  void pause();
+  void advance(long steps);  ///< so many, as fast as they go, then it pauses
+  void reset();              ///< to the beginning; pauses, and the material stays as it is now
+
+  /// speed: seconds of the simulation per second of the clock, in real time.
+  void set_pace(Pace pace, double speed = 1);
+  void show(Quantity quantity);
 
   /// Whether the plastic rest shape is looked at. With isolated rest shapes it is not found otherwise while the scene
   /// moves: its positions are the initial ones then, and its measures no numbers.
@@ -82,7 +84,8 @@ class Session final : public Source {
   /// itself; none: as if it had never been given. What the body does not admit becomes a message, and nothing changes.
   void set(std::string_view name, std::optional<double> value);
 
-  bool take(Snapshot& snapshot) override;
+  /// Takes the newest snapshot, if there is one that was not taken yet, and asks for the next one.
+  bool take(Snapshot& snapshot);
 
   /// Waits until all that was asked for is done and ends the thread. Nothing has an effect afterwards.
   void stop();
@@ -94,12 +97,14 @@ class Session final : public Source {
   UserActions actions() const { return {latest_.step, hand_.motions(), changes_}; }
 
   // what does not change while it runs
-  const std::string& title() const override { return subject_.title; }
-  const HexMesh& mesh() const override { return mesh_; }
+  const std::string& title() const { return subject_.title; }
   const std::vector<Parameter>& parameters() const { return parameters_; }
   const HandSettings& suggested_hand() const { return suggested_hand_; }
   const std::string& touch_refusal() const { return hand_.touch_refusal(); }
-  double dt() const override { return dt_; }
+  double dt() const { return dt_; }  ///< [s]
+
+  /// Of all bodies (output::Bodies), as in the snapshot that was taken last; its nodes may be others after `take`.
+  const HexMesh& mesh() const { return mesh_; }
 
  private:
   using Clock = Pacing::Clock;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "view/shown_scene.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <functional>
 #include <optional>
@@ -135,6 +137,20 @@ output::Regions shown_regions(scene::Scene& scene, const output::Bodies& bodies)
   }
   if (regions.of_hexahedra.empty()) regions.names.clear();
   return regions;
+}
+
+std::string name_of(int hexahedron, std::span<const output::Bodies::Entry> bodies, const output::Regions& regions) {
+  std::string text;
+  int first = 0;
+  for (const output::Bodies::Entry& body : bodies)
+    if (body.first_hexahedron <= hexahedron) {
+      text = body.name + ", ";
+      first = body.first_hexahedron;
+    }
+  if (!regions.names.empty())
+    if (const int region = regions.of_hexahedra[static_cast<std::size_t>(hexahedron)]; region > 0)
+      text += regions.names[static_cast<std::size_t>(region - 1)] + ", ";
+  return text + fmt::format("hexahedron {}", hexahedron - first);
 }
 
 output::Staging staging_of(const ShownScene& shown) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,9 @@ output::BoundaryConditions conditions_of(const ShownScene& shown);
 
 /// The regions as pictures and files tell of them: a hexahedron is in the last one that gives it values.
 output::Regions shown_regions(scene::Scene& scene, const output::Bodies& bodies);
+
+/// "liver, tumour, hexahedron 12", with the number that the hexahedron has in its body; of no bodies, that in the mesh.
+std::string name_of(int hexahedron, std::span<const output::Bodies::Entry> bodies, const output::Regions& regions);
 
 /// How pictures show a scene: its embedded surfaces, its camera, and what of it.
 output::Staging staging_of(const ShownScene& shown);

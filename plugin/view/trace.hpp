@@ -2,11 +2,9 @@
 #pragma once
 
 #include <deque>
-#include <filesystem>
 #include <vector>
 
-#include "record/manifest.hpp"
-#include "view/source.hpp"
+#include "view/snapshot.hpp"
 
 namespace hexaplast::view {
 
@@ -21,7 +19,6 @@ class Trace {
 
   bool empty() const { return points_.empty(); }
   double latest() const { return points_.back().value; }
-  double at(double abscissa) const;  ///< the last value that is not after it; the first one where all are
   double latest_time() const { return points_.back().at; }
 
   /// Widens [min, max] by the values at and after `begin`.
@@ -44,28 +41,19 @@ class Trace {
   std::deque<Point> points_;
 };
 
-/// What the plots show of a session, or of a run that is finished.
+/// What the plots show of a session.
 struct Traces {
   static constexpr double kSpan = 8;     ///< [s] of simulated time
   static constexpr double kSteps = 400;  ///< of the plot of step times
 
-  explicit Traces(double span = kSpan, double num_steps = kSteps);
-
   void add(const Snapshot& snapshot);
 
-  Trace current_elongation, plastic_elongation;  ///< [%]
-  Trace plastic_strain;                          ///< [-]
-  Trace current_volume, plastic_rest_volume;     ///< error [%]
-  Trace kinetic, elastic, dissipated;            ///< [J]
-  Trace step_ms;                                 ///< [ms], over the number of the step
-  std::vector<Trace> probes;                     ///< in the order of the scene
-
- private:
-  double span_;
+  Trace current_elongation{kSpan}, plastic_elongation{kSpan};  ///< [%]
+  Trace plastic_strain{kSpan};                                 ///< [-]
+  Trace current_volume{kSpan}, plastic_rest_volume{kSpan};     ///< error [%]
+  Trace kinetic{kSpan}, elastic{kSpan}, dissipated{kSpan};     ///< [J]
+  Trace step_ms{kSteps};                                       ///< [ms], over the number of the step
+  std::vector<Trace> probes = {};                              ///< in the order of the scene
 };
-
-/// Those of a run, from its history.csv; empty where there is none. A column that it has not is an empty trace. Throws
-/// OutputError.
-Traces traces_of(const std::filesystem::path& directory, const std::vector<output::ProbeRecord>& probes = {});
 
 }  // namespace hexaplast::view

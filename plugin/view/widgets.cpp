@@ -49,8 +49,7 @@ bool slider(const char* name, const char* unit, double& value, double min, doubl
   return has_moved;
 }
 
-void plot(const char* title, const char* unit, std::initializer_list<Curve> curves, double begin, double end,
-          std::optional<double> cursor) {
+void plot(const char* title, const char* unit, std::initializer_list<Curve> curves, double begin, double end) {
   ImDrawList* draw = ImGui::GetWindowDrawList();
   ImGui::TextUnformatted(fmt::format("{} [{}]", title, unit).c_str());
   if (curves.size() > 1) ImGui::Dummy({0, ImGui::GetFontSize()});  // values of several do not fit beside the title
@@ -58,8 +57,7 @@ void plot(const char* title, const char* unit, std::initializer_list<Curve> curv
   pen.x += ImGui::GetContentRegionAvail().x;
   for (auto curve = std::rbegin(curves); curve != std::rend(curves); ++curve) {
     if (curve->trace.empty()) continue;
-    const std::string words = fmt::format("{}{}{:.3g}", curve->name, *curve->name ? " " : "",
-                                          cursor ? curve->trace.at(*cursor) : curve->trace.latest());
+    const std::string words = fmt::format("{}{}{:.3g}", curve->name, *curve->name ? " " : "", curve->trace.latest());
     pen.x -= text_size(words).x;
     draw->AddText(pen, curve->colour, words.c_str());
     pen.x -= 12;
@@ -90,7 +88,6 @@ void plot(const char* title, const char* unit, std::initializer_list<Curve> curv
     curve.trace.for_each_since(begin, [&](double time, double value) { line.push_back(place(time, value)); });
     draw->AddPolyline(line.data(), static_cast<int>(line.size()), curve.colour, 0, 1.8f);
   }
-  if (cursor) draw->AddLine(place(*cursor, max + room), place(*cursor, min - room), kFaint);
   draw->PopClipRect();
   draw->AddRect(corner, opposite, kRule, 4);
 }

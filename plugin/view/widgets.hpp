@@ -4,7 +4,6 @@
 #include <imgui.h>
 
 #include <initializer_list>
-#include <optional>
 #include <string>
 
 #include "picture/ink.hpp"
@@ -44,9 +43,7 @@ struct Curve {
   const Trace& trace;
 };
 
-/// Curves over the same time, under a line that names them with their latest values. cursor: a time that is marked, of
-/// which the values are told then.
-void plot(const char* title, const char* unit, std::initializer_list<Curve> curves, double begin, double end,
-          std::optional<double> cursor = {});
+/// Curves over the same time, under a line that names them with their latest values.
+void plot(const char* title, const char* unit, std::initializer_list<Curve> curves, double begin, double end);
 
 }  // namespace hexaplast::view

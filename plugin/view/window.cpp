@@ -9,7 +9,6 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <future>
 #include <utility>
 
 #include "picture/painter.hpp"
@@ -30,24 +29,23 @@ class Window {
       : options_(call.options),
         is_asked_to_end_(call.is_asked_to_end),
         state_(call),
-        screen_(options_.width, options_.height, "Hexaplast – " + state_.source.title(), &Window::on_key) {
+        screen_(options_.width, options_.height, "Hexaplast – " + state_.session.title(), &Window::on_key) {
     glfwSetWindowUserPointer(screen_.window(), this);
     if (options_.steps)
-      state_.source.advance(*options_.steps);
+      state_.session.advance(*options_.steps);
     else if (options_.is_running)
-      state_.source.run();
+      state_.session.run();
   }
 
   /// Until it is closed.
   void show() {
-    while (!state_.source.take(state_.now)) glfwWaitEventsTimeout(0.01);
+    while (!state_.session.take(state_.now)) glfwWaitEventsTimeout(0.01);
     state_.figure.update(state_.now, state_.look, state_.strongest);
     while (!glfwWindowShouldClose(screen_.window()) && !is_asked_to_end_()) {
       glfwPollEvents();
       state_.take(glfwGetTime());
       draw_frame();
       if (std::exchange(state_.wants_picture, false)) write_picture(next_picture());
-      if (std::exchange(state_.wants_page, false)) write_page(next_picture());
       if (is_over()) {
         // the panels take a second frame to find their sizes
         draw_frame();
@@ -57,14 +55,14 @@ class Window {
       glfwSwapBuffers(screen_.window());
       leave_time_for_steps();
     }
-    if (state_.session) state_.session->release();
-    state_.source.pause();
+    state_.session.release();
+    state_.session.pause();
   }
 
  private:
   bool is_over() const {
     const Snapshot& now = state_.now;
-    return options_.steps && !now.is_running && (state_.replay || now.step >= *options_.steps || !now.failure.empty());
+    return options_.steps && !now.is_running && (now.step >= *options_.steps || !now.failure.empty());
   }
 
   /// Frames are dropped before steps are: drawing takes processors that late steps need.
@@ -85,13 +83,13 @@ class Window {
       case GLFW_KEY_SPACE:
         return state_.toggle_running();
       case GLFW_KEY_S:
-        return state_.source.advance(1);
+        return state_.session.advance(1);
       case GLFW_KEY_R:
         return state_.reset();
       case GLFW_KEY_F:
         return state_.fit();
       case GLFW_KEY_P:
-        (modifiers & GLFW_MOD_SHIFT ? state_.wants_page : state_.wants_picture) = true;
+        state_.wants_picture = true;
         return;
       case GLFW_KEY_1:
       case GLFW_KEY_2:
@@ -107,11 +105,6 @@ class Window {
       case GLFW_KEY_Z:
         if (key == GLFW_KEY_Z && modifiers & GLFW_MOD_CONTROL) return state_.undo();
         state_.cut_axis = state_.cut_axis == key - GLFW_KEY_X ? -1 : key - GLFW_KEY_X;
-        return;
-      case GLFW_KEY_RIGHT:
-        return state_.source.advance(1);
-      case GLFW_KEY_LEFT:
-        if (state_.replay) state_.source.advance(-1);
         return;
       case GLFW_KEY_W:
         look.shows_edges = !look.shows_edges;
@@ -170,7 +163,7 @@ class Window {
 
   std::filesystem::path next_picture() const {
     for (int number = 1;; ++number) {
-      const auto file = options_.picture_folder / fmt::format("{}_{:03}.png", state_.source.title(), number);
+      const auto file = options_.picture_folder / fmt::format("{}_{:03}.png", state_.session.title(), number);
       if (!std::filesystem::exists(file)) return file;
     }
   }
@@ -180,17 +173,6 @@ class Window {
     glfwGetFramebufferSize(screen_.window(), &width, &height);
     output::write_png(file, output::Painter::read(width, height));
     state_.message = file.string() + " written";
-  }
-
-  void write_page(const std::filesystem::path& file) {
-    try {
-      // in another thread: a renderer has an OpenGL context of its own, and a thread has one at a time
-      const auto render = [page = state_.page()] { return output::load_renderer()->render(page); };
-      output::write_png(file, std::async(std::launch::async, render).get());
-      state_.message = file.string() + " written";
-    } catch (const output::RendererUnavailable& error) {
-      state_.message = fmt::format("no pictures can be made here: {}", error.what());
-    }
   }
 
   WindowOptions options_;

@@ -5,9 +5,8 @@
 #include <memory>
 #include <optional>
 
-#include "picture/gallery.hpp"
-#include "view/names.hpp"
-#include "view/replay.hpp"
+#include "picture/shapes.hpp"
+#include "record/manifest.hpp"
 #include "view/session.hpp"
 
 namespace hexaplast::view {
@@ -25,16 +24,15 @@ struct WindowOptions {
 
 /// What the window is handed.
 struct WindowCall {
-  Source& source;
-  Session* session = nullptr;  ///< the source, where that is a scene in motion; null: it is not
-  Replay* replay = nullptr;    ///< the same of a run that is finished
+  Session& session;
   output::Staging staging;
-  Names names;
+  std::vector<output::Bodies::Entry> bodies;
+  std::vector<output::ProbeRecord> probes;
   WindowOptions options;
   std::function<bool()> is_asked_to_end;  ///< asked in every frame
 };
 
-/// The entry of the window module: shows a source until the window is closed, or something else asks for it. Throws
+/// The entry of the window module: shows a session until the window is closed, or something else asks for it. Throws
 /// OutputError where no window can be opened or a picture cannot be written.
 using ShowWindow = void (*)(WindowCall& call);
 

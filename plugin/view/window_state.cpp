@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "view/page_picture.hpp"
-
 namespace hexaplast::view {
 namespace {
 
@@ -18,41 +16,39 @@ Camera first_camera(const HexMesh& mesh, const output::Staging& staging) {
 }  // namespace
 
 WindowState::WindowState(WindowCall& call)
-    : source(call.source),
-      session(call.session),
-      replay(call.replay),
-      figure(source.mesh(), call.staging),
-      camera(first_camera(source.mesh(), call.staging)),
-      hand(session ? session->suggested_hand() : HandSettings()),
-      names(call.names),
+    : session(call.session),
+      figure(session.mesh(), call.staging),
+      camera(first_camera(session.mesh(), call.staging)),
+      hand(session.suggested_hand()),
+      bodies(call.bodies),
+      probes(call.probes),
       pace(call.options.pace),
       speed(call.options.speed) {
   look.shows_edges = call.staging.shows_hexahedra || !figure.has_embedded_surfaces();
   look.shows_embedded_surfaces = figure.has_embedded_surfaces();
   look.shows_instruments = call.staging.shows_loads;
   look.regions = call.staging.shown_regions;
-  source.show(call.staging.quantity);
-  if (replay) traces = traces_of(replay->directory(), names.probes);
+  session.show(call.staging.quantity);
   set_pace();
 }
 
-void WindowState::set_pace() { source.set_pace(pace, speed); }
+void WindowState::set_pace() { session.set_pace(pace, speed); }
 
 void WindowState::show_ghost(Ghost ghost) {
   look.ghost = ghost;
-  if (session) session->show_plastic_rest(ghost == Ghost::kPlasticRest);
+  session.show_plastic_rest(ghost == Ghost::kPlasticRest);
 }
 
 void WindowState::take(double clock) {
   frames.count(1, clock);
   long num_steps = 0;
-  if (source.take(now)) {
+  if (session.take(now)) {
     num_steps = static_cast<long>(now.step_ms.size());
-    if (session) traces.add(now);
+    traces.add(now);
     for (const std::string& said : now.messages) message = said;
     for (const output::Instrument& instrument : now.conditions.instruments)
       strongest.tool = std::max(strongest.tool, static_cast<float>(instrument.force().norm()));
-    for (const output::NodalLoad& load : output::shown_loads(source.mesh(), now.alive, now.conditions))
+    for (const output::NodalLoad& load : output::shown_loads(session.mesh(), now.alive, now.conditions))
       strongest.load = std::max(strongest.load, static_cast<float>(load.force.norm()));
   }
   if (scale.quantity().quantity != now.quantity) scale = empty_scale();
@@ -66,7 +62,7 @@ void WindowState::take(double clock) {
 void WindowState::place_cut() {
   look.cut.reset();
   if (cut_axis < 0) return;
-  const auto [min, max] = extent_along(Vec3::Unit(cut_axis), source.mesh().positions(), source.mesh().hexahedra());
+  const auto [min, max] = extent_along(Vec3::Unit(cut_axis), session.mesh().positions(), session.mesh().hexahedra());
   const double offset = min + cut_place * (max - min);
   const double side = camera.eye()[cut_axis] >= offset ? 1 : -1;
   look.cut = Plane{side * Vec3::Unit(cut_axis), side * offset};
@@ -74,26 +70,23 @@ void WindowState::place_cut() {
 
 void WindowState::toggle_running() {
   if (now.is_running)
-    source.pause();
+    session.pause();
   else
-    source.run();
+    session.run();
 }
 
 void WindowState::reset() {
-  source.reset();
-  if (session) traces = Traces();
+  session.reset();
+  traces = Traces();
   scale = empty_scale();
   strongest = {};
 }
 
 void WindowState::undo() {
-  if (!session) return;
-  session->release();
+  session.release();
   grabbed.reset();
-  session->undo();
+  session.undo();
 }
-
-output::Drawing WindowState::page() const { return page_picture(source, now, figure.staging(), look, camera, scale); }
 
 void WindowState::fit() { camera.fit(figure.box(), kBarStrip); }
 

@@ -44,11 +44,9 @@ struct WindowState {
   void fit();  ///< looks at the whole body
   void set_pace();
   void show_ghost(Ghost ghost);
-  output::Drawing page() const;  ///< what is shown, as `render` draws it
+  const output::Regions& regions() const { return figure.staging().regions; }
 
-  Source& source;
-  Session* session;  ///< null: what is shown is a run that is finished
-  Replay* replay;    ///< null: it is a scene in motion
+  Session& session;
   Snapshot now;
   Figure figure;
   Camera camera;
@@ -57,7 +55,8 @@ struct WindowState {
   Look look;
   output::Scale scale{Quantity::kPlasticStrain};  ///< of all that was shown since the beginning
   HandSettings hand;
-  Names names;
+  std::vector<output::Bodies::Entry> bodies;
+  std::vector<output::ProbeRecord> probes;
   int cut_axis = -1;                       ///< what lies before a plane across this axis is cut off; -1: nothing is
   double cut_place = 0.5;                  ///< of the plane: fraction of the way through the initial shape
   std::optional<Figure::Seen> pointed_at;  ///< under the mouse
@@ -70,11 +69,10 @@ struct WindowState {
   Rate frames, steps;
   std::string message;
   bool wants_picture = false;  ///< of the window
-  bool wants_page = false;     ///< of what it shows, as `render` draws it
 
  private:
   void place_cut();
-  output::Scale empty_scale() const { return output::Scale(now.quantity, {}, names.regions.names); }
+  output::Scale empty_scale() const { return output::Scale(now.quantity, {}, regions().names); }
 };
 
 void draw_controls(WindowState& window);       ///< what can be changed

@@ -3,8 +3,8 @@
 # Takes an instrument in the live window, on the screen that there is (on_screen.sh), presses it on tissue with the
 # wheel, lets go, undoes that, presses again, and closes the window.
 #   hand_in_window.sh HEXAPLAST SCENE X Y KEY
-# What `hexaplast view` prints goes to the file outcome, what was done to recorded.scn. Pictures: 1 while it presses, 2 as
-# render draws it, 3 after the undo, 4 at the end.
+# What `hexaplast view` prints goes to the file outcome, what was done to recorded.scn. Pictures: 1 while it presses, 2
+# after the undo, 3 at the end.
 set -euo pipefail
 hexaplast=$1 scene=$2 x=$3 y=$4 key=$5
 
@@ -17,7 +17,7 @@ timeout 120 xdotool search --sync --onlyvisible --name Hexaplast > /dev/null
 
 # Waits until there are so many pictures: the window has then seen everything that was done before.
 take_picture() {
-  xdotool key "$2"
+  xdotool key p
   for _ in $(seq 600); do
     [ "$(find . -name '*_*.png' | wc -l)" -ge "$1" ] && return
     sleep 0.1
@@ -38,15 +38,14 @@ xdotool mousemove "$x" "$y"
 xdotool key "$key"
 sleep 0.5
 press
-take_picture 1 p
-take_picture 2 shift+p
+take_picture 1
 xdotool mouseup 1
 sleep 0.3
 xdotool key u
 sleep 0.3
-take_picture 3 p
+take_picture 2
 press
 xdotool mouseup 1
-take_picture 4 p
+take_picture 3
 xdotool key q
 wait $window

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "formats/text.hpp"
@@ -78,74 +79,23 @@ scene::Element document_of(const SceneOptions& options, scene::Scene& scene) {
                               scene.root().files().search);
 }
 
-/// What says where the hexahedra of a scene belong.
-view::Names names_of(Simulation& simulation) {
-  view::Names names;
-  for (const output::Bodies::Entry& body : simulation.bodies()->all())
-    names.bodies.push_back({body.name, body.first_hexahedron});
-  names.regions = view::shown_regions(simulation.scene(), *simulation.bodies());
-  for (scene::Probe* probe : simulation.probes()) names.probes.push_back({probe->name(), std::string(probe->unit())});
-  return names;
+/// Throws UsageError for a directory of a finished run, and for a .pvd file in one.
+void require_scene(const path& file) {
+  const path directory = file.extension() == ".pvd" ? file.parent_path() : file;
+  std::error_code unknown;
+  if (std::filesystem::exists(directory / output::kManifestName, unknown))
+    throw UsageError(fmt::format("{} is a finished run, not a scene: open {} in a browser, or use hexaplast render",
+                                 file.string(), (directory / "report.html").string()));
 }
 
-view::WindowOptions window_options(const ViewOptions& options, std::optional<path> picture) {
-  return {.width = options.width,
-          .height = options.height,
-          .is_running = options.is_running,
-          .pace = options.is_free ? view::Pace::kFree : view::Pace::kRealTime,
-          .speed = options.speed,
-          .picture_folder = options.picture_folder,
-          .steps = options.steps,
-          .picture = std::move(picture)};
-}
-
-int exit_code() {
-  const int signal = requested_signal();
-  return signal == 0 ? kOk : kSignalled + signal;
-}
-
-/// A run that is finished.
-int view_run(const ViewOptions& options, view::ShowWindow show) {
-  for (const auto& [name, is_given] :
-       {std::pair("--set", !options.scene.overrides.empty()), std::pair("--final", options.final_state.has_value()),
-        std::pair("--record", options.record.has_value())})
-    if (is_given)
-      throw UsageError(fmt::format("{}: {} is a run that is finished, not a scene", name, options.scene.file.string()));
-  output::RecordedRun run(options.scene.file);
-  const std::optional<output::Manifest> manifest = output::read_manifest(run.directory());
-  output::Staging staging;
-  if (manifest && manifest->pictures) restore(*manifest->pictures, staging);
-  staging.embedded_surfaces = run.embedded_surfaces();
-  staging.regions = run.regions();
-  stage(options.pictures, staging);
-  const output::Regions regions = staging.regions;
-  if (staging.embedded_surfaces.empty()) staging.shows_hexahedra = true;
-  view::Replay replay(std::move(run));
-  std::optional<path> picture;
-  if (options.picture) picture = output_place(*options.picture);
-  view::WindowCall call{.source = replay,
-                        .replay = &replay,
-                        .staging = std::move(staging),
-                        .names = {.bodies = {},
-                                  .regions = regions,
-                                  .probes = manifest ? manifest->probes : std::vector<output::ProbeRecord>()},
-                        .options = window_options(options, std::move(picture)),
-                        .is_asked_to_end = [] { return requested_signal() != 0; }};
-  show(call);
-  return exit_code();
-}
-
-/// Shows a scene, or a run that is finished, in a window until that is closed, and prints what became of it. Throws
-/// PluginError where the window is not part of the build or cannot be loaded, OutputError where none can be opened,
-/// NumericalError where it was closed on a step that failed, and what the modules below throw.
+/// Shows a scene in a window until that is closed, and prints what became of it. Throws PluginError where the window is
+/// not part of the build or cannot be loaded, OutputError where none can be opened, NumericalError where it was closed
+/// on a step that failed, and what the modules below throw.
 int view(const ViewOptions& options) {
+  require_scene(options.scene.file);
   const view::ShowWindow show = load_window();
   if (options.threads) set_num_threads(*options.threads);
   watch_signals();
-  std::error_code unknown;
-  if (std::filesystem::is_directory(options.scene.file, unknown) || options.scene.file.extension() == ".pvd")
-    return view_run(options, show);
-
   Simulation simulation(options.scene);
   const InputFiles& inputs = simulation.scene().root().files().inputs;
   std::optional<path> picture;
@@ -161,21 +111,30 @@ int view(const ViewOptions& options) {
     record_place = output_place(*options.record, inputs);
     record.emplace(*record_place);
   }
-  const std::string title = options.scene.file.stem().string();
   output::Staging staging = view::staging_of(simulation.shown());
   stage(options.pictures, staging);
-  view::Session session({.title = title,
+  view::Session session({.title = options.scene.file.stem().string(),
                          .scene = simulation.scene(),
                          .step = [&]() -> const output::StepRecord& { return simulation.step(); },
                          .reset = [&] { simulation.reset(); },
                          .serialize = [&](Archive& archive) { simulation.serialize(archive); },
                          .conditions = [&] { return view::conditions_of(simulation.shown()); }},
                         make_component);
-  view::WindowCall call{.source = session,
-                        .session = &session,
+  const std::span<const output::Bodies::Entry> bodies = simulation.bodies()->all();
+  std::vector<output::ProbeRecord> probes;
+  for (scene::Probe* probe : simulation.probes()) probes.push_back({probe->name(), std::string(probe->unit())});
+  view::WindowCall call{.session = session,
                         .staging = std::move(staging),
-                        .names = names_of(simulation),
-                        .options = window_options(options, picture),
+                        .bodies = {bodies.begin(), bodies.end()},
+                        .probes = std::move(probes),
+                        .options = {.width = options.width,
+                                    .height = options.height,
+                                    .is_running = options.is_running,
+                                    .pace = options.is_free ? view::Pace::kFree : view::Pace::kRealTime,
+                                    .speed = options.speed,
+                                    .picture_folder = options.picture_folder,
+                                    .steps = options.steps,
+                                    .picture = picture},
                         .is_asked_to_end = [] { return requested_signal() != 0; }};
   show(call);
   session.stop();
@@ -190,15 +149,16 @@ int view(const ViewOptions& options) {
     output::write_final(*final_state, simulation.time(), simulation.positions(), simulation.velocities(),
                         *simulation.bodies(), simulation.state_hash());
   print_summary(simulation, options.scene.file);
-  return exit_code();
+  const int signal = requested_signal();
+  return signal == 0 ? kOk : kSignalled + signal;
 }
 
 }  // namespace
 
 void add_view(CLI::App& app, Call& call) {
-  const auto [command, options] = add_subcommand(
-      app, call, "view", "Run a scene in a window, and pull and push at it with the mouse; or look at a finished run",
-      view, [](const ViewOptions& given) { return given.scene.file.string(); });
+  const auto [command, options] =
+      add_subcommand(app, call, "view", "Run a scene in a window, and pull and push at it with the mouse", view,
+                     [](const ViewOptions& given) { return given.scene.file.string(); });
   add_scene(command, options.scene);
   add_pictures(command, options.pictures);
   command.add_flag("--run", options.is_running, "Run from the beginning; otherwise the scene waits for Space");

@@ -40,7 +40,7 @@ struct Snapshot {
   bool is_late = false;                        ///< steps take longer than the pace asks for
   std::string failure;                         ///< why it cannot go on before a reset; empty: it can
   std::vector<std::string> messages;           ///< that came since the last snapshot
-  std::shared_ptr<const HexMesh> mesh = {};    ///< of a session: the present one, the same until nodes split
+  std::shared_ptr<const HexMesh> mesh = {};    ///< the present one, the same until nodes split
   std::shared_ptr<const OpenFaces> open = {};  ///< faces between hexahedra of the mesh; null: none
   PointArray positions;                        ///< [m]
   PointArray plastic_rest;                     ///< [m] what the body would be without forces
@@ -55,29 +55,6 @@ struct Snapshot {
   int num_undo = 0;                                     ///< holds of the hand that can be taken back
   Sample sample;
   std::vector<float> step_ms;  ///< wall time of each step since the last snapshot
-};
-
-/// What a window shows: a scene in motion, or a run that is finished. Its verbs return at once.
-class Source {
- public:
-  virtual ~Source() = default;
-
-  virtual void run() = 0;
-  virtual void pause() = 0;
-  virtual void advance(long steps) = 0;  ///< so many, then it pauses
-  virtual void reset() = 0;              ///< to the beginning; pauses
-
-  /// speed: seconds of what is shown per second of the clock, in real time.
-  virtual void set_pace(Pace pace, double speed = 1) = 0;
-  virtual void show(Quantity quantity) = 0;
-
-  /// Takes the newest snapshot, if there is one that was not taken yet, and asks for the next one.
-  virtual bool take(Snapshot& snapshot) = 0;
-
-  virtual const std::string& title() const = 0;
-  /// Of all bodies (output::Bodies), as in the snapshot that was taken last; its nodes may be others after `take`.
-  virtual const HexMesh& mesh() const = 0;
-  virtual double dt() const = 0;  ///< [s]
 };
 
 }  // namespace hexaplast::view
