@@ -6,6 +6,7 @@
 
 #include "hexaplast/base/types.hpp"
 #include "hexaplast/mesh/hex_mesh.hpp"
+#include "scene/seen.hpp"
 
 namespace hexaplast::output {
 
@@ -27,11 +28,7 @@ struct Instrument {
   Vec3 force() const { return forces.rows() == 0 ? Vec3::Zero() : Vec3(forces.colwise().sum()); }
 };
 
-/// A spring, or what ties two places together.
-struct SpringLine {
-  Vec3 from, to;          ///< [m]
-  bool is_slack = false;  ///< shorter than at rest
-};
+using scene::SpringLine;
 
 /// What holds and loads a body at a moment, but for its weight.
 struct BoundaryConditions {

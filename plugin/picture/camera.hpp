@@ -8,22 +8,20 @@
 #include <string_view>
 
 #include "hexaplast/base/types.hpp"
+#include "scene/seen.hpp"
 
 namespace hexaplast::output {
 
-/// From where a body is seen.
-struct Viewpoint {
-  /// Where exactly the viewer stands. Without it, distance and detail are fitted to what is shown.
-  struct Eye {
-    Vec3 position;               ///< [m]
-    Vec3 looks_at;               ///< [m] in the middle of the picture
-    double field_of_view;        ///< [deg] from the lower to the upper border, in (0, 180)
-    bool is_perspective = true;  ///< else what lies at looks_at is as large as in perspective, and all else too
-  };
+using scene::Viewpoint;
 
-  Vec3 towards;            ///< the direction in which the viewer stands; not 0
-  std::optional<Vec3> up;  ///< upwards in the picture, as far as it is not along `towards`; none: y
-  std::optional<Eye> eye = {};
+/// How a scene wants pictures to be taken.
+struct PictureRecord {
+  bool shows_hexahedra = true;              ///< beside embedded surfaces: as edges
+  bool shows_loads = true;                  ///< as arrows
+  std::optional<Viewpoint> viewpoint = {};  ///< none: beside the long axis, and above
+  Vec3 gravity = Vec3::Zero();              ///< [m/s^2] its direction is shown where it is not 0
+  bool is_anatomical = false;               ///< x, y and z run to the left, the back and the head of a patient
+  std::optional<Vec3> up = {};              ///< as somebody asks for it
 };
 
 /// The part of the page that a body is shown in, in units of the page.

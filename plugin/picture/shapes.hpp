@@ -24,16 +24,10 @@
 namespace hexaplast::output {
 
 /// What pictures of a body show besides its state, and from where.
-struct Staging {
+struct Staging : PictureRecord {
   std::vector<EmbeddedSurface> embedded_surfaces;  ///< shown in place of the hexahedra
   bool shows_surfaces = true;                      ///< the embedded ones; else the hexahedra
-  bool shows_hexahedra = true;                     ///< beside embedded surfaces: as edges
   bool shows_edges = true;                         ///< those of hexahedra
-  bool shows_loads = true;                         ///< as arrows
-  Vec3 gravity = Vec3::Zero();                     ///< [m/s^2] its direction is shown where it is not 0
-  std::optional<Vec3> up;                          ///< as somebody asks for it
-  bool is_anatomical = false;                      ///< x, y and z run to the left, the back and the head of a patient
-  std::optional<Viewpoint> viewpoint;              ///< none: beside the long axis, and above
   Quantity quantity = Quantity::kPlasticStrain;
   Regions regions;                                 ///< of the hexahedra
   std::vector<int> shown_regions;                  ///< within the body, which is translucent; empty: the body is shown

@@ -41,16 +41,6 @@ struct Figure {
 enum class RunState { kRunning, kFinished, kInterrupted, kFailed };
 std::string_view describe(RunState state);  ///< "running", "finished", "interrupted", "failed"
 
-/// How a scene wants pictures to be taken.
-struct PictureRecord {
-  bool shows_hexahedra = true;  ///< else its surfaces alone
-  bool shows_loads = true;
-  std::optional<Viewpoint> viewpoint = {};
-  Vec3 gravity = Vec3::Zero();  ///< [m/s^2]
-  bool is_anatomical = false;   ///< x, y and z run to the left, the back and the head of a patient
-  std::optional<Vec3> up = {};  ///< as somebody asked for it
-};
-
 /// What must be known of a run to judge it and to repeat it.
 struct Manifest {
   std::string version = {};               ///< of the program

@@ -6,6 +6,7 @@
 
 #include "hexaplast/base/types.hpp"
 #include "scene/node.hpp"
+#include "scene/seen.hpp"
 
 namespace hexaplast {
 struct Pose;
@@ -50,20 +51,6 @@ class VisualStyle : public Component {
   virtual bool shows_loads() const = 0;  ///< as arrows
 };
 
-/// From where something is seen.
-struct Viewpoint {
-  Vec3 towards;            ///< from what is looked at to the viewer; not 0
-  std::optional<Vec3> up;  ///< none: y, as far as may be
-
-  /// Where exactly the viewer stands; none: distance and detail are fitted to what is shown.
-  struct Eye {
-    Vec3 position, looks_at;  ///< [m]
-    double field_of_view;     ///< [deg] from the lower to the upper border
-    bool is_perspective;
-  };
-  std::optional<Eye> eye;
-};
-
 /// From where.
 class Camera : public Component {
  public:
@@ -92,12 +79,6 @@ class Instrument {
   /// Its surface, counter-clockwise seen from outside, and where that is [m]; none: it has no shape.
   virtual std::vector<Triangle> shape_triangles() const { return {}; }
   virtual PointArray shape_points(double /*time*/) const { return PointArray(0, 3); }
-};
-
-/// What stands in pictures for a spring, or for what ties two places together.
-struct SpringLine {
-  Vec3 from, to;          ///< [m]
-  bool is_slack = false;  ///< shorter than at rest
 };
 
 /// A component that is seen as lines.

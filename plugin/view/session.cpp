@@ -16,6 +16,7 @@
 #include "picture/quantity.hpp"
 #include "scene/region.hpp"
 #include "scene/visuals.hpp"
+#include "view/shown_scene.hpp"
 
 namespace hexaplast::view {
 namespace {
@@ -53,12 +54,6 @@ std::vector<scene::SceneBody> some_bodies(scene::Scene& scene) {
     throw scene::SceneError(
         scene::format_error(scene.root().place(), "no body in the scene, and a window shows at least one"));
   return bodies;
-}
-
-std::vector<output::Bodies::Entry> entries_of(const std::vector<scene::SceneBody>& bodies) {
-  std::vector<output::Bodies::Entry> entries;
-  for (const scene::SceneBody& body : bodies) entries.push_back({.name = body.name, .body = body.field->body()});
-  return entries;
 }
 
 /// The value of an attribute of one number, or of a list; 1 or 0 of a switch; none where it has none.
@@ -132,6 +127,7 @@ Parameter parameter_of(scene::Component& component, scene::Data& data, const Bod
 Session::Session(Subject subject, MakeComponent make)
     : subject_(std::move(subject)),
       bodies_(some_bodies(subject_.scene)),
+      states_(scene::shown_states(subject_.scene)),
       shown_(entries_of(bodies_)),
       dt_(subject_.scene.dt()),
       hand_(subject_.scene, bodies_, std::move(make), size_of(shown_.mesh())),
@@ -432,21 +428,12 @@ void Session::note_change(const Parameter& parameter) {
                       .value = data.is_given() ? std::optional(scene::write_value(data.value())) : std::nullopt});
 }
 
-/// A field of all bodies.
-const PointArray& Session::gather(PointArray& (scene::MechanicalState::*field)(), PointArray& all) const {
-  if (shown_.is_one()) return (bodies_.front().state->*field)();
-  all.resize(shown_.mesh().num_nodes(), 3);
-  for (std::size_t k = 0; k < bodies_.size(); ++k)
-    output::Bodies::rows(shown_.all()[k], all) = (bodies_[k].state->*field)();
-  return all;
-}
-
 /// Puts them into the snapshot.
 void Session::publish_values(const ElementFields& fields) {
   back_.quantity = quantity_;
   if (quantity_ == Quantity::kSpeed) {
     back_.of_hexahedra.clear();
-    back_.values = output::speeds(gather(&scene::MechanicalState::velocities, velocities_));
+    back_.values = output::speeds(scene::velocities_of(states_, velocities_));
     return;
   }
   if (quantity_ == Quantity::kRegion)  // which the window knows
@@ -474,7 +461,7 @@ bool Session::wants_plastic_rest() const {
 }
 
 void Session::publish() {
-  const PointArray& x = gather(&scene::MechanicalState::positions, positions_);
+  const PointArray& x = scene::positions_of(states_, positions_);
   const ElementFields fields = shown_.fields(x);
   back_.step = latest_.step;
   back_.is_running = is_running_ || steps_asked_ > 0;

@@ -131,7 +131,6 @@ class Session {
   void restore(const Saved& saved);
   void note_change(const Parameter& parameter);
   std::vector<scene::Data::Given> given_parameters() const;
-  const PointArray& gather(PointArray& (scene::MechanicalState::*field)(), PointArray& all) const;
   void publish();
   bool wants_plastic_rest() const;
   void publish_values(const ElementFields& fields);
@@ -139,6 +138,7 @@ class Session {
 
   Subject subject_;
   std::vector<scene::SceneBody> bodies_;
+  std::vector<scene::MechanicalState*> states_;  // of the bodies
   output::Bodies shown_;
   double dt_ = 0;
   std::vector<Parameter> parameters_;

@@ -38,16 +38,6 @@ void for_each_load(double time, const scene::Node& root, scene::MechanicalState&
   }
 }
 
-std::optional<output::Viewpoint> viewpoint_of(const scene::Camera& camera) {
-  const std::optional<scene::Viewpoint>& said = camera.viewpoint();
-  if (!said) return std::nullopt;
-  output::Viewpoint viewpoint{said->towards, said->up, {}};
-  if (said->eye)
-    viewpoint.eye = output::Viewpoint::Eye{said->eye->position, said->eye->looks_at, said->eye->field_of_view,
-                                           said->eye->is_perspective};
-  return viewpoint;
-}
-
 /// The body of the nearest node above that has one; null: there is none, or it is the only one.
 const output::Bodies::Entry* carrier_of(const scene::VisualModel& model, const ShownScene& shown) {
   if (!shown.bodies || shown.bodies->is_one()) return nullptr;
@@ -58,6 +48,12 @@ const output::Bodies::Entry* carrier_of(const scene::VisualModel& model, const S
 }
 
 }  // namespace
+
+std::vector<output::Bodies::Entry> entries_of(const std::vector<scene::SceneBody>& bodies) {
+  std::vector<output::Bodies::Entry> entries;
+  for (const scene::SceneBody& body : bodies) entries.push_back({.name = body.name, .body = body.field->body()});
+  return entries;
+}
 
 std::string path_of(const scene::Component& component) {
   const std::string node = component.node().path();
@@ -119,7 +115,7 @@ output::BoundaryConditions conditions_of(const ShownScene& shown) {
   for (const scene::Instrument* instrument : all)
     if (!dynamic_cast<const scene::ForceField*>(instrument)) show(*instrument);  // a blade presses on nothing
   for (const scene::ShowsSprings* springs : root.all<scene::ShowsSprings>())
-    for (const auto& [from, to, is_slack] : springs->spring_lines()) conditions.springs.push_back({from, to, is_slack});
+    for (const scene::SpringLine& line : springs->spring_lines()) conditions.springs.push_back(line);
   return conditions;
 }
 
@@ -177,7 +173,7 @@ output::Staging staging_of(const ShownScene& shown) {
   staging.is_anatomical = std::ranges::any_of(root.all<scene::MayBeOfPatient>(),
                                               [](scene::MayBeOfPatient* mesh) { return mesh->is_of_patient(); });
   if (const std::vector cameras = root.all<scene::Camera>(); !cameras.empty())
-    staging.viewpoint = viewpoint_of(*cameras.front());
+    staging.viewpoint = cameras.front()->viewpoint();
   return staging;
 }
 

@@ -22,6 +22,9 @@ struct ShownScene {
   double load_time;  ///< [s] at which the latest step took its loads, its beginning
 };
 
+/// The bodies of a scene as pictures and files take them.
+std::vector<output::Bodies::Entry> entries_of(const std::vector<scene::SceneBody>& bodies);
+
 /// From the root, as --set takes it: "bar/tumour".
 std::string path_of(const scene::Component& component);
 

@@ -180,7 +180,8 @@ output::Staging staging_of(const RenderOptions& options) {
 /// What the scene said, and then the options.
 output::Staging staging_of(const Subject& subject, const RenderOptions& options) {
   output::Staging staging = staging_of(options);
-  if (subject.manifest && subject.manifest->pictures) restore(*subject.manifest->pictures, staging);
+  if (subject.manifest && subject.manifest->pictures)
+    static_cast<output::PictureRecord&>(staging) = *subject.manifest->pictures;
   staging.regions = subject.run.regions();
   stage(options.pictures, staging);
   if (staging.range && staging.shows_numbers())

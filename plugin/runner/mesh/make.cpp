@@ -38,9 +38,7 @@ void export_mesh(const MeshExportOptions& options) {
   require_vtu(options.out);
   scene::Scene scene = load_scene(options.scene);
   const std::filesystem::path out = output_place(options.out, scene.root().files().inputs);
-  std::vector<output::Bodies::Entry> entries;
-  for (const scene::SceneBody& body : scene::bodies_of(scene))
-    entries.push_back({.name = body.name, .body = body.field->body()});
+  std::vector<output::Bodies::Entry> entries = view::entries_of(scene::bodies_of(scene));
   if (entries.empty())
     throw scene::SceneError(
         scene::format_error(scene.root().place(), "no body in the scene: there is nothing to export"));

@@ -78,10 +78,11 @@ scene::Component* find_linear_solver(scene::Scene& scene) {
 bench::Record measure_scene(const BenchOptions& options, int threads) {
   set_num_threads(threads);
   Simulation simulation(options.scene);
-  if (!simulation.body())
+  const scene::ForceField* field = scene::find_body(simulation.scene());
+  if (!field)
     throw scene::SceneError(
         scene::format_error(simulation.scene().root().place(), "no body in the scene: nothing to measure"));
-  const Body& body = *simulation.body();
+  const Body& body = *field->body();
   const long num_steps = std::max(1L, simulation.num_steps().value_or(kSceneSteps));
 
   std::vector<double> ms;

@@ -376,7 +376,7 @@ int run(const RunOptions& options, const output::Checkpoint* start) {
   output::RunPlan plan;
   simulation.keep_energy_balance();
   if (options.out) plan = plan_of(simulation, num_steps, options);
-  manifest.pictures = record_of(plan.staging);
+  manifest.pictures = plan.staging;
   if (start) continue_from(simulation, *start);
 
   std::optional<DirectoryLock> lock;

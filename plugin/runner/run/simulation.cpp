@@ -16,12 +16,6 @@ namespace hexaplast::runner {
 
 namespace {
 
-std::vector<output::Bodies::Entry> entries_of(const std::vector<scene::SceneBody>& bodies) {
-  std::vector<output::Bodies::Entry> entries;
-  for (const scene::SceneBody& body : bodies) entries.push_back({.name = body.name, .body = body.field->body()});
-  return entries;
-}
-
 /// Of all solvers; none where one keeps no balance.
 std::optional<EnergyBalance> sum_of(const std::vector<scene::OdeSolver*>& solvers) {
   std::optional<EnergyBalance> sum;
@@ -51,7 +45,7 @@ Simulation::Simulation(const SceneOptions& options)
     end_sections_ = settings->text("endSections");
     if (settings->is_given("steps")) num_steps_ = settings->integer("steps");
   }
-  if (!scene_bodies_.empty()) bodies_.emplace(entries_of(scene_bodies_));
+  if (!scene_bodies_.empty()) bodies_.emplace(view::entries_of(scene_bodies_));
   latest_ = record_of(0, {}, 0);
   load_time_ = scene_.time();
   note_extremes();
@@ -71,11 +65,6 @@ std::string Simulation::state_hash() {
   PointArray x, v;
   return output::state_hash(latest_.step, scene::positions_of(states_, x), scene::velocities_of(states_, v),
                             bodies_ ? bodies_->all() : std::span<const output::Bodies::Entry>());
-}
-
-const Body* Simulation::body() {
-  const scene::ForceField* field = scene::find_body(scene_);
-  return field ? field->body() : nullptr;
 }
 
 const output::StepRecord& Simulation::step() {

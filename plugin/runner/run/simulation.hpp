@@ -103,9 +103,6 @@ class Simulation {
 
   const std::vector<scene::Probe*>& probes() const { return probes_; }  ///< in the order of StepRecord::probes
 
-  /// The only one; null: only masses. Throws SceneError where there are several.
-  const Body* body();
-
  private:
   output::StepRecord record_of(long step, const SolveReport& solve, double step_ms);
   void note_extremes();

@@ -65,22 +65,4 @@ void stage(const PictureOptions& options, output::Staging& staging) {
   }
 }
 
-output::PictureRecord record_of(const output::Staging& staging) {
-  return {.shows_hexahedra = staging.shows_hexahedra,
-          .shows_loads = staging.shows_loads,
-          .viewpoint = staging.viewpoint,
-          .gravity = staging.gravity,
-          .is_anatomical = staging.is_anatomical,
-          .up = staging.up};
-}
-
-void restore(const output::PictureRecord& record, output::Staging& staging) {
-  staging.shows_hexahedra = record.shows_hexahedra;
-  staging.shows_loads = record.shows_loads;
-  staging.viewpoint = record.viewpoint;
-  staging.gravity = record.gravity;
-  staging.is_anatomical = record.is_anatomical;
-  staging.up = record.up;
-}
-
 }  // namespace hexaplast::runner

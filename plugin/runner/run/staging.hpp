@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "picture/gallery.hpp"
-#include "record/manifest.hpp"
 #include "runner/run/common_options.hpp"
 #include "scene/scene.hpp"
 
@@ -37,9 +36,5 @@ std::string min_to_max(double min, double max);
 
 /// What the command line says of it. Throws UsageError for a region that is not there.
 void stage(const PictureOptions& options, output::Staging& staging);
-
-/// What of that a manifest keeps, and the way back.
-output::PictureRecord record_of(const output::Staging& staging);
-void restore(const output::PictureRecord& record, output::Staging& staging);
 
 }  // namespace hexaplast::runner
