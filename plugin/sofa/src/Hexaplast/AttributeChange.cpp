@@ -16,9 +16,9 @@ namespace
 /// Its default in the tables; none: it has none, or the component is not one of ours.
 std::string_view defaultOf(const std::string& class_name, const std::string& name)
 {
-    for (const attributes::Description* description : registered())
-        if (description->class_name == class_name)
-            for (const Attribute& attribute : description->attributes)
+    for (const Registered& each : registered())
+        if (each.description->class_name == class_name)
+            for (const Attribute& attribute : each.description->attributes)
                 if (attribute.name == name) return attribute.initial;
     return {};
 }
@@ -111,9 +111,7 @@ void AttributeChange::putDefault()
     m_data->unset();
 }
 
-void registerAttributeChange(sofa::core::ObjectFactory* factory)
-{
-    registerComponent<AttributeChange>(factory, attributes::kAttributeChange);
-}
+[[maybe_unused]] const bool kAttributeChangeIsRegistered =
+    registerComponent<AttributeChange>(attributes::kAttributeChange);
 
 }  // namespace hexaplast::sofa_plugin

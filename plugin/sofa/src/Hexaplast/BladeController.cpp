@@ -100,9 +100,6 @@ void BladeController::draw(const sofa::core::visual::VisualParams* vparams)
     tool->drawTriangles(corners, sofa::type::RGBAColor(0.75F, 0.78F, 0.82F, 1.F));
 }
 
-void registerBladeController(sofa::core::ObjectFactory* factory)
-{
-    registerComponent<BladeController>(factory, attributes::kBladeInSofa);
-}
+[[maybe_unused]] const bool kBladeControllerIsRegistered = registerComponent<BladeController>(attributes::kBladeInSofa);
 
 }  // namespace hexaplast::sofa_plugin

@@ -153,9 +153,7 @@ private:
     int m_numSteps = 0;
 };
 
-void registerFinalStateExporter(sofa::core::ObjectFactory* factory)
-{
-    registerComponent<FinalStateExporter>(factory, kFinalStateExporter);
-}
+[[maybe_unused]] const bool kFinalStateExporterIsRegistered =
+    registerComponent<FinalStateExporter>(kFinalStateExporter);
 
 }  // namespace hexaplast::sofa_plugin

@@ -9,10 +9,7 @@ namespace hexaplast::sofa_plugin
 
 template class HEXAPLAST_SOFA_API HexahedronElastoplasticFEMForceField<Vec3Types>;
 
-void registerHexahedronElastoplasticFEMForceField(sofa::core::ObjectFactory* factory)
-{
-    registerComponent<HexahedronElastoplasticFEMForceField<Vec3Types>>(
-        factory, attributes::kHexahedronElastoplasticFEMForceField);
-}
+[[maybe_unused]] const bool kBodyIsRegistered = registerComponent<HexahedronElastoplasticFEMForceField<Vec3Types>>(
+    attributes::kHexahedronElastoplasticFEMForceField);
 
 }  // namespace hexaplast::sofa_plugin

@@ -82,9 +82,7 @@ std::optional<parts::MaterialRegion> MaterialRegion::values(const std::vector<He
     return found;
 }
 
-void registerMaterialRegion(sofa::core::ObjectFactory* factory)
-{
-    registerComponent<MaterialRegion>(factory, attributes::kMaterialRegion);
-}
+[[maybe_unused]] const bool kMaterialRegionIsRegistered =
+    registerComponent<MaterialRegion>(attributes::kMaterialRegion);
 
 }  // namespace hexaplast::sofa_plugin

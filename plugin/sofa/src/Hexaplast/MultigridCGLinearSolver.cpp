@@ -339,9 +339,7 @@ private:
     bool m_constraintsAreChecked = false;
 };
 
-void registerMultigridCGLinearSolver(sofa::core::ObjectFactory* factory)
-{
-    registerComponent<MultigridCGLinearSolver>(factory, attributes::kMultigridCGLinearSolver);
-}
+[[maybe_unused]] const bool kMultigridCGLinearSolverIsRegistered =
+    registerComponent<MultigridCGLinearSolver>(attributes::kMultigridCGLinearSolver);
 
 }  // namespace hexaplast::sofa_plugin

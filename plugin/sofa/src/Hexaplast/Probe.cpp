@@ -160,6 +160,6 @@ private:
     std::ofstream m_file;
 };
 
-void registerProbe(sofa::core::ObjectFactory* factory) { registerComponent<Probe>(factory, attributes::kProbe); }
+[[maybe_unused]] const bool kProbeIsRegistered = registerComponent<Probe>(attributes::kProbe);
 
 }  // namespace hexaplast::sofa_plugin

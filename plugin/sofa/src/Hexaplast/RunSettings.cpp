@@ -53,9 +53,6 @@ private:
     int m_numSteps = 0;
 };
 
-void registerRunSettings(sofa::core::ObjectFactory* factory)
-{
-    registerComponent<RunSettings>(factory, attributes::kRunSettings);
-}
+[[maybe_unused]] const bool kRunSettingsIsRegistered = registerComponent<RunSettings>(attributes::kRunSettings);
 
 }  // namespace hexaplast::sofa_plugin

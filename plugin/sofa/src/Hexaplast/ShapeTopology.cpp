@@ -31,11 +31,9 @@ void ShapeTopology::init()
     Inherit::init();
 }
 
-void registerShapeTopologies(sofa::core::ObjectFactory* factory)
-{
-    registerComponent<TubeGridTopology>(factory, attributes::kTubeGridTopology);
-    registerComponent<SheetGridTopology>(factory, attributes::kSheetGridTopology);
-    registerComponent<SpherePatchGridTopology>(factory, attributes::kSpherePatchGridTopology);
-}
+[[maybe_unused]] const bool kShapesAreRegistered =
+    registerComponent<TubeGridTopology>(attributes::kTubeGridTopology) &&
+    registerComponent<SheetGridTopology>(attributes::kSheetGridTopology) &&
+    registerComponent<SpherePatchGridTopology>(attributes::kSpherePatchGridTopology);
 
 }  // namespace hexaplast::sofa_plugin

@@ -9,12 +9,10 @@
 namespace hexaplast::sofa_plugin
 {
 
-void registerForces(sofa::core::ObjectFactory* factory)
-{
-    registerComponent<ForceOf<parts::TangentialLoad>>(factory, parts::TangentialLoad::description());
-    registerComponent<ForceOf<parts::Grasp>>(factory, parts::Grasp::description());
-    registerComponent<InstrumentContactForceField>(factory, attributes::kInstrumentContactInSofa);
-    registerComponent<ContactOf<parts::Tissues>>(factory, parts::Tissues::description());
-}
+[[maybe_unused]] const bool kForcesAreRegistered =
+    registerComponent<ForceOf<parts::TangentialLoad>>(parts::TangentialLoad::description()) &&
+    registerComponent<ForceOf<parts::Grasp>>(parts::Grasp::description()) &&
+    registerComponent<InstrumentContactForceField>(attributes::kInstrumentContactInSofa) &&
+    registerComponent<ContactOf<parts::Tissues>>(parts::Tissues::description());
 
 }  // namespace hexaplast::sofa_plugin

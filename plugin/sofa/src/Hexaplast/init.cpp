@@ -4,6 +4,7 @@
 #include <sofa/helper/system/PluginManager.h>
 
 #include <cstdlib>
+#include <string>
 #include <utility>
 
 #include "hexaplast/base/parallel.hpp"
@@ -40,16 +41,11 @@ extern "C"
     }
     SOFA_EXPORT_DYNAMIC_LIBRARY void registerObjects(sofa::core::ObjectFactory* factory)
     {
-        using namespace hexaplast::sofa_plugin;
-        registerHexahedronElastoplasticFEMForceField(factory);
-        registerMaterialRegion(factory);
-        registerForces(factory);
-        registerShapeTopologies(factory);
-        registerMultigridCGLinearSolver(factory);
-        registerFinalStateExporter(factory);
-        registerBladeController(factory);
-        registerProbe(factory);
-        registerRunSettings(factory);
-        registerAttributeChange(factory);
+        for (const auto& [description, add] : hexaplast::sofa_plugin::registered())
+        {
+            sofa::core::ObjectRegistrationData data{std::string(description->help)};
+            add(data);
+            factory->registerObjects(data);
+        }
     }
 }

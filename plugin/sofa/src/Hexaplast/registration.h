@@ -4,7 +4,6 @@
 #include <Hexaplast/config.h>
 #include <sofa/core/ObjectFactory.h>
 
-#include <string>
 #include <vector>
 
 #include "attributes/attribute.hpp"
@@ -12,30 +11,26 @@
 namespace hexaplast::sofa_plugin
 {
 
-/// The tables of the components that are registered.
-inline std::vector<const attributes::Description*>& registered()
+/// A class, and the table that has its name and help.
+struct Registered
 {
-    static std::vector<const attributes::Description*> all;
+    const attributes::Description* description;
+    void (*add)(sofa::core::ObjectRegistrationData&);
+};
+
+/// All of the plugin. A static of a function: the files that fill it are initialised in any order.
+inline std::vector<Registered>& registered()
+{
+    static std::vector<Registered> all;
     return all;
 }
 
-/// Adds a class under the name and with the help of the attribute table.
+/// For a constant of the file that has the class: const bool kProbeIsRegistered = registerComponent<Probe>(kProbe).
 template <class T>
-void registerComponent(sofa::core::ObjectFactory* factory, const attributes::Description& description)
+bool registerComponent(const attributes::Description& description)
 {
-    registered().push_back(&description);
-    factory->registerObjects(sofa::core::ObjectRegistrationData(std::string(description.help)).add<T>());
+    registered().push_back({&description, [](sofa::core::ObjectRegistrationData& data) { data.add<T>(); }});
+    return true;
 }
-
-void registerHexahedronElastoplasticFEMForceField(sofa::core::ObjectFactory* factory);
-void registerMaterialRegion(sofa::core::ObjectFactory* factory);
-void registerForces(sofa::core::ObjectFactory* factory);
-void registerShapeTopologies(sofa::core::ObjectFactory* factory);
-void registerMultigridCGLinearSolver(sofa::core::ObjectFactory* factory);
-void registerFinalStateExporter(sofa::core::ObjectFactory* factory);
-void registerBladeController(sofa::core::ObjectFactory* factory);
-void registerProbe(sofa::core::ObjectFactory* factory);
-void registerRunSettings(sofa::core::ObjectFactory* factory);
-void registerAttributeChange(sofa::core::ObjectFactory* factory);
 
 }  // namespace hexaplast::sofa_plugin
