@@ -22,9 +22,9 @@ class HEXAPLAST_SOFA_API AttributeChange final : public TableComponent<SofaCompo
 public:
     SOFA_CLASS(AttributeChange, SOFA_TEMPLATE(TableComponent, SofaComponent));
 
-    Data<std::string> d_attribute{fromTable(d_attribute, "attribute")};
-    Data<sofa::type::vector<SReal>> d_keyTimes{fromTable(d_keyTimes, "keyTimes")};
-    Data<std::string> d_values{fromTable(d_values, "values")};
+    Data<std::string>& d_attribute = data<std::string>("attribute");
+    Data<sofa::type::vector<SReal>>& d_keyTimes = data<sofa::type::vector<SReal>>("keyTimes");
+    Data<std::string>& d_values = data<std::string>("values");
     sofa::core::objectmodel::SingleLink<AttributeChange, SofaComponent,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>

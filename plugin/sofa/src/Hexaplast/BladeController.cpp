@@ -87,7 +87,7 @@ void BladeController::addOpened(std::vector<int>& joints, std::vector<double>& c
 void BladeController::draw(const sofa::core::visual::VisualParams* vparams)
 {
     const auto& flags = vparams->displayFlags();
-    if (!m_part || isInvalid(*this) || !d_active.getValue()) return;
+    if (!m_part || isInvalid(*this) || !data<bool>("active").getValue()) return;
     if (!flags.getShowForceFields() && !flags.getShowVisualModels()) return;
     const parts::InstrumentShape edge = parts::edge_of(m_part->options());
     const PointArray points = edge.at(m_frame.isGiven() ? m_frame.after(0) : m_part->pose_at(getContext()->getTime()));

@@ -22,14 +22,7 @@ class HEXAPLAST_SOFA_API BladeController final : public TableComponent<SofaCompo
 public:
     SOFA_CLASS(BladeController, SOFA_TEMPLATE(TableComponent, SofaComponent));
     using Field = HexahedronElastoplasticFEMForceField<Vec3Types>;
-    using VecVec3 = sofa::type::vector<sofa::type::Vec3>;
 
-    Data<VecVec3> d_points{fromTable(d_points, "points")};
-    Data<sofa::type::vector<SReal>> d_keyTimes{fromTable(d_keyTimes, "keyTimes")};
-    Data<VecVec3> d_positions{fromTable(d_positions, "positions")};
-    Data<sofa::type::vector<SReal>> d_orientations{fromTable(d_orientations, "orientations")};
-    Data<bool> d_active{fromTable(d_active, "active")};
-    Data<int> d_rigidIndex{fromTable(d_rigidIndex, "rigidIndex")};
     sofa::core::objectmodel::SingleLink<BladeController, Field,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
@@ -53,7 +46,7 @@ private:
     void make();
     void beginStep(SReal dt);
 
-    RigidFrame<BladeController> m_frame{*this, helpOf("rigid"), d_rigidIndex};
+    RigidFrame<BladeController> m_frame{*this, helpOf("rigid"), data<int>("rigidIndex")};
     Inputs m_inputs{*this, attributes::kBladeInSofa};
     sofa::core::sptr<Field> m_field;
     std::shared_ptr<const parts::HexahedralBody> m_body;  ///< that the part refers to

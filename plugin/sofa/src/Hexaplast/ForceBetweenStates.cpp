@@ -6,7 +6,8 @@
 namespace hexaplast::sofa_plugin
 {
 
-ForceBetweenStates::ForceBetweenStates(const Description& description) : Component(description)
+ForceBetweenStates::ForceBetweenStates(const Description& description, bool makesData)
+    : Component(description, makesData)
 {
     mstate2.set(nullptr, "");  // that of object1, where it is not given
 }

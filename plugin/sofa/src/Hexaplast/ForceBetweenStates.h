@@ -46,7 +46,7 @@ public:
     void addOwnProduct(double b, double k, const Pair<ConstPoints>& dx, Pair<Points> df) const;
 
 protected:
-    explicit ForceBetweenStates(const Description& description);
+    ForceBetweenStates(const Description& description, bool makesData);
 
     double ownRayleighStiffness() const override { return hasPart() ? force().rayleigh_stiffness() : 0; }
 

@@ -43,7 +43,7 @@ public:
     }
 
 protected:
-    explicit ForceOf(const Description& description = Part::description()) : Inherit(description)
+    explicit ForceOf(const Description& description = Part::description()) : Inherit(description, false)
     {
         this->template makeData<Part>();
     }

@@ -27,51 +27,18 @@ public:
     SOFA_CLASS(SOFA_TEMPLATE(HexahedronElastoplasticFEMForceField, TDataTypes),
                SOFA_TEMPLATE(PartForceField, TDataTypes));
     using Inherit = PartForceField<TDataTypes>;
+    using VecCoord = typename TDataTypes::VecCoord;
+    using VecIndex = sofa::type::vector<sofa::Index>;
     using VecReal = sofa::type::vector<SReal>;
 
-    Data<VecReal> d_youngModulus{this->fromTable(d_youngModulus, "youngModulus")};
-    Data<VecReal> d_poissonRatio{this->fromTable(d_poissonRatio, "poissonRatio")};
-    Data<OptionsGroup> d_law{this->fromTable(d_law, "law")};
-    Data<SReal> d_mooneyFraction{this->fromTable(d_mooneyFraction, "mooneyFraction")};
-    Data<VecReal> d_relaxation{this->fromTable(d_relaxation, "relaxation")};
-    Data<VecReal> d_yieldStress{this->fromTable(d_yieldStress, "yieldStress")};
-    Data<OptionsGroup> d_yieldNorm{this->fromTable(d_yieldNorm, "yieldNorm")};
-    Data<OptionsGroup> d_yieldStressMeasure{this->fromTable(d_yieldStressMeasure, "yieldStressMeasure")};
-    Data<SReal> d_plasticFlowRate{this->fromTable(d_plasticFlowRate, "plasticFlowRate")};
-    Data<SReal> d_rotationYield{this->fromTable(d_rotationYield, "rotationYield")};
-    Data<SReal> d_rotationFlowRate{this->fromTable(d_rotationFlowRate, "rotationFlowRate")};
-    Data<OptionsGroup> d_restShape{this->fromTable(d_restShape, "restShape")};
-    Data<OptionsGroup> d_rotationPlasticity{this->fromTable(d_rotationPlasticity, "rotationPlasticity")};
-    Data<OptionsGroup> d_rotationFrame{this->fromTable(d_rotationFrame, "rotationFrame")};
-    Data<SReal> d_hardening{this->fromTable(d_hardening, "hardening")};
-    Data<SReal> d_volumeRestitution{this->fromTable(d_volumeRestitution, "volumeRestitution")};
-    Data<SReal> d_inversionThreshold{this->fromTable(d_inversionThreshold, "inversionThreshold")};
-    Data<SReal> d_fractureStress{this->fromTable(d_fractureStress, "fractureStress")};
-    Data<SReal> d_fractureStretch{this->fromTable(d_fractureStretch, "fractureStretch")};
-    Data<SReal> d_fractureEnergy{this->fromTable(d_fractureEnergy, "fractureEnergy")};
-    Data<OptionsGroup> d_fracture{this->fromTable(d_fracture, "fracture")};
-    Data<OptionsGroup> d_bending{this->fromTable(d_bending, "bending")};
-    Data<SReal> d_blendWeight{this->fromTable(d_blendWeight, "blendWeight")};
-    Data<OptionsGroup> d_volumetric{this->fromTable(d_volumetric, "volumetric")};
-    Data<OptionsGroup> d_recovery{this->fromTable(d_recovery, "recovery")};
-    Data<SReal> d_recoveryStrength{this->fromTable(d_recoveryStrength, "recoveryStrength")};
-    Data<SReal> d_recoveryFrom{this->fromTable(d_recoveryFrom, "recoveryFrom")};
-    Data<SReal> d_recoveryFull{this->fromTable(d_recoveryFull, "recoveryFull")};
-    Data<OptionsGroup> d_averaging{this->fromTable(d_averaging, "averaging")};
-    Data<int> d_averagingSteps{this->fromTable(d_averagingSteps, "averagingSteps")};
-    Data<SReal> d_averagingTolerance{this->fromTable(d_averagingTolerance, "averagingTolerance")};
-    Data<OptionsGroup> d_precision{this->fromTable(d_precision, "precision")};
-    Data<OptionsGroup> d_implementation{this->fromTable(d_implementation, "implementation")};
-
-    Data<VecReal> d_plasticStrain{this->fromTable(d_plasticStrain, "plasticStrain")};
-    Data<VecReal> d_presentYieldStress{this->fromTable(d_presentYieldStress, "presentYieldStress")};
-    Data<VecReal> d_stressNorm{this->fromTable(d_stressNorm, "stressNorm")};
-    Data<VecReal> d_volumeRatio{this->fromTable(d_volumeRatio, "volumeRatio")};
-    Data<VecReal> d_volume{this->fromTable(d_volume, "volume")};
-    Data<VecReal> d_plasticVolume{this->fromTable(d_plasticVolume, "plasticVolume")};
-    Data<sofa::type::vector<sofa::type::Vec3>> d_plasticRestPositions{
-        this->fromTable(d_plasticRestPositions, "plasticRestPositions")};
-    Data<sofa::type::vector<sofa::Index>> d_removed{this->fromTable(d_removed, "removed")};
+    Data<VecReal>& d_plasticStrain = this->template data<VecReal>("plasticStrain");
+    Data<VecReal>& d_presentYieldStress = this->template data<VecReal>("presentYieldStress");
+    Data<VecReal>& d_stressNorm = this->template data<VecReal>("stressNorm");
+    Data<VecReal>& d_volumeRatio = this->template data<VecReal>("volumeRatio");
+    Data<VecReal>& d_volume = this->template data<VecReal>("volume");
+    Data<VecReal>& d_plasticVolume = this->template data<VecReal>("plasticVolume");
+    Data<VecCoord>& d_plasticRestPositions = this->template data<VecCoord>("plasticRestPositions");
+    Data<VecIndex>& d_removed = this->template data<VecIndex>("removed");
 
     Data<bool> d_drawPlasticRestShape{this->initData(
         &d_drawPlasticRestShape, false, "drawPlasticRestShape",

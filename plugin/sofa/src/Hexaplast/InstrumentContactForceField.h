@@ -18,7 +18,6 @@ public:
     using Inherit = ContactOf<parts::Instrument>;
     SOFA_CLASS(InstrumentContactForceField, Inherit);
 
-    Data<int> d_rigidIndex{fromTable(d_rigidIndex, "rigidIndex")};
     Data<bool> d_drawInstrument{initData(&d_drawInstrument, true, "drawInstrument",
                                          "Draws its shape, where visual models or force fields are shown.")};
 
@@ -35,7 +34,7 @@ protected:
 private:
     Pose pose() const;  ///< of the present time
 
-    RigidFrame<InstrumentContactForceField> m_frame{*this, helpOf("rigid"), d_rigidIndex};
+    RigidFrame<InstrumentContactForceField> m_frame{*this, helpOf("rigid"), data<int>("rigidIndex")};
 };
 
 }  // namespace hexaplast::sofa_plugin

@@ -21,18 +21,8 @@ public:
     using Field = HexahedronElastoplasticFEMForceField<Vec3Types>;
     using VecReal = sofa::type::vector<SReal>;
 
-    Data<MeshTopology::SeqHexahedra> d_hexahedra{fromTable(d_hexahedra, "hexahedra")};
-    Data<sofa::type::vector<sofa::Index>> d_indices{fromTable(d_indices, "indices")};
-    Data<VecReal> d_youngModulus{fromTable(d_youngModulus, "youngModulus")};
-    Data<VecReal> d_poissonRatio{fromTable(d_poissonRatio, "poissonRatio")};
-    Data<VecReal> d_yieldStress{fromTable(d_yieldStress, "yieldStress")};
-    Data<SReal> d_plasticFlowRate{fromTable(d_plasticFlowRate, "plasticFlowRate")};
-    Data<SReal> d_rotationYield{fromTable(d_rotationYield, "rotationYield")};
-    Data<SReal> d_rotationFlowRate{fromTable(d_rotationFlowRate, "rotationFlowRate")};
-    Data<SReal> d_hardening{fromTable(d_hardening, "hardening")};
-    Data<SReal> d_fractureStress{fromTable(d_fractureStress, "fractureStress")};
-    Data<SReal> d_fractureStretch{fromTable(d_fractureStretch, "fractureStretch")};
-    Data<SReal> d_fractureEnergy{fromTable(d_fractureEnergy, "fractureEnergy")};
+    Data<MeshTopology::SeqHexahedra>& d_hexahedra = data<MeshTopology::SeqHexahedra>("hexahedra");
+    Data<sofa::type::vector<sofa::Index>>& d_indices = data<sofa::type::vector<sofa::Index>>("indices");
     sofa::core::objectmodel::SingleLink<MaterialRegion, Field,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>

@@ -43,10 +43,6 @@ public:
     using Inherit = sofa::component::linearsolver::MatrixLinearSolver<GraphScatteredMatrix, GraphScatteredVector>;
     SOFA_CLASS(MultigridCGLinearSolver, SOFA_TEMPLATE(TableComponent, Inherit));
 
-    Data<OptionsGroup> d_preconditioner{fromTable(d_preconditioner, "preconditioner")};
-    Data<SReal> d_tolerance{fromTable(d_tolerance, "tolerance")};
-    Data<int> d_iterations{fromTable(d_iterations, "iterations")};
-
     /// SOFA's constraint corrections refuse solvers that are called GraphScattered, as of its own ones none has
     /// J A^-1 J^T, and they ask for nothing but this name (v26.06: GenericConstraintCorrection.cpp, line 83, and
     /// LinearSolverConstraintCorrection.inl, line 90).

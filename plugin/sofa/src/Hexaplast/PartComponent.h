@@ -98,8 +98,9 @@ public:
     void leaveOutOfProducts(bool leftOut) { m_isLeftOut = leftOut; }
 
 protected:
-    /// description: of the attributes that it has as Data.
-    explicit PartComponent(const Description& description) : TableComponent<TBase>(description)
+    /// description: of the attributes that it has as Data. makesData: as of TableComponent.
+    explicit PartComponent(const Description& description, bool makesData = true)
+        : TableComponent<TBase>(description, "", makesData)
     {
         this->f_listening.setValue(true);
     }

@@ -27,12 +27,8 @@ class Probe final : public TableComponent<SofaComponent>, public FollowsNodes
 public:
     SOFA_CLASS(Probe, SOFA_TEMPLATE(TableComponent, SofaComponent));
 
-    Data<sofa::type::vector<SReal>> d_value{fromTable(d_value, "value")};
-    Data<sofa::type::vector<sofa::Index>> d_indices{fromTable(d_indices, "indices")};
-    Data<sofa::type::vector<sofa::type::Vec3>> d_points{fromTable(d_points, "points")};
-    Data<OptionsGroup> d_component{fromTable(d_component, "component")};
-    Data<OptionsGroup> d_statistic{fromTable(d_statistic, "statistic")};
-    Data<bool> d_change{fromTable(d_change, "change")};
+    Data<sofa::type::vector<SReal>>& d_value = data<sofa::type::vector<SReal>>("value");
+    Data<sofa::type::vector<sofa::type::Vec3>>& d_points = data<sofa::type::vector<sofa::type::Vec3>>("points");
     Data<SReal> d_reading{initData(&d_reading, SReal(0), "reading", "The number after the latest step.", true, true)};
     sofa::core::objectmodel::DataFileName d_filename{
         initData(&d_filename, "filename", "A CSV file of time [s] and reading, with a line after every step.")};
@@ -98,7 +94,7 @@ private:
         const int width = static_cast<int>(type->size());
         if (width != 1 && width != 3)
             throw parts::OptionError("value", "holds entries of " + std::to_string(width) + " numbers, must be 1 or 3");
-        if (width == 1 && d_component.isSet())
+        if (width == 1 && findData("component")->isSet())
             throw parts::OptionError("component",
                                      "is given for a value that holds no vectors: its entries are single numbers");
         if (d_points.isSet()) embed(width);
@@ -114,7 +110,7 @@ private:
 
     void embed(int width)
     {
-        if (d_indices.isSet())
+        if (findData("indices")->isSet())
             throw parts::OptionError("points", "are given besides indices: entries are the ones or the others");
         m_state = getContext()->get<MechanicalState>();
         auto* topology = getContext()->getMeshTopologyLink();

@@ -16,9 +16,7 @@ class RunSettings final : public TableComponent<SofaComponent>
 public:
     SOFA_CLASS(RunSettings, SOFA_TEMPLATE(TableComponent, SofaComponent));
 
-    Data<int> d_steps{fromTable(d_steps, "steps")};
-    Data<int> d_outputEvery{fromTable(d_outputEvery, "outputEvery")};
-    Data<OptionsGroup> d_endSections{fromTable(d_endSections, "endSections")};
+    Data<int>& d_steps = data<int>("steps");
     Data<int> d_threads{initData(&d_threads, 0, "threads",
                                  "Threads of Hexaplast's kernels in this process. 0: as many as OMP_NUM_THREADS says, "
                                  "or one. Results do not depend on it.")};

@@ -22,7 +22,7 @@ public:
     void init() override;
 
 protected:
-    using TableComponent::TableComponent;
+    explicit ShapeTopology(const Description& description) : TableComponent(description, "Shape") {}
 
     virtual HexMesh makeGrid() const = 0;
 };

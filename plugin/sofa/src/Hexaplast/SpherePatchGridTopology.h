@@ -15,11 +15,6 @@ class HEXAPLAST_SOFA_API SpherePatchGridTopology : public ShapeTopology
 public:
     SOFA_CLASS(SpherePatchGridTopology, ShapeTopology);
 
-    Data<sofa::type::vector<sofa::Index>> d_cells{fromTable(d_cells, "cells", "Shape")};
-    Data<SReal> d_innerRadius{fromTable(d_innerRadius, "innerRadius", "Shape")};
-    Data<SReal> d_outerRadius{fromTable(d_outerRadius, "outerRadius", "Shape")};
-    Data<SReal> d_angle{fromTable(d_angle, "angle", "Shape")};
-
 protected:
     SpherePatchGridTopology() : ShapeTopology(attributes::kSpherePatchGridTopology) {}
     HexMesh makeGrid() const override { return parts::make_grid(readOptions<parts::SpherePatchGridOptions>()); }

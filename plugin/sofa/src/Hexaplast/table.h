@@ -193,7 +193,14 @@ public:
     }
 
 protected:
-    explicit TableComponent(const Description& description) : m_description(description) {}
+    /// Makes a Data for each attribute that SOFA's own class has not, but for links, which SOFA makes in the class that
+    /// has them: l_body{initLink("body", helpOf("body"))}. makesData: else makeData does, for a part. group: under
+    /// which windows show what has none in the table.
+    explicit TableComponent(const Description& description, const char* group = "", bool makesData = true)
+        : m_description(description), m_group(group)
+    {
+        if (makesData) makeRest();
+    }
 
     const Description& description() const { return m_description; }
 
@@ -203,36 +210,32 @@ protected:
         const auto wrong = m_wrongWords.find(name);
         if (wrong == m_wrongWords.end() || wrong->second.counter != this->findData(std::string(name))->getCounter())
             return;
-        const Attribute& attribute = attributes::attribute_of(m_description, name);
+        const Attribute& attribute = row(name);
         if (!attribute.words.empty()) parts::place_of_word(attribute, wrong->second.word);
         throw parts::OptionError(
             name, "= '" + wrong->second.word + "': must be " + std::string(attributes::describe(attribute.type)));
     }
 
-    /// What a Data is made from: Data<SReal> d_length{this->fromTable(d_length, "length")}. `group`: under which
-    /// windows show it, where its row has no group.
+    /// The Data of an attribute: Data<SReal>& d_length = data<SReal>("length").
     template <class T>
-    typename Data<T>::InitData fromTable(Data<T>& data, std::string_view name, const char* group = "")
+    Data<T>& data(std::string_view attribute) const
     {
-        return fromRow(*this, data, attributes::attribute_of(m_description, name), group);
+        return dynamic_cast<Data<T>&>(*this->findData(std::string(attribute)));
     }
 
-    /// Makes a Data for each option and each output of a part.
+    /// Makes a Data for each option and each output of a part, as it has them there, and for what else is in the table.
     template <class Part>
     void makeData()
     {
         typename Part::Options options;
         Part::Options::each(options, [&](std::string_view option, const auto& member)
-                            { makeDataOf<std::remove_cvref_t<decltype(member)>>(parts::attribute_name(option)); });
+                            { make<std::remove_cvref_t<decltype(member)>>(row(parts::attribute_name(option))); });
         Part::outputs([&](std::string_view output, const auto& of)
-                      { makeDataOf<std::remove_cvref_t<std::invoke_result_t<decltype(of), const Part&>>>(output); });
+                      { make<std::remove_cvref_t<std::invoke_result_t<decltype(of), const Part&>>>(row(output)); });
+        makeRest();
     }
 
-    /// For links, which SOFA makes in the class that has them: l_body{initLink("body", helpOf("body"))}.
-    const char* helpOf(std::string_view name) const
-    {
-        return attributes::attribute_of(m_description, name).help.data();
-    }
+    const char* helpOf(std::string_view name) const { return row(name).help.data(); }
 
     /// The options of a part from the Data. Throws OptionError for a word that there is not, with what else is wrong.
     template <class Options>
@@ -280,14 +283,58 @@ private:
     template <class TData>
     struct OwnedData final : Owned
     {
-        OwnedData(TableComponent& owner, std::string_view name) : data(owner.fromTable(data, name)) {}
+        OwnedData(TableComponent& owner, const Attribute& attribute)
+            : data(fromRow(owner, data, attribute, owner.m_group))
+        {
+        }
         TData data;
     };
 
-    template <class T>
-    void makeDataOf(std::string_view name)
+    const Attribute& row(std::string_view attribute) const
     {
-        m_data.push_back(std::make_unique<OwnedData<typename DataOf<T>::type>>(*this, name));
+        return attributes::attribute_of(m_description, attribute);
+    }
+
+    template <class T>
+    void make(const Attribute& attribute)
+    {
+        m_data.push_back(std::make_unique<OwnedData<typename DataOf<T>::type>>(*this, attribute));
+    }
+
+    void makeRest()
+    {
+        for (const Attribute& attribute : m_description.attributes)
+            if (!this->findData(std::string(attribute.name))) makeByType(attribute);
+    }
+    void makeByType(const Attribute& attribute)
+    {
+        using attributes::Type;
+        switch (attribute.type)
+        {
+            case Type::kBool:
+                return make<bool>(attribute);
+            case Type::kInteger:
+                return make<int>(attribute);
+            case Type::kReal:
+                return make<SReal>(attribute);
+            case Type::kVector3:
+                return make<hexaplast::Vec3>(attribute);
+            case Type::kIntegers:
+                return make<std::vector<int>>(attribute);
+            case Type::kReals:
+                return make<std::vector<double>>(attribute);
+            case Type::kVectors3:
+                return make<PointArray>(attribute);
+            case Type::kHexahedra:
+                return make<MeshTopology::SeqHexahedra>(attribute);
+            case Type::kText:
+                return make<std::string>(attribute);
+            case Type::kWord:
+                return make<OptionsGroup>(attribute);
+            case Type::kBoxes:  // none of ours has them
+            case Type::kLink:
+                return;
+        }
     }
 
     struct WrongWord
@@ -297,6 +344,7 @@ private:
     };
 
     const Description& m_description;
+    const char* m_group;
     std::vector<std::unique_ptr<Owned>> m_data;
     std::map<std::string_view, WrongWord> m_wrongWords;  ///< by Data
 };
