@@ -384,8 +384,7 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::splitTopology(const std::
     {
         const Hexahedron& corners = present[static_cast<std::size_t>(m_original[i])];
         if (corners == before[static_cast<std::size_t>(m_original[i])]) continue;
-        MeshTopology::Hexahedron& coming = come.emplace_back();
-        for (std::size_t a = 0; a < corners.size(); ++a) coming[a] = static_cast<sofa::Index>(corners[a]);
+        come.push_back(hexahedronOf(corners));
         m_coming.push_back(m_original[i]);
         leave.push_back(static_cast<sofa::Index>(i));
         ofHexahedra.push_back(only(static_cast<int>(i)));

@@ -48,6 +48,12 @@ inline std::vector<Hexahedron> hexahedraOf(MeshTopology& topology)
     }
     return to;
 }
+inline MeshTopology::Hexahedron hexahedronOf(const Hexahedron& corners)
+{
+    MeshTopology::Hexahedron to;
+    for (std::size_t a = 0; a < corners.size(); ++a) to[a] = static_cast<sofa::Index>(corners[a]);
+    return to;
+}
 inline std::vector<double> reals(const sofa::type::vector<SReal>& from) { return {from.begin(), from.end()}; }
 
 }  // namespace hexaplast::sofa_plugin
