@@ -758,7 +758,6 @@ struct ForceField : BaseForceField {
   virtual void addForce(const MechanicalParams*, DataVecDeriv&, const DataVecCoord&, const DataVecDeriv&) = 0;
   virtual void addDForce(const MechanicalParams*, DataVecDeriv&, const DataVecDeriv&) = 0;
   virtual void addKToMatrix(linearalgebra::BaseMatrix*, SReal, unsigned int&) = 0;
-  virtual void addBToMatrix(linearalgebra::BaseMatrix*, SReal, unsigned int&) = 0;
   virtual SReal getPotentialEnergy(const MechanicalParams*, const DataVecCoord&) const = 0;
 
  protected:

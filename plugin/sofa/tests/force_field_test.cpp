@@ -333,24 +333,6 @@ TEST(InstrumentContactForceField, EnergyRisesAsItsForceIsWorkedAgainst)
     EXPECT_EQ(value_of<sofa::type::vector<sofa::Index>>(tool, "grasped"), held);
 }
 
-// A dashpot of 7 N s/m on the one node that is held: df/dv = -7 there.
-TEST(InstrumentContactForceField, DashpotsOfAGripAreInTheMatrixOfDamping)
-{
-    SofaScene scene = SofaScene::from_text(
-        block("", kGrid, "",
-              "<GraspForceField name='tool' template='Vec3d' radius='0.05' keyTimes='0' positions='0 0 0' "
-              "stiffness='1000' damping='7'/>"));
-    scene.step();
-    auto& tool = dynamic_cast<PartForceField<Vec3Types>&>(scene.named("tool"));
-    const int size = static_cast<int>(scene.positions().size());
-    sofa::linearalgebra::FullMatrix<SReal> B(size, size);
-    B.clear();
-    unsigned int offset = 0;
-    tool.addBToMatrix(&B, 2, offset);
-    for (int i = 0; i < size; ++i)
-        for (int j = 0; j < size; ++j) EXPECT_EQ(B.element(i, j), i == j && i < 3 ? -14 : 0);
-}
-
 const std::string kSource = "<Node name='source'>" + kGrid + "</Node>";
 const std::string kDynamicTopology = R"xml(
     <HexahedronSetTopologyContainer name="cells" position="@../source/grid.position" hexahedra="@../source/grid.hexahedra"/>

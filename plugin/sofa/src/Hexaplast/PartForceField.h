@@ -32,7 +32,6 @@ public:
 
     void init() override;
 
-    using Inherit::addBToMatrix;
     using Inherit::addDForce;
     using Inherit::addForce;
     using Inherit::addKToMatrix;
@@ -43,7 +42,6 @@ public:
                   const DataVecDeriv& v) override;
     void addDForce(const MechanicalParams* mparams, DataVecDeriv& df, const DataVecDeriv& dx) override;
     void addKToMatrix(sofa::linearalgebra::BaseMatrix* matrix, SReal factor, unsigned int& offset) override;
-    void addBToMatrix(sofa::linearalgebra::BaseMatrix* matrix, SReal factor, unsigned int& offset) override;
     void buildStiffnessMatrix(sofa::core::behavior::StiffnessMatrix* matrix) override;
     void buildDampingMatrix(sofa::core::behavior::DampingMatrix* matrix) override;
     SReal getPotentialEnergy(const MechanicalParams* mparams, const DataVecCoord& x) const override;
@@ -83,10 +81,8 @@ protected:
     int numNodes() const { return static_cast<int>(this->mstate->getSize()); }
 
 private:
-    /// The stiffness at the latest forces into m_stiffness, df/dv into m_damping; false where that has failed, which is
-    /// said.
+    /// The stiffness at the latest forces into m_stiffness; false where that has failed, which is said.
     bool findStiffness();
-    bool findDamping();
     void clear(BlockMatrix& blocks) const;
 
     BlockMatrix m_stiffness, m_damping;

@@ -74,24 +74,10 @@ bool PartForceField<TDataTypes>::findStiffness()
 }
 
 template <class TDataTypes>
-bool PartForceField<TDataTypes>::findDamping()
-{
-    clear(m_damping);
-    return attempt(*this, [&] { addDampingBlocks(1, m_damping); });
-}
-
-template <class TDataTypes>
 void PartForceField<TDataTypes>::addKToMatrix(sofa::linearalgebra::BaseMatrix* matrix, SReal factor,
                                               unsigned int& offset)
 {
     if (this->works() && findStiffness()) add(m_stiffness, factor, offset, *matrix);
-}
-
-template <class TDataTypes>
-void PartForceField<TDataTypes>::addBToMatrix(sofa::linearalgebra::BaseMatrix* matrix, SReal factor,
-                                              unsigned int& offset)
-{
-    if (this->works() && findDamping()) add(m_damping, factor, offset, *matrix);
 }
 
 template <class TDataTypes>
@@ -104,7 +90,9 @@ void PartForceField<TDataTypes>::buildStiffnessMatrix(sofa::core::behavior::Stif
 template <class TDataTypes>
 void PartForceField<TDataTypes>::buildDampingMatrix(sofa::core::behavior::DampingMatrix* matrix)
 {
-    if (this->works() && findDamping())
+    if (!this->works()) return;
+    clear(m_damping);
+    if (attempt(*this, [&] { addDampingBlocks(1, m_damping); }))
         add(m_damping, matrix->getForceDerivativeIn(this->mstate).withRespectToVelocityIn(this->mstate));
 }
 
