@@ -48,7 +48,8 @@ Attribute attribute_of(const Row<Options>& row) {
           .unit = row.unit,
           .range = row.range,
           .words = kept(fmt::format("{}", fmt::join(row.words, " "))),
-          .help = row.may_vary ? kept(help_of_list(row.help)) : row.help};
+          .help = row.may_vary ? kept(help_of_list(row.help)) : row.help,
+          .group = row.group};
 }
 
 template <class Options>

@@ -31,14 +31,6 @@ using attributes::Description;
 using sofa::core::objectmodel::Data;
 using sofa::helper::OptionsGroup;
 
-/// The group of a member of Material or Settings; that of none is empty.
-inline std::string groupOf(std::string_view name)
-{
-    if (const auto* row = find_row(material_rows(), name, Names::kScenes)) return std::string(row->group);
-    if (const auto* row = find_row(settings_rows(), name, Names::kScenes)) return std::string(row->group);
-    return {};
-}
-
 inline std::string helpFrom(const Attribute& attribute)
 {
     std::string help(attribute.help);
@@ -114,13 +106,9 @@ template <class T>
 typename Data<T>::InitData fromRow(SofaComponent& owner, Data<T>& data, const Attribute& attribute, const char* group)
 {
     const bool isOutput = attribute.access == attributes::Access::kOutput;
-    const std::string of_row = groupOf(attribute.name);
     auto init = owner.initData(&data, initialValue<T>(attribute), std::string(attribute.name).c_str(),
                                helpFrom(attribute).c_str(), true, isOutput);
-    init.group = isOutput                   ? "Outputs"
-                 : !of_row.empty()          ? of_row
-                 : !attribute.group.empty() ? std::string(attribute.group)
-                                            : group;
+    init.group = isOutput ? "Outputs" : attribute.group.empty() ? group : std::string(attribute.group);
     return init;
 }
 
