@@ -12,6 +12,7 @@
 #include "components/cells.hpp"
 #include "components/components.hpp"
 #include "components/part.hpp"
+#include "components/part_force.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/mesh/node_copies.hpp"
 #include "loaded_body.hpp"
@@ -24,6 +25,7 @@
 
 namespace hexaplast::components {
 namespace {
+
 
 class MaterialRegion final : public scene::MaterialRegion, public scene::Changeable {
  public:
@@ -148,24 +150,9 @@ class HexahedronElastoplasticFEMForceField final : public ElasticForces<BodyFiel
 
   void provide(scene::Data& output) override {
     if (!body()) return;
-    const std::string_view name = output.attribute().name;
-    if (name == "plasticRestPositions") {
-      output.set(flattened(body()->plastic_rest_positions()));
-    } else if (name == "removed") {
-      output.set(std::vector<std::int64_t>(body()->removed().begin(), body()->removed().end()));
-    } else if (name == "plasticStrain") {
-      output.set(plastic_strains(*body()));
-    } else if (name == "presentYieldStress") {
-      output.set(present_yield_stresses(*body()));
-    } else if (name == "stressNorm") {
-      output.set(body()->fields(state_->positions()).stress_norm);
-    } else if (name == "volumeRatio") {
-      output.set(plastic_volume_ratios(*body()));
-    } else if (name == "volume") {
-      output.set(element_volumes(*body(), state_->positions()));
-    } else if (name == "plasticVolume") {
-      output.set(element_volumes(*body(), body()->plastic_rest_positions()));
-    }
+    parts::HexahedralBody::outputs([&](std::string_view name, const auto& of) {
+      if (name == output.attribute().name) output.set(shown(of(*body(), state_->positions())));
+    });
   }
 
  private:

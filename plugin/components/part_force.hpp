@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "components/between_states.hpp"
+#include "components/cells.hpp"
 #include "components/part.hpp"
 #include "parts/force.hpp"
 #include "scene/factory.hpp"
@@ -21,6 +22,8 @@ using BaseOfPart = std::conditional_t<Part::kNumStates == 1, scene::ForceField, 
 
 /// The value of an output.
 inline scene::Value shown(const Vec3& vector) { return std::vector<double>(vector.begin(), vector.end()); }
+inline scene::Value shown(std::vector<double> numbers) { return numbers; }
+inline scene::Value shown(const PointArray& points) { return flattened(points); }
 inline scene::Value shown(double number) { return std::vector<double>{number}; }
 inline scene::Value shown(int count) { return std::vector<double>{1.0 * count}; }
 inline scene::Value shown(std::span<const int> nodes) { return std::vector<std::int64_t>(nodes.begin(), nodes.end()); }

@@ -90,6 +90,20 @@ class HexahedralBody {
 
   void serialize(Archive& archive);
 
+  /// visit(name, of) for each output attribute, which is of(body, x) at positions x: numbers per hexahedron, positions
+  /// of nodes, or a list of hexahedra.
+  static void outputs(const auto& visit) {
+    visit("plasticStrain", [](const Body& body, ConstPoints) { return plastic_strains(body); });
+    visit("presentYieldStress", [](const Body& body, ConstPoints) { return present_yield_stresses(body); });
+    visit("stressNorm", [](const Body& body, ConstPoints x) { return body.fields(x).stress_norm; });
+    visit("volumeRatio", [](const Body& body, ConstPoints) { return plastic_volume_ratios(body); });
+    visit("volume", [](const Body& body, ConstPoints x) { return element_volumes(body, x); });
+    visit("plasticVolume",
+          [](const Body& body, ConstPoints) { return element_volumes(body, body.plastic_rest_positions()); });
+    visit("plasticRestPositions", [](const Body& body, ConstPoints) { return body.plastic_rest_positions(); });
+    visit("removed", [](const Body& body, ConstPoints) { return std::span<const int>(body.removed()); });
+  }
+
   /// Hexahedra that have gone since the last call of this; valid until the next step.
   std::span<const int> take_removed();
 

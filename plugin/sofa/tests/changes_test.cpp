@@ -138,7 +138,7 @@ TEST(RegionsInSofa, GiveTheBodyTheirValuesWhereverTheyStand)
     // a change takes effect at the next step, and what flowed stays
     scene.move_to(scene.positions() * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
     scene.step();
-    const auto strain = scene.field().d_plasticStrain.getValue();
+    const auto strain = value_of<VecReal>(scene.field(), "plasticStrain");
     EXPECT_GT(strain[5], 0);
     scene.set("region", "youngModulus", "1200");
     scene.set("body", "youngModulus", "3000");
@@ -150,7 +150,7 @@ TEST(RegionsInSofa, GiveTheBodyTheirValuesWhereverTheyStand)
     young[3] = 900;
     young[4] = young[9] = 1200;
     EXPECT_EQ(member(scene, &Material::young_modulus), young);
-    EXPECT_EQ(scene.field().d_plasticStrain.getValue(), strain);
+    EXPECT_EQ(value_of<VecReal>(scene.field(), "plasticStrain"), strain);
     scene.reset();
     EXPECT_EQ(member(scene, &Material::young_modulus), young);
 }

@@ -227,10 +227,10 @@ TEST(ConstraintsInSofa, LetABodyFlowAsProjectionsDo)
             scene->step();
         }
         difference = std::max(difference, (projected.positions() - constrained.positions()).cwiseAbs().maxCoeff());
-        for (std::size_t e = 0; e < projected.field().d_plasticStrain.getValue().size(); ++e)
+        for (std::size_t e = 0; e < value_of<VecReal>(projected.field(), "plasticStrain").size(); ++e)
         {
-            const double flowed = constrained.field().d_plasticStrain.getValue()[e];
-            EXPECT_NEAR(projected.field().d_plasticStrain.getValue()[e], flowed, 1e-9) << step;
+            const double flowed = value_of<VecReal>(constrained.field(), "plasticStrain")[e];
+            EXPECT_NEAR(value_of<VecReal>(projected.field(), "plasticStrain")[e], flowed, 1e-9) << step;
             strain = std::max(strain, flowed);
         }
     }

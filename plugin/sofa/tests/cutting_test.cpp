@@ -170,7 +170,7 @@ TEST(CuttingInSofa, TopologyHasTheHexahedraOfTheBody)
     const auto& all = scene.body().mesh().hexahedra();
     const std::vector<double> strains = plastic_strains(scene.body());
     for (std::size_t i = 0; i < present.size(); ++i)
-        EXPECT_EQ(scene.field().d_plasticStrain.getValue().at(i),
+        EXPECT_EQ(value_of<VecReal>(scene.field(), "plasticStrain").at(i),
                   strains.at(std::find(all.begin(), all.end(), present[i]) - all.begin()));
     auto& mass = scene.only<sofa::component::mass::DiagonalMass<Vec3Types>>();
     const auto& masses = mass.d_vertexMass.getValue();

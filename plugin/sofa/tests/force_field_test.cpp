@@ -157,13 +157,14 @@ TEST_F(ForceFieldChecks, EvaluationRemembersNothingAndOneStepFlowsOnce)
 
 TEST_F(ForceFieldChecks, OutputsShowThePlasticStateWhenTheyAreRead)
 {
-    const auto* strain = &scene.field().d_plasticStrain;
+    const auto* strain = dynamic_cast<Data<VecReal>*>(scene.field().findData("plasticStrain"));
+    const auto* released = scene.field().findData("plasticRestPositions");
     EXPECT_EQ(strain->getValue(), sofa::type::vector<SReal>(12, 0));
     const int counter = strain->getCounter();
     scene.move_to(rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
     scene.step();
     EXPECT_EQ(strain->getCounter(), counter) << "computed though nobody reads it";
-    const int ofReleased = scene.field().d_plasticRestPositions.getCounter();
+    const int ofReleased = released->getCounter();
     const ElementFields fields = scene.body().fields(scene.positions());
     ASSERT_EQ(strain->getValue().size(), fields.plastic_strain.size());
     for (std::size_t e = 0; e < fields.plastic_strain.size(); ++e)
@@ -171,10 +172,11 @@ TEST_F(ForceFieldChecks, OutputsShowThePlasticStateWhenTheyAreRead)
         EXPECT_GT(fields.plastic_strain[e], 0);
         EXPECT_EQ(strain->getValue()[e], fields.plastic_strain[e]);
         EXPECT_GT(fields.stress_norm[e], 0);
-        EXPECT_EQ(scene.field().d_stressNorm.getValue()[e], fields.stress_norm[e]);
+        EXPECT_EQ(value_of<VecReal>(scene.field(), "stressNorm")[e], fields.stress_norm[e]);
     }
-    EXPECT_EQ(scene.field().d_plasticRestPositions.getCounter(), ofReleased) << "an equilibrium nobody asks for";
-    EXPECT_EQ(PointArray(view(scene.field().d_plasticRestPositions.getValue())), scene.body().plastic_rest_positions());
+    EXPECT_EQ(released->getCounter(), ofReleased) << "an equilibrium nobody asks for";
+    EXPECT_EQ(PointArray(view(value_of<Vec3Types::VecCoord>(scene.field(), "plasticRestPositions"))),
+              scene.body().plastic_rest_positions());
     scene.reset();
     EXPECT_EQ(strain->getValue(), sofa::type::vector<SReal>(12, 0));
 }
@@ -184,12 +186,12 @@ TEST_F(ForceFieldChecks, AMaterialMayChangeDuringTheRun)
     scene.move_to(rest * Eigen::Vector3d(0.9, 0.9, 1.4).asDiagonal());
     scene.step();
     const PointArray released = scene.body().plastic_rest_positions(), f = force_at(deformed);
-    const auto strain = scene.field().d_plasticStrain.getValue();
+    const auto strain = value_of<VecReal>(scene.field(), "plasticStrain");
     scene.set("body", "youngModulus", "15000");
     EXPECT_EQ(force_at(deformed), f) << "nothing changes within a step";
     scene.field().reinit();
     EXPECT_LE((force_at(deformed) - 3 * f).norm(), 1e-10 * f.norm());
-    EXPECT_EQ(scene.field().d_plasticStrain.getValue(), strain);
+    EXPECT_EQ(value_of<VecReal>(scene.field(), "plasticStrain"), strain);
     EXPECT_LE((scene.body().plastic_rest_positions() - released).cwiseAbs().maxCoeff(), 1e-5) << "to 1e-4 of an edge";
 
     scene.move_to(rest);
@@ -377,8 +379,8 @@ TEST(Topology, HexahedraThatBreakLeaveIt)
         Hexahedron corners;
         for (std::size_t a = 0; a < corners.size(); ++a) corners[a] = static_cast<int>(cells.getHexahedra()[i][a]);
         const auto e = std::find(all.begin(), all.end(), corners) - all.begin();
-        EXPECT_EQ(scene.field().d_plasticStrain.getValue().at(i), fields.plastic_strain.at(e));
-        EXPECT_NEAR(scene.field().d_volumeRatio.getValue().at(i), fields.volume_ratio.at(e), 1e-13);
+        EXPECT_EQ(value_of<VecReal>(scene.field(), "plasticStrain").at(i), fields.plastic_strain.at(e));
+        EXPECT_NEAR(value_of<VecReal>(scene.field(), "volumeRatio").at(i), fields.volume_ratio.at(e), 1e-13);
     }
 }
 

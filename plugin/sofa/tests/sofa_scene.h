@@ -10,6 +10,8 @@
 namespace hexaplast::sofa_plugin::test
 {
 
+using VecReal = sofa::type::vector<SReal>;
+
 /// A scene in SOFA, initialised and reset as runSofa does.
 class SofaScene
 {

@@ -27,18 +27,7 @@ public:
     SOFA_CLASS(SOFA_TEMPLATE(HexahedronElastoplasticFEMForceField, TDataTypes),
                SOFA_TEMPLATE(PartForceField, TDataTypes));
     using Inherit = PartForceField<TDataTypes>;
-    using VecCoord = typename TDataTypes::VecCoord;
-    using VecIndex = sofa::type::vector<sofa::Index>;
     using VecReal = sofa::type::vector<SReal>;
-
-    Data<VecReal>& d_plasticStrain = this->template data<VecReal>("plasticStrain");
-    Data<VecReal>& d_presentYieldStress = this->template data<VecReal>("presentYieldStress");
-    Data<VecReal>& d_stressNorm = this->template data<VecReal>("stressNorm");
-    Data<VecReal>& d_volumeRatio = this->template data<VecReal>("volumeRatio");
-    Data<VecReal>& d_volume = this->template data<VecReal>("volume");
-    Data<VecReal>& d_plasticVolume = this->template data<VecReal>("plasticVolume");
-    Data<VecCoord>& d_plasticRestPositions = this->template data<VecCoord>("plasticRestPositions");
-    Data<VecIndex>& d_removed = this->template data<VecIndex>("removed");
 
     Data<bool> d_drawPlasticRestShape{this->initData(
         &d_drawPlasticRestShape, false, "drawPlasticRestShape",
@@ -112,9 +101,8 @@ private:
     /// The topology has the nodes and corners of the body from now on. before: corners of its hexahedra until now.
     void splitTopology(const std::vector<Hexahedron>& before, std::span<const int> splitFrom);
 
-    void show(const std::vector<double>& values, Data<VecReal>& output);
-    void computeOutputs();
-    void computeReleasedShape();
+    /// Values per hexahedron in the order of the topology.
+    std::vector<double> inTopology(const std::vector<double>& ofBody) const;
     void setOutputsDirty();
 
     std::shared_ptr<parts::HexahedralBody> m_body;
@@ -129,18 +117,7 @@ private:
     bool m_hasFlowed = false;        ///< in the present step
     bool m_hasAsked = false;         ///< what acts beside it, whether it can follow
     bool m_regionsAreReady = false;  ///< they may stand behind the body, and what they follow too
-
-    Outputs m_outputs{{&d_plasticStrain, &d_presentYieldStress, &d_stressNorm, &d_volumeRatio, &d_volume, &d_removed},
-                      [this]
-                      {
-                          if (this->works()) computeOutputs();
-                      }};
-    /// What needs the shape without forces, which takes an equilibrium where rest shapes are isolated.
-    Outputs m_releasedShape{{&d_plasticVolume, &d_plasticRestPositions},
-                            [this]
-                            {
-                                if (this->works()) computeReleasedShape();
-                            }};
+    std::vector<std::unique_ptr<Outputs>> m_outputs;  ///< each computed alone: some take an equilibrium
 };
 
 #if !defined(HEXAPLAST_HEXAHEDRONELASTOPLASTICFEMFORCEFIELD_CPP)

@@ -31,6 +31,19 @@ template <class TDataTypes>
 HexahedronElastoplasticFEMForceField<TDataTypes>::HexahedronElastoplasticFEMForceField()
     : Inherit(attributes::kHexahedronElastoplasticFEMForceField)
 {
+    parts::HexahedralBody::outputs(
+        [this](std::string_view name, const auto& of)
+        {
+            auto* output = this->findData(std::string(name));
+            const auto compute = [this, output, of]
+            {
+                if (!this->works()) return;
+                auto value = of(*body(), view(this->mstate->readPositions().ref()));
+                if constexpr (std::is_same_v<decltype(value), std::vector<double>>) value = inTopology(value);
+                writeOutput(*output, value);
+            };
+            m_outputs.push_back(std::make_unique<Outputs>(std::initializer_list{output}, compute));
+        });
 }
 
 template <class TDataTypes>
@@ -253,41 +266,16 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::addStiffnessBlocks(double
 template <class TDataTypes>
 void HexahedronElastoplasticFEMForceField<TDataTypes>::setOutputsDirty()
 {
-    m_outputs.setDirtyValue();
-    m_releasedShape.setDirtyValue();
+    for (const auto& output : m_outputs) output->setDirtyValue();
 }
 
-// Values per hexahedron are in the order of the topology; the body keeps those that are gone.
+// The body keeps hexahedra that are gone.
 template <class TDataTypes>
-void HexahedronElastoplasticFEMForceField<TDataTypes>::show(const std::vector<double>& values, Data<VecReal>& output)
+std::vector<double> HexahedronElastoplasticFEMForceField<TDataTypes>::inTopology(const std::vector<double>& ofBody) const
 {
-    VecReal& shown = *output.beginWriteOnly();
-    shown.clear();
-    for (const int e : m_original) shown.push_back(values[e]);
-    output.endEdit();
-}
-
-template <class TDataTypes>
-void HexahedronElastoplasticFEMForceField<TDataTypes>::computeOutputs()
-{
-    show(plastic_strains(*body()), d_plasticStrain);
-    show(present_yield_stresses(*body()), d_presentYieldStress);
-    show(body()->fields(view(this->mstate->readPositions().ref())).stress_norm, d_stressNorm);
-    show(plastic_volume_ratios(*body()), d_volumeRatio);
-    show(element_volumes(*body(), view(this->mstate->readPositions().ref())), d_volume);
-    d_removed.beginWriteOnly()->assign(body()->removed().begin(), body()->removed().end());
-    d_removed.endEdit();
-}
-
-template <class TDataTypes>
-void HexahedronElastoplasticFEMForceField<TDataTypes>::computeReleasedShape()
-{
-    const PointArray& released = body()->plastic_rest_positions();
-    show(element_volumes(*body(), released), d_plasticVolume);
-    auto& positions = *d_plasticRestPositions.beginWriteOnly();
-    positions.resize(released.rows());
-    view(positions) = released;
-    d_plasticRestPositions.endEdit();
+    std::vector<double> shown;
+    for (const int e : m_original) shown.push_back(ofBody[static_cast<std::size_t>(e)]);
+    return shown;
 }
 
 template <class TDataTypes>

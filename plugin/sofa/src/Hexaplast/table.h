@@ -147,7 +147,14 @@ void writeOutput(sofa::core::BaseData& data, const T& output)
     {
         shown.setValue(vec3(output));
     }
-    else if constexpr (std::is_same_v<T, std::span<const int>>)
+    else if constexpr (std::is_same_v<T, PointArray>)
+    {
+        auto& points = *shown.beginWriteOnly();
+        points.resize(static_cast<std::size_t>(output.rows()));
+        view(points) = output;
+        shown.endEdit();
+    }
+    else if constexpr (std::is_same_v<T, std::span<const int>> || std::is_same_v<T, std::vector<double>>)
     {
         shown.beginWriteOnly()->assign(output.begin(), output.end());
         shown.endEdit();
