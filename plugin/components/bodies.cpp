@@ -26,7 +26,6 @@
 namespace hexaplast::components {
 namespace {
 
-
 class MaterialRegion final : public scene::MaterialRegion, public scene::Changeable {
  public:
   MaterialRegion() : scene::MaterialRegion(attributes::kMaterialRegion) {}

@@ -3,7 +3,6 @@
 #include <Hexaplast/Followers.h>
 #include <Hexaplast/errors.h>
 #include <Hexaplast/registration.h>
-#include <sofa/core/visual/VisualParams.h>
 #include <sofa/simulation/AnimateBeginEvent.h>
 
 namespace hexaplast::sofa_plugin
@@ -89,15 +88,11 @@ void BladeController::draw(const sofa::core::visual::VisualParams* vparams)
     const auto& flags = vparams->displayFlags();
     if (!m_part || isInvalid(*this) || !data<bool>("active").getValue()) return;
     if (!flags.getShowForceFields() && !flags.getShowVisualModels()) return;
-    const parts::InstrumentShape edge = parts::edge_of(m_part->options());
-    const PointArray points = edge.at(m_frame.isGiven() ? m_frame.after(0) : m_part->pose_at(getContext()->getTime()));
-    std::vector<sofa::type::Vec3> corners;
-    for (const Triangle& triangle : edge.triangles)
-        for (const int corner : triangle) corners.push_back(vec3(Vec3(points.row(corner))));
     auto* tool = vparams->drawTool();
     const auto lifeCycle = tool->makeStateLifeCycle();
     tool->enableLighting();
-    tool->drawTriangles(corners, sofa::type::RGBAColor(0.75F, 0.78F, 0.82F, 1.F));
+    drawShape(*tool, parts::edge_of(m_part->options()),
+              m_frame.isGiven() ? m_frame.after(0) : m_part->pose_at(getContext()->getTime()));
 }
 
 [[maybe_unused]] const bool kBladeControllerIsRegistered = registerComponent<BladeController>(attributes::kBladeInSofa);

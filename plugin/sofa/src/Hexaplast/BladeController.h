@@ -10,7 +10,6 @@
 
 #include "attributes/parts.hpp"
 #include "parts/blade.hpp"
-#include "parts/instrument_shape.hpp"
 
 namespace hexaplast::sofa_plugin
 {

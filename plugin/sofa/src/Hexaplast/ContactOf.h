@@ -19,19 +19,11 @@ namespace hexaplast::sofa_plugin
 using BodyField = HexahedronElastoplasticFEMForceField<Vec3Types>;
 using sofa::component::odesolver::backward::EulerImplicitSolver;
 
-/// All of the scene that `context` is in.
-inline std::vector<BodyField*> bodyFields(const sofa::core::objectmodel::BaseContext& context)
-{
-    std::vector<BodyField*> fields;
-    context.getRootContext()->get<BodyField>(&fields, sofa::core::objectmodel::BaseContext::SearchDown);
-    return fields;
-}
-
 /// The field of a scene whose body has its nodes in `state`; InputError where there is none.
 inline BodyField& bodyFieldOf(const sofa::core::behavior::BaseMechanicalState& state,
                               const sofa::core::objectmodel::BaseContext& context)
 {
-    for (BodyField* field : bodyFields(context))
+    for (BodyField* field : allBelow<BodyField>(*context.getRootContext()))
     {
         if (field->getMState() != &state) continue;
         if (!field->works()) throw InputError("its body '" + field->getName() + "' is invalid (see its error above)");
@@ -153,7 +145,7 @@ protected:
     }
     bool othersHaveChanged() override
     {
-        const std::vector<BodyField*> present = bodyFields(*this->getContext());
+        const std::vector<BodyField*> present = allBelow<BodyField>(*this->getContext()->getRootContext());
         const auto isAsItWas = [&](const sofa::core::sptr<BodyField>& field, const auto& body) {
             return std::count(present.begin(), present.end(), field.get()) > 0 && field->works() &&
                    field->part() == body;

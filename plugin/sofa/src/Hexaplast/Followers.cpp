@@ -32,14 +32,6 @@ using BarycentricMapping = sofa::component::mapping::linear::BarycentricMapping<
 using sofa::component::topology::container::dynamic::HexahedronSetTopologyContainer;
 using BodyField = HexahedronElastoplasticFEMForceField<Vec3Types>;
 
-template <class T>
-std::vector<T*> all(const sofa::core::objectmodel::BaseContext& context)
-{
-    std::vector<T*> found;
-    context.getRootContext()->get<T>(&found, sofa::core::objectmodel::BaseContext::SearchDown);
-    return found;
-}
-
 /// Whether what a component does refers to nodes of a state, or to its topology.
 bool actsOn(SofaComponent& component, const BaseMechanicalState& state, const MeshTopology& topology)
 {
@@ -94,7 +86,7 @@ std::vector<double> massesOf(const sofa::component::mass::DiagonalMass<Vec3Types
 
 BodyField* fieldOn(const BaseMechanicalState& state)
 {
-    for (BodyField* field : all<BodyField>(*state.getContext()))
+    for (BodyField* field : allBelow<BodyField>(*state.getContext()->getRootContext()))
         if (field->getMState() == &state && field->body()) return field;
     return nullptr;
 }
@@ -138,7 +130,7 @@ Followers::Followers(Field& field) : m_field(field)
     if (modifier->removeIsolated.getValue()) refuse(*modifier, "would take nodes away: removeIsolated must be false");
     if (!isOfTopology(state)) refuse(state, "has its nodes from another topology, and does not see nodes that come");
     if (followsAnother(state)) refuse(state, "follows another state");
-    for (SofaComponent* component : all<SofaComponent>(*field.getContext()))
+    for (SofaComponent* component : allBelow<SofaComponent>(*field.getContext()->getRootContext()))
     {
         if (component == &field || component == &state || !actsOn(*component, state, topology)) continue;
         m_acting.push_back(component);
@@ -158,7 +150,7 @@ Followers::Followers(Field& field) : m_field(field)
 void Followers::follow(std::span<const int> splitFrom)
 {
     const Body& body = *m_field.body();
-    for (SofaComponent* component : all<SofaComponent>(*m_field.getContext()))
+    for (SofaComponent* component : allBelow<SofaComponent>(*m_field.getContext()->getRootContext()))
         if (auto* follower = dynamic_cast<FollowsNodes*>(component))
             attempt(*component, [&] { follower->nodesChanged(*m_field.getMState(), m_field.part(), splitFrom); });
     for (SofaComponent* component : m_acting)

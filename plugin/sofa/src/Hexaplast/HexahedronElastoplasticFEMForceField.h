@@ -113,10 +113,10 @@ private:
     std::vector<MaterialRegion*> m_regions;                   ///< seen last, to be compared alone
     bool m_topologyIsLost = false;
     bool m_topologyHasChanged = false;
-    bool m_isSplitting = false;      ///< the topology changes by the body
-    bool m_hasFlowed = false;        ///< in the present step
-    bool m_hasAsked = false;         ///< what acts beside it, whether it can follow
-    bool m_regionsAreReady = false;  ///< they may stand behind the body, and what they follow too
+    bool m_isSplitting = false;                       ///< the topology changes by the body
+    bool m_hasFlowed = false;                         ///< in the present step
+    bool m_hasAsked = false;                          ///< what acts beside it, whether it can follow
+    bool m_regionsAreReady = false;                   ///< they may stand behind the body, and what they follow too
     std::vector<std::unique_ptr<Outputs>> m_outputs;  ///< each computed alone: some take an equilibrium
 };
 

@@ -75,10 +75,8 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::bwdInit()
 template <class TDataTypes>
 std::vector<MaterialRegion*> HexahedronElastoplasticFEMForceField<TDataTypes>::regions() const
 {
-    std::vector<MaterialRegion*> found;
-    if (!m_regionsAreReady) return found;
-    this->getContext()->getRootContext()->template get<MaterialRegion>(
-        &found, sofa::core::objectmodel::BaseContext::SearchDown);
+    if (!m_regionsAreReady) return {};
+    std::vector<MaterialRegion*> found = allBelow<MaterialRegion>(*this->getContext()->getRootContext());
     std::erase_if(found, [this](const MaterialRegion* region) { return region->body() != this; });
     return found;
 }
@@ -271,7 +269,8 @@ void HexahedronElastoplasticFEMForceField<TDataTypes>::setOutputsDirty()
 
 // The body keeps hexahedra that are gone.
 template <class TDataTypes>
-std::vector<double> HexahedronElastoplasticFEMForceField<TDataTypes>::inTopology(const std::vector<double>& ofBody) const
+std::vector<double> HexahedronElastoplasticFEMForceField<TDataTypes>::inTopology(
+    const std::vector<double>& ofBody) const
 {
     std::vector<double> shown;
     for (const int e : m_original) shown.push_back(ofBody[static_cast<std::size_t>(e)]);

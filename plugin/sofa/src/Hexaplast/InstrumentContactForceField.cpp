@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <Hexaplast/InstrumentContactForceField.h>
-#include <sofa/core/visual/VisualParams.h>
 
 #include <Hexaplast/PartForceField.inl>
-
-#include "parts/instrument_shape.hpp"
 
 namespace hexaplast::sofa_plugin
 {
@@ -44,15 +41,7 @@ void InstrumentContactForceField::draw(const sofa::core::visual::VisualParams* v
     const auto lifeCycle = tool->makeStateLifeCycle();
     if (flags.getShowWireFrame()) tool->setPolygonMode(0, true);
     tool->enableLighting();
-    if (showsShape)
-    {
-        const parts::InstrumentShape shape = parts::shape_of(m_part->options());
-        const PointArray points = shape.at(pose());
-        std::vector<sofa::type::Vec3> corners;
-        for (const Triangle& triangle : shape.triangles)
-            for (const int corner : triangle) corners.push_back(vec3(Vec3(points.row(corner))));
-        tool->drawTriangles(corners, sofa::type::RGBAColor(0.75F, 0.78F, 0.82F, 1.F));
-    }
+    if (showsShape) drawShape(*tool, parts::shape_of(m_part->options()), pose());
     if (flags.getShowForceFields()) drawContacts(*tool);
 }
 

@@ -256,8 +256,7 @@ private:
     {
         using Correction =
             sofa::component::constraint::lagrangian::correction::LinearSolverConstraintCorrection<Vec3Types>;
-        std::vector<Correction*> corrections;
-        getContext()->get<Correction>(&corrections, BaseContext::SearchDown);
+        const auto corrections = allBelow<Correction>(*getContext());
         const auto unbuilt = unbuiltConstraintSolvers(*getContext()->getRootContext());
         if (corrections.empty() || unbuilt.empty()) return;
         for (auto* solver : unbuilt)

@@ -5,14 +5,26 @@
 #include <Hexaplast/table.h>
 #include <sofa/core/behavior/BaseMechanicalState.h>
 #include <sofa/core/objectmodel/Link.h>
+#include <sofa/core/visual/VisualParams.h>
 
 #include <string>
 #include <vector>
 
 #include "parts/instrument.hpp"
+#include "parts/instrument_shape.hpp"
 
 namespace hexaplast::sofa_plugin
 {
+
+/// An instrument or a blade, as it is where it lies at `pose`.
+inline void drawShape(sofa::helper::visual::DrawTool& tool, const parts::InstrumentShape& shape, const Pose& pose)
+{
+    const PointArray points = shape.at(pose);
+    std::vector<sofa::type::Vec3> corners;
+    for (const Triangle& triangle : shape.triangles)
+        for (const int corner : triangle) corners.push_back(vec3(Vec3(points.row(corner))));
+    tool.drawTriangles(corners, sofa::type::RGBAColor(0.75F, 0.78F, 0.82F, 1.F));
+}
 
 /// A frame of a rigid state, which prescribes a motion in place of a path, as a link and a Data of TOwner.
 template <class TOwner>

@@ -61,8 +61,7 @@ public:
         m_besides.reserve(m_states.entries().size());  // referred to by the system
         m_between.pairs.clear();
         bool hasOthers = m_massOfOthers != 0;
-        std::vector<BaseForceField*> fields;
-        m_context.get<BaseForceField>(&fields, BaseContext::SearchDown);
+        const std::vector<BaseForceField*> fields = allBelow<BaseForceField>(m_context);
         for (const States::Entry& entry : m_states.entries())
         {
             if (!m_states.areSeveral())
@@ -260,8 +259,7 @@ private:
     /// Whether all masses are lumped, act on the states themselves, and do not damp.
     bool massesAreLumped() const
     {
-        std::vector<BaseMass*> masses;
-        m_context.get<BaseMass>(&masses, BaseContext::SearchDown);
+        const std::vector<BaseMass*> masses = allBelow<BaseMass>(m_context);
         return std::all_of(masses.begin(), masses.end(),
                            [&](BaseMass* mass)
                            {

@@ -3,6 +3,7 @@
 
 #include <Hexaplast/fields.h>
 #include <Hexaplast/mappings.h>
+#include <Hexaplast/releases.h>
 
 #include <string>
 #include <vector>
@@ -25,10 +26,7 @@ public:
     /// Those below that follow no other.
     explicit States(sofa::core::objectmodel::BaseContext& context)
     {
-        std::vector<sofa::core::behavior::BaseMechanicalState*> found;
-        context.get<sofa::core::behavior::BaseMechanicalState>(&found,
-                                                               sofa::core::objectmodel::BaseContext::SearchDown);
-        for (auto* each : found)
+        for (auto* each : allBelow<sofa::core::behavior::BaseMechanicalState>(context))
         {
             if (followsAnother(*each)) continue;
             auto* state = dynamic_cast<MechanicalState*>(each);

@@ -24,6 +24,15 @@ using SofaComponent = sofa::core::objectmodel::BaseComponent;
 using SofaComponent = sofa::core::objectmodel::BaseObject;
 #endif
 
+/// All of a kind in a context and below.
+template <class T>
+std::vector<T*> allBelow(const sofa::core::objectmodel::BaseContext& context)
+{
+    std::vector<T*> found;
+    context.get<T>(&found, sofa::core::objectmodel::BaseContext::SearchDown);
+    return found;
+}
+
 /// The solvers of constraints in a scene that ask for one constraint after the other. Before v25.12 that was a word of
 /// GenericConstraintSolver, which is not looked for.
 inline std::vector<sofa::core::behavior::ConstraintSolver*> unbuiltConstraintSolvers(
@@ -32,8 +41,7 @@ inline std::vector<sofa::core::behavior::ConstraintSolver*> unbuiltConstraintSol
     std::vector<sofa::core::behavior::ConstraintSolver*> found;
 #if SOFA_VERSION >= 251200
     using sofa::component::constraint::lagrangian::solver::UnbuiltGaussSeidelConstraintSolver;
-    std::vector<UnbuiltGaussSeidelConstraintSolver*> all;
-    root.get<UnbuiltGaussSeidelConstraintSolver>(&all, sofa::core::objectmodel::BaseContext::SearchDown);
+    const auto all = allBelow<UnbuiltGaussSeidelConstraintSolver>(root);
     found.assign(all.begin(), all.end());
 #endif
     return found;
