@@ -82,6 +82,19 @@ class RegionOfInterest : public scene::Engine {
   }
 };
 
+/// Ten numbers for each.
+std::vector<OrientedBox> oriented_boxes(scene::Object& owner, std::string_view attribute) {
+  const std::vector<double>& numbers = owner.reals(attribute);
+  if (numbers.size() % 10 != 0)
+    owner.reject(attribute, fmt::format("{} numbers given, must be groups of 10", numbers.size()));
+  std::vector<OrientedBox> boxes;
+  for (std::size_t b = 0; b < numbers.size(); b += 10) {
+    const double* box = &numbers[b];
+    boxes.push_back({Vec3(box), Vec3(box + 3), Vec3(box + 6), box[9]});
+  }
+  return boxes;
+}
+
 class BoxROI final : public RegionOfInterest {
  public:
   BoxROI() : RegionOfInterest(attributes::kBoxROI) {}
@@ -95,14 +108,7 @@ class BoxROI final : public RegionOfInterest {
       const Eigen::Map<const Vec3> one(&corners[b]), other(&corners[b + 3]);
       boxes_.emplace_back(one.cwiseMin(other), one.cwiseMax(other));
     }
-    const std::vector<double>& oriented = reals("orientedBox");
-    if (oriented.size() % 10 != 0)
-      reject("orientedBox", fmt::format("{} numbers given, must be groups of 10", oriented.size()));
-    oriented_boxes_.clear();
-    for (std::size_t b = 0; b < oriented.size(); b += 10) {
-      const double* box = &oriented[b];
-      oriented_boxes_.push_back({Vec3(box), Vec3(box + 3), Vec3(box + 6), box[9]});
-    }
+    oriented_boxes_ = oriented_boxes(*this, "orientedBox");
   }
 
   bool is_inside(const Vec3& point) const override {
@@ -136,6 +142,19 @@ class SphereROI final : public RegionOfInterest {
 
   PointArray centres_;         // [m]
   std::vector<double> radii_;  // [m]
+};
+
+class PlaneROI final : public RegionOfInterest {
+ public:
+  PlaneROI() : RegionOfInterest(attributes::kPlaneROI) {}
+
+ private:
+  void take_region() override { rectangles_ = oriented_boxes(*this, "plane"); }
+  bool is_inside(const Vec3& point) const override {
+    return std::ranges::any_of(rectangles_, [&](const OrientedBox& box) { return box.contains(point); });
+  }
+
+  std::vector<OrientedBox> rectangles_;
 };
 
 class MeshROI final : public RegionOfInterest {
@@ -198,6 +217,7 @@ class IndicesFromValues final : public scene::Engine {
 void add_engines(scene::Factory& factory) {
   factory.add<BoxROI>(attributes::kBoxROI);
   factory.add<SphereROI>(attributes::kSphereROI);
+  factory.add<PlaneROI>(attributes::kPlaneROI);
   factory.add<MeshROI>(attributes::kMeshROI);
   factory.add<IndicesFromValues>(attributes::kIndicesFromValues);
   factory.add<IndexValueMapper>(attributes::kIndexValueMapper);

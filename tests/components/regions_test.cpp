@@ -49,7 +49,7 @@ TEST(Selections, OfCellsByAllNodesOrByCentre) {
       read_and_init(row_of_cells(3,
                                  "<BoxROI name='strict' box='0 0 0 2.6 1 1'/>"
                                  "<BoxROI name='centre' box='0 0 0 2.6 1 1' strict='false'/>"
-                                 "<BoxROI name='thin' orientedBox='1 0 0  1 1 0  1 1 1  0.1'/><BoxROI name='thick' "
+                                 "<PlaneROI name='thin' plane='1 0 0  1 1 0  1 1 1  0.1'/><BoxROI name='thick' "
                                  "orientedBox='1 0 0  1 1 0  1 1 1  2  3 0 0  3 1 0  3 1 1  0.1'/>"));
   expect_selected(
       scene,

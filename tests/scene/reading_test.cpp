@@ -115,7 +115,7 @@ TEST(SceneReading, TheComponentsAreTheseAndNoOthers) {
       "SurfacePressureForceField PlaneForceField GraspForceField InstrumentContactForceField "
       "TissueContactForceField RestShapeSpringsForceField SpringForceField BladeController "
       "FixedProjectiveConstraint PartialFixedProjectiveConstraint LinearMovementProjectiveConstraint "
-      "PartialLinearMovementProjectiveConstraint AttachProjectiveConstraint BoxROI SphereROI MeshROI "
+      "PartialLinearMovementProjectiveConstraint AttachProjectiveConstraint BoxROI SphereROI PlaneROI MeshROI "
       "IndexValueMapper IndicesFromValues BarycentricMapping IdentityMapping OglModel VisualStyle "
       "InteractiveCamera "
       // accepted without effect

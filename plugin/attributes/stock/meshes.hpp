@@ -160,6 +160,12 @@ inline constexpr Table kSphereROI{
     region_rows("true"),
 };
 
+inline constexpr Table kPlaneROI{
+    engine("PlaneROI", "Finds what lies in thick rectangles. SOFA's finds no hexahedra; orientedBox of BoxROI does."),
+    reals("plane", {.unit = "m"}, "Ten numbers for each, as orientedBox of BoxROI."),
+    region_rows("true"),
+};
+
 inline constexpr Table kMeshROI{
     engine("MeshROI", "Finds what a closed surface of triangles encloses."),
     vectors3("ROIposition", {.unit = "m"}, "Points of a surface."),

@@ -82,7 +82,7 @@ TEST_F(Command, ListPrintsOneComponent) {
 
 TEST_F(Command, ListRefusesWhatIsNoComponent) {
   expect_refused({{"list BoxRO", 2, "hexaplast: error: no component 'BoxRO'\n  hint: did you mean 'BoxROI'?\n"},
-                  {"list roi", 2, "no component 'roi'\n  hint: there are BoxROI, MeshROI, SphereROI\n"},
+                  {"list roi", 2, "no component 'roi'\n  hint: there are BoxROI, MeshROI, PlaneROI, SphereROI\n"},
                   {"list e", 2, "hexaplast: error: no component 'e'\n"},
                   {"list BoxROI --markdown", 2, "error: "},
                   {"list --plugin Absent", 6, "Absent"}});

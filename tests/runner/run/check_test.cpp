@@ -386,9 +386,8 @@ TEST_F(Refusal, ComesAfterTheWarningsOfTheRunAndLeavesTheStateOfTheLastGoodStep)
   <SpringForceField name="springs" indices1="7 15" indices2="3 11" stiffness="1" damping="0" lengths="1"/>
   <InstrumentContactForceField name="ball" active="0" radius="1" keyTimes="0" positions="3 0.5 1.2"/>
 </Node>)");
-  for (const auto& [scene, warning, error] :
-       {std::tuple("warns", "becomes active ", "plasticFlowRate"),
-        std::tuple("damped", "becomes active ", ": error: step ")}) {
+  for (const auto& [scene, warning, error] : {std::tuple("warns", "becomes active ", "plasticFlowRate"),
+                                              std::tuple("damped", "becomes active ", ": error: step ")}) {
     const Outcome outcome = hexaplast(std::string("run ") + scene + ".scn --steps 40 --out " + scene + " --frames 0");
     EXPECT_EQ(outcome.code, scene == std::string("warns") ? 3 : 4);
     EXPECT_LT(outcome.err.find(warning), outcome.err.find(error)) << outcome.err;
