@@ -177,11 +177,13 @@ TEST(Session, SlidersOfARegionReachTheBody) {
   EXPECT_EQ(modulus.value, 9000);
   EXPECT_TRUE(modulus.may_be_none);
   session.set("tumour.youngModulus", 7000);
-  session.set("tumour.yieldStress", 2);  // of both
+  session.set("tumour.yieldStress", 1.5);
+  session.set("tumour.yieldStress", 2);  // of both, and of the scene's values, not of the latest ones
   session.set("youngModulus", 6000);
   session.advance(1);
   const Snapshot at = wait_for_step(session, 1);
   EXPECT_EQ(at.parameter_values[material_rows().size()], 7000);
+  EXPECT_EQ(at.parameter_values[material_rows().size() + 1], 2);
   EXPECT_TRUE(at.messages.empty());
   const auto material = [&](int e) { return played.body().materials().at(static_cast<std::size_t>(e)); };
   EXPECT_EQ(material(3).young_modulus, 7000);

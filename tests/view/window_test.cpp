@@ -47,7 +47,7 @@ TEST_F(LiveWindow, TheHandPressesWithABallAndTakesItBack) {
 
 TEST_F(LiveWindow, RefusesAFinishedRun) {
   ASSERT_EQ(hexaplast("run bar.scn --steps 6 --out run --frames 0").code, 0);
-  for (const char* run : {"run", "run/run.pvd"}) {
+  for (const char* run : {"run", "run/mesh.pvd"}) {
     const Outcome refused = hexaplast(std::string("view ") + run, "env -u DISPLAY");
     EXPECT_EQ(refused.code, 2) << refused.err;
     EXPECT_NE(refused.err.find("is a finished run, not a scene: open run/report.html in a browser, or use hexaplast "
