@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // MultigridCGLinearSolver with what SOFA has beside our bodies, against SOFA's own solvers.
-#include <Hexaplast/mappings.h>
+#include <Hexaplast/fields.h>
 #include <gtest/gtest.h>
 
 #include "block_scene.h"

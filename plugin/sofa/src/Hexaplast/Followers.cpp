@@ -2,7 +2,6 @@
 #include <Hexaplast/Followers.h>
 #include <Hexaplast/FollowsNodes.h>
 #include <Hexaplast/errors.h>
-#include <Hexaplast/mappings.h>
 #include <sofa/component/constraint/projective/FixedProjectiveConstraint.h>
 #include <sofa/component/constraint/projective/LinearMovementProjectiveConstraint.h>
 #include <sofa/component/constraint/projective/PartialLinearMovementProjectiveConstraint.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <Hexaplast/Outputs.h>
+#include <Hexaplast/dependencies.h>
 #include <Hexaplast/PartForceField.h>
 #include <sofa/component/topology/container/dynamic/HexahedronSetTopologyModifier.h>
 #include <sofa/core/objectmodel/Link.h>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <Hexaplast/HexahedronElastoplasticFEMForceField.h>
-#include <Hexaplast/Inputs.h>
+#include <Hexaplast/dependencies.h>
 #include <Hexaplast/table.h>
 #include <sofa/core/objectmodel/Link.h>
 

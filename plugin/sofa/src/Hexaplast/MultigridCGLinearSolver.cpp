@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <Hexaplast/ConstraintRows.h>
 #include <Hexaplast/FollowsNodes.h>
-#include <Hexaplast/Inputs.h>
+#include <Hexaplast/dependencies.h>
 #include <Hexaplast/SavedState.h>
 #include <Hexaplast/SofaSystem.h>
 #include <Hexaplast/errors.h>
@@ -10,6 +9,7 @@
 #include <sofa/component/linearsolver/iterative/MatrixLinearSolver.h>
 #include <sofa/core/ConstraintParams.h>
 #include <sofa/linearalgebra/BaseVector.h>
+#include <sofa/linearalgebra/SparseMatrix.h>
 #include <sofa/simulation/AnimateBeginEvent.h>
 #include <sofa/simulation/MechanicalOperations.h>
 #include <sofa/simulation/mechanicalvisitor/MechanicalGetConstraintJacobianVisitor.h>
@@ -29,6 +29,30 @@ namespace
 {
 
 constexpr double kOfMultipliers = 1e-3;  // tolerance of motions that belong to the multipliers of constraints
+
+using Jacobian = sofa::linearalgebra::SparseMatrix<SReal>;
+
+/// The rows of a Jacobian of SOFA that have entries, and which they are.
+struct ConstraintRows
+{
+    explicit ConstraintRows(const Jacobian& J)
+    {
+        for (const auto& [number, line] : J)
+        {
+            if (line.empty()) continue;
+            numbers.push_back(number);
+            ConstraintRow& row = rows.emplace_back();
+            for (const auto& [column, value] : line)
+            {
+                const int node = static_cast<int>(column / 3);
+                if (row.empty() || row.back().first != node) row.emplace_back(node, Vec3::Zero());
+                row.back().second[column % 3] += value;
+            }
+        }
+    }
+    std::vector<Jacobian::Index> numbers;
+    std::vector<ConstraintRow> rows;
+};
 
 }  // namespace
 

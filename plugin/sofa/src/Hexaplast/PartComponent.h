@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <Hexaplast/Inputs.h>
+#include <Hexaplast/dependencies.h>
 #include <Hexaplast/SavedState.h>
 #include <Hexaplast/errors.h>
 #include <Hexaplast/table.h>

@@ -3,13 +3,17 @@
 
 #include <Hexaplast/ForceBetweenStates.h>
 #include <Hexaplast/PartForceField.h>
-#include <Hexaplast/States.h>
+#include <Hexaplast/fields.h>
+#include <Hexaplast/releases.h>
 #include <sofa/component/linearsolver/iterative/MatrixLinearSolver.h>
 #include <sofa/core/behavior/BaseMass.h>
 #include <sofa/core/behavior/MultiVec.h>
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
+#include "hexaplast/base/error.hpp"
 #include "hexaplast/solve/implicit_euler.hpp"
 
 /// What a linear solver of SOFA is asked to solve, as a system of ours.
@@ -24,6 +28,87 @@ using sofa::core::behavior::BaseMass;
 using sofa::core::objectmodel::BaseContext;
 using OurForceField = PartForceField<Vec3Types>;
 using OurInteraction = ForceBetweenStates;
+
+/// The states of a system, one behind the other.
+class States
+{
+public:
+    struct Entry
+    {
+        MechanicalState* state;
+        int firstNode, numNodes;
+    };
+
+    /// Those below that follow no other.
+    explicit States(BaseContext& context)
+    {
+        for (auto* each : allBelow<sofa::core::behavior::BaseMechanicalState>(context))
+        {
+            if (followsAnother(*each)) continue;
+            auto* state = dynamic_cast<MechanicalState*>(each);
+            if (!state)
+                throw InputError(
+                    "the independent MechanicalObjects in its node and below must be of template Vec3, "
+                    "which '" +
+                    each->getPathName() + "' is not");
+            const int numNodes = static_cast<int>(state->getSize());
+            m_entries.push_back({state, m_numNodes, numNodes});
+            m_numNodes += numNodes;
+        }
+        if (m_entries.empty()) throw InputError("there is no MechanicalObject in its node and below");
+    }
+
+    int numNodes() const { return m_numNodes; }
+    const std::vector<Entry>& entries() const { return m_entries; }
+    bool areSeveral() const { return m_entries.size() > 1; }
+
+    const Entry* find(const void* state) const
+    {
+        for (const Entry& entry : m_entries)
+            if (entry.state == state) return &entry;
+        return nullptr;
+    }
+
+    /// field = of(state) of each; to(state) = field.
+    template <class Of>
+    PointArray read(const Of& of) const
+    {
+        PointArray field(m_numNodes, 3);
+        for (const Entry& entry : m_entries) rows<Points>(field, entry) = view(of(*entry.state));
+        return field;
+    }
+    template <class To>
+    void write(ConstPoints field, const To& to) const
+    {
+        for (const Entry& entry : m_entries)
+        {
+            sofa::core::objectmodel::Data<Vec3Types::VecDeriv>& data = to(*entry.state);
+            Vec3Types::VecDeriv& values = *data.beginEdit();
+            values.resize(static_cast<std::size_t>(entry.numNodes));
+            view(values) = rows(field, entry);
+            data.endEdit();
+        }
+    }
+    PointArray positions() const
+    {
+        return read([](const MechanicalState& state) -> auto& { return state.readPositions().ref(); });
+    }
+    PointArray velocities() const
+    {
+        return read([](const MechanicalState& state) -> auto& { return state.readVelocities().ref(); });
+    }
+
+    /// The rows of a field that belong to a state.
+    template <class Field>
+    static Field rows(Field field, const Entry& entry)
+    {
+        return Field(field.middleRows(entry.firstNode, entry.numNodes));
+    }
+
+private:
+    std::vector<Entry> m_entries;
+    int m_numNodes = 0;
+};
 
 /// The system m M + b B + k K of a SOFA node as a system of ours, over all states that move by themselves. The kernels
 /// work on our bodies, lumped masses and what of ours has a diagonal; what else of ours acts, on a state or between

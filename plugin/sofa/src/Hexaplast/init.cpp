@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <Hexaplast/init.h>
+#include <Hexaplast/config.h>
 #include <Hexaplast/registration.h>
 #include <sofa/helper/system/PluginManager.h>
 
@@ -9,29 +9,22 @@
 
 #include "hexaplast/base/parallel.hpp"
 
-namespace hexaplast::sofa_plugin
-{
-
-// OMP_NUM_THREADS says how many threads the kernels have, unless RunSettings does; one where neither is set. Results do
-// not depend on it.
-void init()
-{
-    static bool isFirst = true;
-    if (!std::exchange(isFirst, false)) return;
-    // a program that links the plugin has not loaded it by its name
-    auto& plugins = sofa::helper::system::PluginManager::getInstance();
-    if (!plugins.pluginIsLoaded(MODULE_NAME)) plugins.registerPlugin(MODULE_NAME);
-    const char* asked = std::getenv("OMP_NUM_THREADS");
-    const int count = asked ? std::atoi(asked) : 0;
-    if (count > 0) set_num_threads(count);
-}
-
-}  // namespace hexaplast::sofa_plugin
-
 // What SOFA looks for in a plugin.
 extern "C"
 {
-    SOFA_EXPORT_DYNAMIC_LIBRARY void initExternalModule() { hexaplast::sofa_plugin::init(); }
+    // OMP_NUM_THREADS says how many threads the kernels have, unless RunSettings does; one where neither is set. Results
+    // do not depend on it.
+    SOFA_EXPORT_DYNAMIC_LIBRARY void initExternalModule()
+    {
+        static bool isFirst = true;
+        if (!std::exchange(isFirst, false)) return;
+        // a program that links the plugin has not loaded it by its name
+        auto& plugins = sofa::helper::system::PluginManager::getInstance();
+        if (!plugins.pluginIsLoaded(hexaplast::sofa_plugin::MODULE_NAME)) plugins.registerPlugin(hexaplast::sofa_plugin::MODULE_NAME);
+        const char* asked = std::getenv("OMP_NUM_THREADS");
+        const int count = asked ? std::atoi(asked) : 0;
+        if (count > 0) hexaplast::set_num_threads(count);
+    }
     SOFA_EXPORT_DYNAMIC_LIBRARY const char* getModuleName() { return hexaplast::sofa_plugin::MODULE_NAME; }
     SOFA_EXPORT_DYNAMIC_LIBRARY const char* getModuleVersion() { return hexaplast::sofa_plugin::MODULE_VERSION; }
     SOFA_EXPORT_DYNAMIC_LIBRARY const char* getModuleLicense() { return "LGPL"; }
