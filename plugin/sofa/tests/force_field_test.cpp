@@ -309,18 +309,18 @@ TEST(InstrumentContactForceField, EnergyRisesAsItsForceIsWorkedAgainst)
         "times='0' forces='2'/>"));
     const PointArray rest = scene.positions();
     scene.step();  // it closes
-    std::vector<PartForceField<Vec3Types>*> fields;
-    scene.root().get<PartForceField<Vec3Types>>(&fields, sofa::core::objectmodel::BaseContext::SearchDown);
+    std::vector<ForceOnState*> fields;
+    scene.root().get<ForceOnState>(&fields, sofa::core::objectmodel::BaseContext::SearchDown);
     ASSERT_EQ(fields.size(), 3u);
     const auto* params = sofa::core::mechanicalparams::defaultInstance();
-    const auto energy_at = [&](PartForceField<Vec3Types>& field, const PointArray& x)
+    const auto energy_at = [&](ForceOnState& field, const PointArray& x)
     {
         sofa::core::objectmodel::Data<Vec3Types::VecCoord> position;
         position.beginEdit()->resize(x.rows());
         view(*position.beginEdit()) = x;
         return field.getPotentialEnergy(params, position);
     };
-    PartForceField<Vec3Types>& tool = *fields[1];
+    ForceOnState& tool = *fields[1];
     EXPECT_EQ(energy_at(tool, rest), 0);
     PointArray x = rest;
     x.rowwise() += Eigen::RowVector3d(0.003, 0, -0.004);  // the springs of the grip, 800 N/m together, by 5 mm

@@ -39,7 +39,7 @@ public:
 
     sofa::core::objectmodel::BaseContext& root() { return *root_->getContext(); }
     MechanicalState& state() { return *dynamic_cast<MechanicalState*>(field().getMState()); }
-    using Field = HexahedronElastoplasticFEMForceField<Vec3Types>;
+    using Field = HexahedronElastoplasticFEMForceField;
     Field& field() { return only<Field>(); }
     const Body& body()
     {

@@ -20,7 +20,7 @@ class HEXAPLAST_SOFA_API BladeController final : public TableComponent<SofaCompo
 {
 public:
     SOFA_CLASS(BladeController, SOFA_TEMPLATE(TableComponent, SofaComponent));
-    using Field = HexahedronElastoplasticFEMForceField<Vec3Types>;
+    using Field = HexahedronElastoplasticFEMForceField;
 
     sofa::core::objectmodel::SingleLink<BladeController, Field,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |

@@ -16,7 +16,7 @@
 namespace hexaplast::sofa_plugin
 {
 
-using BodyField = HexahedronElastoplasticFEMForceField<Vec3Types>;
+using BodyField = HexahedronElastoplasticFEMForceField;
 using sofa::component::odesolver::backward::EulerImplicitSolver;
 
 /// The field of a scene whose body has its nodes in `state`; InputError where there is none.

@@ -103,7 +103,7 @@ public:
     {
         if (!sofa::simulation::UpdateMappingEndEvent::checkEventType(event) || !mayStep(*this)) return;
         if (++m_numSteps != d_step.getValue()) return;
-        HexahedronElastoplasticFEMForceField<Vec3Types>* field = nullptr;
+        HexahedronElastoplasticFEMForceField* field = nullptr;
         getContext()->get(field, sofa::core::objectmodel::BaseContext::SearchUp);
         const Body* body = field ? field->body() : nullptr;
         if (!body)

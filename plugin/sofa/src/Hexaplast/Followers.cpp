@@ -29,7 +29,7 @@ using PartialMovementConstraint =
     sofa::component::constraint::projective::PartialLinearMovementProjectiveConstraint<Vec3Types>;
 using BarycentricMapping = sofa::component::mapping::linear::BarycentricMapping<Vec3Types, Vec3Types>;
 using sofa::component::topology::container::dynamic::HexahedronSetTopologyContainer;
-using BodyField = HexahedronElastoplasticFEMForceField<Vec3Types>;
+using BodyField = HexahedronElastoplasticFEMForceField;
 
 /// Whether what a component does refers to nodes of a state, or to its topology.
 bool actsOn(SofaComponent& component, const BaseMechanicalState& state, const MeshTopology& topology)

@@ -16,7 +16,7 @@ namespace hexaplast::sofa_plugin
 class HEXAPLAST_SOFA_API Followers
 {
 public:
-    using Field = HexahedronElastoplasticFEMForceField<Vec3Types>;
+    using Field = HexahedronElastoplasticFEMForceField;
 
     /// Before the nodes split. Throws InputError where something cannot follow, and names it.
     explicit Followers(Field& field);

@@ -5,7 +5,7 @@
 #include <Hexaplast/config.h>
 #include <sofa/core/behavior/MixedInteractionForceField.h>
 
-#include "parts/force.hpp"
+#include <array>
 
 namespace hexaplast::sofa_plugin
 {
@@ -34,34 +34,13 @@ public:
                   const DataVecCoord& x2, const DataVecDeriv& v1, const DataVecDeriv& v2) override;
     void addDForce(const MechanicalParams* mparams, DataVecDeriv& df1, DataVecDeriv& df2, const DataVecDeriv& dx1,
                    const DataVecDeriv& dx2) override;
-    void buildStiffnessMatrix(sofa::core::behavior::StiffnessMatrix* matrix) override;
-    void buildDampingMatrix(sofa::core::behavior::DampingMatrix* matrix) override;
     SReal getPotentialEnergy(const MechanicalParams* mparams, const DataVecCoord& x1,
                              const DataVecCoord& x2) const override;
 
-    /// For MultigridCGLinearSolver, as those of PartForceField; fields of the two states.
-    bool isInMatrix() const override { return works() && force().is_in_matrix(); }
-    bool release(const Pair<ConstPoints>& x, const Pair<ConstPoints>& v) { return force().release(x, v); }
-    void addOwnForce(const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, Pair<Points> f);
-    void addOwnProduct(double b, double k, const Pair<ConstPoints>& dx, Pair<Points> df) const;
+    std::array<MechanicalState*, 2> states() const override { return {mstate1.get(), mstate2.get()}; }
 
 protected:
     ForceBetweenStates(const Description& description, bool makesData);
-
-    double ownRayleighStiffness() const override { return hasPart() ? force().rayleigh_stiffness() : 0; }
-
-    virtual parts::Force& force() = 0;
-    const parts::Force& force() const { return const_cast<ForceBetweenStates&>(*this).force(); }
-    virtual void beforeForces() {}  ///< are computed
-
-    std::array<MechanicalState*, 2> states() const { return {mstate1.get(), mstate2.get()}; }
-
-private:
-    bool isWithItself() const { return mstate1.get() == mstate2.get(); }
-    template <class Add>
-    BlockMatrix blocksOf(const Add& add) const;
-    template <class OfPair>
-    void addBlocks(const BlockMatrix& blocks, const OfPair& ofPair) const;
 };
 
 }  // namespace hexaplast::sofa_plugin

@@ -48,7 +48,7 @@ protected:
         this->template makeData<Part>();
     }
 
-    parts::Force& force() override { return *m_part; }
+    parts::Force& forces() const override { return *m_part; }
 
     // Lists of SOFA's regions have the copies of nodes beside them, where these have split.
     virtual typename Part::Options options() const

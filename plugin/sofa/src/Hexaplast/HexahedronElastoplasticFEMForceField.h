@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <Hexaplast/ForceOnState.h>
 #include <Hexaplast/dependencies.h>
-#include <Hexaplast/PartForceField.h>
 #include <sofa/component/topology/container/dynamic/HexahedronSetTopologyModifier.h>
 #include <sofa/core/objectmodel/Link.h>
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,22 +21,20 @@ class MaterialRegion;
 
 /// Hexahedral corotational finite elements that stretch, yield and stay stretched. Plastic flow happens once per time
 /// step, at AnimateEndEvent. Data and outputs: the rows of Material and Settings, and plugin/attributes/hexaplast.hpp.
-template <class TDataTypes>
-class HexahedronElastoplasticFEMForceField : public PartForceField<TDataTypes>
+class HEXAPLAST_SOFA_API HexahedronElastoplasticFEMForceField : public ForceOnState
 {
 public:
-    SOFA_CLASS(SOFA_TEMPLATE(HexahedronElastoplasticFEMForceField, TDataTypes),
-               SOFA_TEMPLATE(PartForceField, TDataTypes));
-    using Inherit = PartForceField<TDataTypes>;
+    SOFA_CLASS(HexahedronElastoplasticFEMForceField, ForceOnState);
+    using Inherit = ForceOnState;
     using VecReal = sofa::type::vector<SReal>;
 
-    Data<bool> d_drawPlasticRestShape{this->initData(
-        &d_drawPlasticRestShape, false, "drawPlasticRestShape",
-        "Draws the edges of the plastic rest shape, which the body has without load, up to a rigid motion.")};
+    Data<bool> d_drawPlasticRestShape{
+        initData(&d_drawPlasticRestShape, false, "drawPlasticRestShape",
+                 "Draws the edges of the plastic rest shape, which the body has without load, up to a rigid motion.")};
     sofa::core::objectmodel::SingleLink<HexahedronElastoplasticFEMForceField, MeshTopology,
                                         sofa::core::objectmodel::BaseLink::FLAG_STOREPATH |
                                             sofa::core::objectmodel::BaseLink::FLAG_STRONGLINK>
-        l_topology{this->initLink("topology", this->helpOf("topology"))};
+        l_topology{initLink("topology", helpOf("topology"))};
 
     void bwdInit() override;
     void draw(const sofa::core::visual::VisualParams* vparams) override;
@@ -43,11 +42,6 @@ public:
     void handleTopologyChange(sofa::core::topology::Topology* changed) override;
 
     bool hasPart() const override { return m_body != nullptr; }
-    bool addOperator(double factor, MatrixFreeSystem& system) const override
-    {
-        m_body->body().add_operator(factor, system);
-        return true;
-    }
 
     /// The body; null before init and after an error.
     const Body* body() const { return m_body ? &m_body->body() : nullptr; }
@@ -73,12 +67,38 @@ protected:
     void loadPart(std::istream& in) override;
     void beginStep(SReal time, SReal dt) override;
     void endStep(SReal dt) override;
-    void addPartForce(SReal time, ConstPoints x, ConstPoints v, Points f) override;
-    void addStiffnessProduct(double factor, ConstPoints dx, Points df) const override;
-    void addStiffnessBlocks(double factor, BlockMatrix& A) const override;
-    std::optional<double> energy(SReal, ConstPoints x) const override { return m_body->body().energy(x); }
+    parts::Force& forces() const override { return m_elasticity; }
+    bool addStiffness(double factor, MatrixFreeSystem& system) const override
+    {
+        m_body->body().add_operator(factor, system);
+        return true;
+    }
 
 private:
+    /// Of the body, on its state.
+    struct Elasticity final : parts::Force
+    {
+        explicit Elasticity(const std::shared_ptr<parts::HexahedralBody>& of) : body(of) {}
+
+        void add_force(double, const Pair<ConstPoints>& x, const Pair<ConstPoints>&, Pair<Points> f) override
+        {
+            body->body().linearize(x.first);
+            body->body().add_force(f.first);
+        }
+        void add_load(double, const Pair<ConstPoints>&, const Pair<ConstPoints>&, Pair<Points>) const override {}
+        void add_stiffness_product(double factor, const Pair<ConstPoints>& dx, Pair<Points> df) const override
+        {
+            body->body().add_stiffness_product(factor, dx.first, df.first);
+        }
+        void add_stiffness_blocks(double factor, BlockMatrix& A, std::array<int, 2>) const override
+        {
+            body->body().add_stiffness_blocks(factor, A);
+        }
+        std::optional<double> potential_energy(double, ConstPoints x) const override { return body->body().energy(x); }
+
+        const std::shared_ptr<parts::HexahedralBody>& body;
+    };
+
     /// Throws InputError where a region cannot be.
     parts::HexahedralBodyOptions options(const std::vector<Hexahedron>& hexahedra) const;
 
@@ -106,6 +126,7 @@ private:
     void setOutputsDirty();
 
     std::shared_ptr<parts::HexahedralBody> m_body;
+    mutable Elasticity m_elasticity{m_body};
     std::vector<double> m_fill;   ///< fraction of each hexahedron of a sparse grid that is full
     std::vector<int> m_original;  ///< number that each hexahedron of the topology has in the body
     std::vector<int> m_coming;    ///< of hexahedra that come again with other nodes
@@ -119,9 +140,5 @@ private:
     bool m_regionsAreReady = false;                   ///< they may stand behind the body, and what they follow too
     std::vector<std::unique_ptr<Outputs>> m_outputs;  ///< each computed alone: some take an equilibrium
 };
-
-#if !defined(HEXAPLAST_HEXAHEDRONELASTOPLASTICFEMFORCEFIELD_CPP)
-extern template class HEXAPLAST_SOFA_API HexahedronElastoplasticFEMForceField<Vec3Types>;
-#endif
 
 }  // namespace hexaplast::sofa_plugin

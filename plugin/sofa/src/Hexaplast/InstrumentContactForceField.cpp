@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <Hexaplast/InstrumentContactForceField.h>
 
-#include <Hexaplast/PartForceField.inl>
-
 namespace hexaplast::sofa_plugin
 {
 

@@ -18,7 +18,7 @@ class HEXAPLAST_SOFA_API MaterialRegion final : public TableComponent<SofaCompon
 {
 public:
     SOFA_CLASS(MaterialRegion, SOFA_TEMPLATE(TableComponent, SofaComponent));
-    using Field = HexahedronElastoplasticFEMForceField<Vec3Types>;
+    using Field = HexahedronElastoplasticFEMForceField;
     using VecReal = sofa::type::vector<SReal>;
 
     Data<MeshTopology::SeqHexahedra>& d_hexahedra = data<MeshTopology::SeqHexahedra>("hexahedra");

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <Hexaplast/FollowsNodes.h>
-#include <Hexaplast/dependencies.h>
 #include <Hexaplast/SavedState.h>
 #include <Hexaplast/SofaSystem.h>
+#include <Hexaplast/dependencies.h>
 #include <Hexaplast/errors.h>
 #include <Hexaplast/registration.h>
 #include <sofa/component/constraint/lagrangian/correction/LinearSolverConstraintCorrection.h>

@@ -63,7 +63,7 @@ public:
     {
         if (!m_probe || isInvalid(*this)) return;
         const auto* owner = source().getOwner();
-        const auto* field = dynamic_cast<const HexahedronElastoplasticFEMForceField<Vec3Types>*>(owner);
+        const auto* field = dynamic_cast<const HexahedronElastoplasticFEMForceField*>(owner);
         if (m_points && m_state == &state)
             m_points->follow(body->body().mesh().hexahedra(), body->body().mesh().num_nodes());
         else if (!m_points && (owner == &state || (field && field->part() == body)) &&

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <Hexaplast/dependencies.h>
 #include <Hexaplast/config.h>
+#include <Hexaplast/dependencies.h>
 #include <Hexaplast/table.h>
 #include <sofa/core/objectmodel/DataCallback.h>
 

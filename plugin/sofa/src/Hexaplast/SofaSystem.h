@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <Hexaplast/ForceBetweenStates.h>
-#include <Hexaplast/PartForceField.h>
+#include <Hexaplast/PartComponent.h>
 #include <Hexaplast/fields.h>
 #include <Hexaplast/releases.h>
 #include <sofa/component/linearsolver/iterative/MatrixLinearSolver.h>
@@ -26,8 +25,6 @@ using sofa::core::MatricesFactors;
 using sofa::core::behavior::BaseForceField;
 using sofa::core::behavior::BaseMass;
 using sofa::core::objectmodel::BaseContext;
-using OurForceField = PartForceField<Vec3Types>;
-using OurInteraction = ForceBetweenStates;
 
 /// The states of a system, one behind the other.
 class States
@@ -142,40 +139,38 @@ public:
             system.diagonal.setZero(num_nodes(), 3);
 
         m_ours.clear();
-        m_besides.clear();
-        m_besides.reserve(m_states.entries().size());  // referred to by the system
-        m_between.pairs.clear();
         bool hasOthers = m_massOfOthers != 0;
-        const std::vector<BaseForceField*> fields = allBelow<BaseForceField>(m_context);
+        for (BaseForceField* field : allBelow<BaseForceField>(m_context))
+        {
+            if (dynamic_cast<BaseMass*>(field)) continue;
+            auto* forces = dynamic_cast<OurForces*>(field);
+            if (forces && !forces->isInMatrix()) continue;
+            const auto of = forces ? forces->states() : std::array<MechanicalState*, 2>{};
+            const auto *first = m_states.find(of[0]), *second = m_states.find(of[1]);
+            if (first && second)
+                m_ours.push_back({forces, first, second});
+            else
+                hasOthers = true;
+        }
         for (const States::Entry& entry : m_states.entries())
         {
             if (!m_states.areSeveral())
             {
-                addOperator(entry, fields, system);
+                addOperators(entry, system);
                 continue;
             }
             MatrixFreeSystem part;
             part.wants_levels = system.wants_levels;
             part.diagonal.setZero(entry.numNodes, 3);
-            addOperator(entry, fields, part);
+            addOperators(entry, part);
             system.add_part(part, entry.firstNode);
         }
-        for (BaseForceField* field : fields)
-        {
-            if (dynamic_cast<BaseMass*>(field)) continue;
-            if (auto* ours = dynamic_cast<OurInteraction*>(field))
-            {
-                const auto *first = m_states.find(ours->getMState1()), *second = m_states.find(ours->getMState2());
-                if (ours->isInMatrix() && first && second) m_between.pairs.push_back({ours, first, second});
-                continue;
-            }
-            const auto* ours = dynamic_cast<OurForceField*>(field);
-            if (ours ? ours->works() && ours->isInMatrix() && !m_states.find(ours->getMState()) : true)
-                hasOthers = true;
-        }
-        m_between.b = m_A.mparams.bFactor();
-        m_between.k = m_A.mparams.kFactor();
-        if (!m_between.pairs.empty()) system.others.emplace_back(&m_between);
+        m_products = {};
+        m_products.b = m_A.mparams.bFactor();
+        m_products.k = m_A.mparams.kFactor();
+        for (const Ours& ours : m_ours)
+            if (!ours.isInKernels) m_products.of.push_back(ours);
+        if (!m_products.of.empty()) system.others.emplace_back(&m_products);
         if (hasOthers && othersAct()) system.others.emplace_back(static_cast<const NodalOperator*>(this));
         return true;
     }
@@ -190,24 +185,16 @@ public:
         const PointArray vEnd = v + dv, xEnd = x + h * vEnd;
         PointArray force = PointArray::Zero(num_nodes(), 3), product = force, scratch;
         bool hasReleased = false;
-        const auto releaseFrom = [&](auto& field, const auto& of, const auto& in)
+        for (const Ours& ours : m_ours)
         {
-            if (!field.isOneSided()) return;
+            if (!ours.forces->isOneSided()) continue;
+            const auto of = [&](const PointArray& all) { return ours.rows<ConstPoints>(all); };
             const bool pulled = ImplicitEuler::release_from(
-                force, scratch, [&](Points f) { field.addOwnForce(of(x), of(v), in(f)); },
-                [&](double sign) { field.addOwnProduct(0, sign, of(v), in(product)); },
-                [&] { return field.release(of(xEnd), of(vEnd)); });
+                force, scratch, [&](Points f) { ours.forces->addOwnForce(of(x), of(v), ours.rows(f)); },
+                [&](double sign) { ours.forces->addOwnProduct(0, sign, of(v), ours.rows<Points>(product)); },
+                [&] { return ours.forces->release(of(xEnd), of(vEnd)); });
             hasReleased = hasReleased || pulled;
-        };
-        for (const Beside& beside : m_besides)
-            for (OurForceField* field : beside.fields)
-                releaseFrom(
-                    *field, [&](ConstPoints all) { return States::rows<ConstPoints>(all, beside.entry); },
-                    [&](Points all) { return States::rows<Points>(all, beside.entry); });
-        for (const Between::Entry& pair : m_between.pairs)
-            releaseFrom(
-                *pair.field, [&](ConstPoints all) { return pair.rows<ConstPoints>(all); },
-                [&](Points all) { return pair.rows<Points>(all); });
+        }
         if (!hasReleased) return false;
         Constraints constraints;
         findConstraints(constraints);
@@ -218,9 +205,7 @@ public:
     /// The step ends as it was solved: what is solved after it are other systems with its matrix.
     void acceptStep() const
     {
-        for (const Beside& beside : m_besides)
-            for (OurForceField* field : beside.fields) field->acceptStep();
-        for (const Between::Entry& pair : m_between.pairs) pair.field->acceptStep();
+        for (const Ours& ours : m_ours) ours.forces->acceptStep();
     }
 
     void project(Points field) const override
@@ -254,6 +239,20 @@ public:
     }
 
 private:
+    /// Acts on a state, or between two.
+    struct Ours
+    {
+        template <class Field>
+        Pair<Field> rows(Field ofAll) const
+        {
+            return {States::rows(ofAll, *first), States::rows(ofAll, *second)};
+        }
+
+        OurForces* forces;
+        const States::Entry *first, *second;
+        bool isInKernels = false;
+    };
+
     /// Force fields of ours that SOFA's products are without while it lives.
     class LeftOut
     {
@@ -265,8 +264,7 @@ private:
     private:
         void set(bool leftOut)
         {
-            for (OurForceField* field : m_system.m_ours) field->leaveOutOfProducts(leftOut);
-            for (const Between::Entry& pair : m_system.m_between.pairs) pair.field->leaveOutOfProducts(leftOut);
+            for (const Ours& ours : m_system.m_ours) ours.forces->leaveOutOfProducts(leftOut);
         }
         const SofaSystem& m_system;
     };
@@ -302,24 +300,12 @@ private:
         }
     }
 
-    /// What of ours acts on one state.
-    void addOperator(const States::Entry& entry, const std::vector<BaseForceField*>& fields,
-                     MatrixFreeSystem& system) const
+    /// What of ours acts on one state, as far as the kernels know it.
+    void addOperators(const States::Entry& entry, MatrixFreeSystem& system) const
     {
-        Beside& beside = m_besides.emplace_back(entry);
-        beside.b = m_A.mparams.bFactor();
-        beside.k = m_A.mparams.kFactor();
-        for (BaseForceField* field : fields)
-        {
-            auto* ours = dynamic_cast<OurForceField*>(field);
-            if (!ours || ours->getMState() != entry.state || !ours->works() || !ours->isInMatrix()) continue;
-            m_ours.push_back(ours);
-            if (ours->addOperator(beside.k + beside.b * ours->wholeRayleighStiffness(), system))
-                ours->addDampingDiagonal(beside.b, system.diagonal);
-            else
-                beside.fields.push_back(ours);
-        }
-        if (!beside.fields.empty()) system.others.emplace_back(&beside);
+        for (Ours& ours : m_ours)
+            if (ours.first == &entry && ours.second == &entry)
+                ours.isInKernels = ours.forces->addOperator(m_A.mparams.bFactor(), m_A.mparams.kFactor(), system);
     }
 
     /// Fp += F p of what the kernels do not know.
@@ -370,48 +356,24 @@ private:
         m_A.parent->addMBKdx(m_out, MatricesFactors::M(m), MatricesFactors::B(b), MatricesFactors::K(k), false);
     }
 
-    /// What of ours on a state the kernels do not know, without the detour through SOFA's vectors.
-    struct Beside final : NodalOperator
+    /// What the kernels do not know of ours, without the detour through SOFA's vectors.
+    struct Products final : NodalOperator
     {
-        explicit Beside(const States::Entry& of) : entry(of) {}
         void add_product(ConstPoints p, Points Fp) const override
         {
-            for (const OurForceField* field : fields) field->addOwnProduct(b, k, p, Fp);
+            for (const Ours& ours : of) ours.forces->addOwnProduct(b, k, ours.rows(p), ours.rows(Fp));
         }
-        States::Entry entry;
-        std::vector<OurForceField*> fields;
+        std::vector<Ours> of;
         double b = 0, k = 0;  // factors of df/dv, df/dx
-    };
-
-    /// What of ours acts between two states, or within one as if it were two.
-    struct Between final : NodalOperator
-    {
-        struct Entry
-        {
-            template <class Field>
-            Pair<Field> rows(Field ofAll) const
-            {
-                return {States::rows(ofAll, *first), States::rows(ofAll, *second)};
-            }
-            OurInteraction* field;
-            const States::Entry *first, *second;
-        };
-        void add_product(ConstPoints p, Points Fp) const override
-        {
-            for (const Entry& pair : pairs) pair.field->addOwnProduct(b, k, pair.rows(p), pair.rows(Fp));
-        }
-        std::vector<Entry> pairs;
-        double b = 0, k = 0;
     };
 
     BaseContext& m_context;
     States m_states;
     GraphScatteredMatrix& m_A;
     GraphScatteredVector &m_in, &m_out;
-    mutable std::vector<OurForceField*> m_ours;  ///< on the states: SOFA's products are without them
-    mutable std::vector<Beside> m_besides;       ///< one per state
-    mutable Between m_between;                   ///< SOFA's products are without it as well
-    mutable double m_massOfOthers = 0;           ///< factor of the masses in what the kernels do not know
+    mutable std::vector<Ours> m_ours;   ///< on the states: SOFA's products are without them
+    mutable Products m_products;        ///< of ours that is not in the kernels
+    mutable double m_massOfOthers = 0;  ///< factor of the masses in what the kernels do not know
 };
 
 }  // namespace hexaplast::sofa_plugin

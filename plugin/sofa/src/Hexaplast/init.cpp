@@ -12,15 +12,16 @@
 // What SOFA looks for in a plugin.
 extern "C"
 {
-    // OMP_NUM_THREADS says how many threads the kernels have, unless RunSettings does; one where neither is set. Results
-    // do not depend on it.
+    // OMP_NUM_THREADS says how many threads the kernels have, unless RunSettings does; one where neither is set.
+    // Results do not depend on it.
     SOFA_EXPORT_DYNAMIC_LIBRARY void initExternalModule()
     {
         static bool isFirst = true;
         if (!std::exchange(isFirst, false)) return;
         // a program that links the plugin has not loaded it by its name
         auto& plugins = sofa::helper::system::PluginManager::getInstance();
-        if (!plugins.pluginIsLoaded(hexaplast::sofa_plugin::MODULE_NAME)) plugins.registerPlugin(hexaplast::sofa_plugin::MODULE_NAME);
+        if (!plugins.pluginIsLoaded(hexaplast::sofa_plugin::MODULE_NAME))
+            plugins.registerPlugin(hexaplast::sofa_plugin::MODULE_NAME);
         const char* asked = std::getenv("OMP_NUM_THREADS");
         const int count = asked ? std::atoi(asked) : 0;
         if (count > 0) hexaplast::set_num_threads(count);

@@ -43,11 +43,13 @@ void add(const BlockMatrix& blocks, NodeRange rows, NodeRange columns, Derivativ
         }
 }
 
-template <class Derivative>
-void add(const BlockMatrix& blocks, Derivative derivative)
+/// Ready to be added to, of so many nodes.
+inline void clear(BlockMatrix& blocks, int numNodes)
 {
-    const NodeRange all{0, blocks.num_nodes()};
-    add(blocks, all, all, derivative);
+    if (blocks.num_nodes() == numNodes)
+        blocks.clear();
+    else
+        blocks = BlockMatrix(numNodes);
 }
 
 }  // namespace hexaplast::sofa_plugin
