@@ -2,6 +2,8 @@
 // What is doubtful is said: before a run, in the terminal, the summary and the report, and by exit codes. Numbers
 // beyond all bounds end a run in the step that makes them, and no file ever holds one; so does what a component
 // refuses; a solver that comes to no end is stopped, counted and reported.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <regex>
 
