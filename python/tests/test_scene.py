@@ -159,20 +159,21 @@ def test_less_than_one_step_is_refused(steps):
     assert scene.num_steps == 0
 
 
-def test_remarks_of_a_step_that_fails_are_warnings(tmp_path):
-    file = tmp_path / "damped.scn"
-    file.write_text("""<Node dt="0.5" gravity="0 0 -9"><DefaultAnimationLoop/>
-  <EulerImplicitSolver/><CGLinearSolver threshold="0"/>
-  <RegularGridTopology n="4 2 2" max="3 1 1"/><MechanicalObject/><DiagonalMass massDensity="10"/>
-  <AttributeChange component="@ball" attribute="active" keyTimes="2" values="1"/>
-  <AttributeChange component="@springs" attribute="damping" keyTimes="2" values="1e300"/>
-  <HexahedronElastoplasticFEMForceField youngModulus="500"/><FixedProjectiveConstraint indices="0 4 8 12"/>
-  <SpringForceField name="springs" indices1="7 15" indices2="3 11" stiffness="1" damping="0" lengths="1"/>
-  <InstrumentContactForceField name="ball" active="0" radius="1" keyTimes="0" positions="3 0.5 1.2"/>
+def test_remarks_of_a_run_that_fails_are_warnings(tmp_path):
+    file = tmp_path / "warns.scn"
+    file.write_text("""<Node dt="0.01" gravity="0 0 -9.81"><DefaultAnimationLoop/>
+  <EulerImplicitSolver/><MultigridCGLinearSolver/>
+  <AttributeChange component="@ball" attribute="active" keyTimes="0.02" values="1"/>
+  <AttributeChange component="@body" attribute="plasticFlowRate" keyTimes="0.04" values="1000"/>
+  <RegularGridTopology n="4 2 2" max="0.03 0.01 0.01"/><MechanicalObject/><DiagonalMass massDensity="1000"/>
+  <HexahedronElastoplasticFEMForceField name="body" youngModulus="5000" yieldStress="1e9" plasticFlowRate="1"
+      restShape="joined"/>
+  <FixedProjectiveConstraint indices="0 4 8 12"/>
+  <InstrumentContactForceField name="ball" active="0" radius="0.01" keyTimes="0" positions="0.03 0.005 0.012"/>
 </Node>""")
     scene = hexaplast.Scene(file)
     with pytest.warns(UserWarning, match="becomes active"):
-        with pytest.raises(ArithmeticError):
+        with pytest.raises(ValueError, match="plasticFlowRate"):
             scene.run(40)
 
 

@@ -262,7 +262,7 @@ TEST(SceneLinks, CirclesAreFound) {
             "test.scn:3: error: BoxROI.box: link '@b.box' leads back to itself\n"
             "test.scn:4: error: BoxROI.box: link '@a.box' leads back to itself");
   EXPECT_EQ(errors_of(framed("<BoxROI name='a' hexahedra='@a.hexahedraInROI'/>")),
-            "test.scn:3: error: BoxROI.hexahedronIndices: depends on itself through links");
+            "test.scn:3: error: BoxROI.hexahedraInROI: depends on itself through links");
 }
 
 TEST(SceneLinks, StayLive) {

@@ -92,7 +92,8 @@ TEST_F(HostileScene, LinksInChains) {
   for (int i = 1; i < 5'000; ++i)
     chain = "<IndexValueMapper name='r" + std::to_string(i) + "' inputValues='@r" + std::to_string(i - 1) +
             ".outputValues'/>" + chain;
-  write("hostile.scn", "<Node>" + chain + "</Node>");
+  write("hostile.scn",
+        "<Node>" + chain + "<SphereROI position='0 0 0' centers='0 0 0' radii='@r4999.outputValues'/></Node>");
   expect_refused({{"run hostile.scn", 3, "more than 100 components follow one another"}});
 }
 
