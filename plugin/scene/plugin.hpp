@@ -21,7 +21,7 @@ class PluginError : public std::runtime_error {
 };
 
 /// Number of this component interface; grows with every change that a compiled plugin would notice.
-inline constexpr std::uint32_t kInterfaceNumber = 19;
+inline constexpr std::uint32_t kInterfaceNumber = 20;
 
 /// What a plugin and its host must agree on before one may call the other. Plain data without pointers: the host reads
 /// it from the plugin's file, before any code of the plugin runs.
