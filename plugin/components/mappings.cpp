@@ -86,7 +86,8 @@ class BarycentricMapping final : public StateMapping {
 
  private:
   void connect(scene::MechanicalState& above, scene::MechanicalState& below) override {
-    scene::Topology* topology = above.node().nearest<scene::Topology>();
+    scene::Topology* topology = is_given("input_topology") ? &linked<scene::Topology>("input_topology")
+                                                           : above.node().nearest<scene::Topology>();
     if (!topology) reject("needs a Topology at the state that is followed");
     hexahedra_ = &hexahedra_on(*this, *topology, above.num_nodes());
     embedding_.emplace(above.positions(), *hexahedra_, below.positions());

@@ -94,7 +94,8 @@ class DiagonalMass final : public LumpedMass {
   Eigen::VectorXd rest_volumes(Eigen::Index num_nodes) {
     auto& state = *node().nearest<scene::MechanicalState>();
     hexahedra_ = &hexahedra_on(*this, linked<scene::Topology>("topology"), static_cast<int>(num_nodes));
-    volumes_ = element_volumes(state.rest_positions(), present_hexahedra(*hexahedra_, state));
+    volumes_ = element_volumes(boolean("computeMassOnRest") ? state.rest_positions() : state.positions(),
+                               present_hexahedra(*hexahedra_, state));
     return hexaplast::nodal_masses(static_cast<int>(num_nodes), *hexahedra_, volumes_);
   }
 

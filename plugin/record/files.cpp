@@ -60,6 +60,7 @@ bool is_of_run(std::string_view name) {
   name = without_part(name);
   const auto is_state = [&](std::string_view of) { return is_numbered(name, fmt::format("{}_", of), ".vtu"); };
   return is_series(name) || is_table(name) || name == "manifest.json" || name == "report.html" ||
+         name == "plot.svg" ||  // of earlier versions
          name == "viewer.json" || std::ranges::any_of(kSeries, is_state) || is_numbered(name, "checkpoint_", ".hxc");
 }
 

@@ -91,6 +91,8 @@ inline constexpr Table kDiagonalMass{
          "given."),
     real("massDensity", {.unit = "kg/m^3", .range = kPositive}, "Mass per volume at rest."),
     reals("vertexMass", {.unit = "kg", .range = kNotNegative}, "One value for all nodes, or one per node."),
+    boolean("computeMassOnRest", {.initial = "true"},
+            "Whether volumes are those of the rest positions or of the first positions."),
     kMassRayleigh,
     kMassTopology,
 };
@@ -273,6 +275,7 @@ inline constexpr Table kBarycentricMapping{
             "nodes."),
     kMappingInput,
     kMappingOutput,
+    link("input_topology", "The hexahedra; default: the topology of the followed state's node."),
 };
 
 inline constexpr Table kIdentityMapping{
