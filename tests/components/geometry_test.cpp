@@ -328,6 +328,20 @@ TEST(BarycentricMapping, CarriesMassesAndStiffnessUp) {
   EXPECT_TRUE(agrees(after(skewed(flat), 20), direct, 1e-12));
 }
 
+TEST(BarycentricMapping, TakesTheTopologyThatItIsGiven) {
+  const auto errors = [](const std::string& attributes) {
+    return errors_of(in_root(
+        "",
+        "<MeshTopology position='0 0 0 1 0 0 1 1 0 0 1 0' quads='0-3'/>"
+        "<RegularGridTopology name='grid' n='2 2 2'/><MechanicalObject topology='@grid'/><UniformMass totalMass='1'/>"
+        "<Node><MechanicalObject position='.5 .5 .5'/><BarycentricMapping " +
+            attributes + "/></Node>"));
+  };
+  EXPECT_EQ(errors("input_topology='@../grid'"), "");
+  EXPECT_TRUE(has(errors(""), "BarycentricMapping: 4 nodes in the topology, 8 in the mechanical state"));
+  EXPECT_TRUE(has(errors("input_topology='@none'"), "BarycentricMapping.input_topology: link '@none'"));
+}
+
 TEST(BarycentricMapping, SaysHowManyPointsLieOutside) {
   scene::Scene scene =
       read_and_init(skewed("<Node name='far'><MechanicalObject name='far' position='.5 .5 5  .5 .5 .5  4 0 0'/>"

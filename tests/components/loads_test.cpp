@@ -148,6 +148,17 @@ TEST(Mass, DiagonalMassGivesEachNodeItsEighths) {
             "test.scn:1: error: DiagonalMass.vertexMass: 2 values given for 12 nodes, must be one or one per node");
 }
 
+// A cube of 1 m at rest, which begins twice as large.
+TEST(Mass, OfVolumesAtRestOrAtFirst) {
+  scene::Scene scene = read_and_init(in_root(
+      "gravity='0 0 0'",
+      "<RegularGridTopology n='2 2 2'/><MechanicalObject name='nodes' scale3d='2 2 2' rest_position='0 0 0 1 0 0 "
+      "0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1'/><DiagonalMass name='rest' massDensity='8'/>"
+      "<DiagonalMass name='first' massDensity='8' computeMassOnRest='false'/>"));
+  EXPECT_TRUE(masses_of(scene, "rest").isApprox(Eigen::VectorXd::Ones(8), 1e-15));
+  EXPECT_TRUE(masses_of(scene, "first").isApprox(Eigen::VectorXd::Constant(8, 8), 1e-15));
+}
+
 TEST(PartialFixed, HoldsTheChosenDirectionsAlone) {
   scene::Scene scene =
       read_and_init(four_nodes("<ConstantForceField forces='2 4 6'/>"
