@@ -11,6 +11,7 @@ import zlib
 import h5py
 import numpy as np
 from h5py import h5d, h5p, h5s, h5t
+from h5py._objects import phil
 
 CHUNK_BYTES = 256 * 1024  # several states of small bodies together; a part of one state of large ones
 MAX_CHUNK_STATES = 256
@@ -117,7 +118,9 @@ class _Series:
             inside = self._rows[(slice(None), *[slice(at, at + part) for at, part in zip(corner, chunk)])]
             block[tuple(slice(0, size) for size in inside.shape)] = inside
             shuffled = block.reshape(-1).view(np.uint8).reshape(-1, block.itemsize).T.tobytes()
-            self.set.id.write_direct_chunk((first, *corner), zlib.compress(shuffled, COMPRESSION))
+            compressed = zlib.compress(shuffled, COMPRESSION)
+            with phil:  # the lock of h5py, which this method alone does not take: threads would wait for each other for ever
+                self.set.id.write_direct_chunk((first, *corner), compressed)
 
 
 def write_states(stream, path, ready=lambda: None):

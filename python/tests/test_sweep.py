@@ -8,6 +8,7 @@ import pathlib
 import shutil
 import signal
 import subprocess
+import sys
 
 import h5py
 import numpy as np
@@ -316,6 +317,26 @@ def test_data_that_have_changed_are_found(flowing):
     assert "2 of 3 runs are done already" in sweep(flowing, *once).stdout
     assert files(flowing / "found") == before
     assert "--fields or --every differ" in sweep(flowing, *once, "--every", "2", code=5).stderr
+
+
+WRITERS = """
+import concurrent.futures, io, sys
+from hexaplast_study import states
+data = sys.stdin.buffer.read()
+def write(number):
+    for _ in range(50):
+        states.write_states(io.BytesIO(data), f"{number}.h5")
+with concurrent.futures.ThreadPoolExecutor(4) as executor:
+    list(executor.map(write, range(4)))
+"""
+
+
+def test_threads_that_write_data_sets_come_to_an_end(flowing):
+    """Without the lock around write_direct_chunk they wait for each other."""
+    data = subprocess.run([COMMAND, "run", "bar.scn", "--quiet", "--steps", "10", "--fields", "displacement", "--stream", "1"],
+                          cwd=flowing, env={"PATH": os.environ["PATH"]}, capture_output=True, check=True).stdout
+    subprocess.run([sys.executable, "-c", WRITERS], cwd=flowing, input=data, check=True, timeout=100)
+    assert len({(flowing / f"{number}.h5").read_bytes() for number in range(4)}) == 1
 
 
 def test_a_run_writes_a_data_set_only_if_it_is_complete(flowing):
