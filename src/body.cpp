@@ -100,7 +100,7 @@ Body::State::State(HexMesh mesh, std::vector<Material> materials, Settings setti
 
 Body::Body(HexMesh mesh, std::vector<Material> materials, Settings settings)
     : state_(std::make_unique<State>(std::move(mesh), std::move(materials), settings)) {}
-Body::Body(const Body& other) : state_(std::make_unique<State>(*other.state_)) {
+Body::Body(const Body& other) : state_(std::make_unique<State>(other.state())) {
   state_->plain.follow(state_->model.mesh);
 }
 Body::Body(Body&& other) noexcept = default;
@@ -109,6 +109,30 @@ Body& Body::operator=(Body other) noexcept {
   return *this;
 }
 Body::~Body() = default;
+
+Body::State& Body::state() {
+  state_->take_from_device();
+  return *state_;
+}
+const Body::State& Body::state() const {
+  state_->download();
+  return *state_;
+}
+
+void Body::use_device(const std::string& name) {
+  if (name == device()) return;
+  OnDevice device;
+  if (name != "cpu") {
+    if (const std::string why = not_on_device(state_->model); !why.empty())
+      throw InputError(fmt::format("device {}: {}", name, why));
+    device = OnDevice(name);
+  }
+  state_->download();
+  if (device) device->set_up(state_->model, state_->history, state_->model.mesh.positions());
+  state_->renew("use_device");
+  state_->device = std::move(device);
+}
+std::string Body::device() const { return state_->device ? state_->device->name() : "cpu"; }
 
 const HexMesh& Body::mesh() const { return state_->model.mesh; }
 const std::vector<Material>& Body::materials() const { return state_->model.materials; }
@@ -120,7 +144,7 @@ const Settings& Body::settings() const { return state_->model.settings; }
 bool Body::can_flow() const { return state_->model.can_flow(); }
 
 const PointArray& Body::plastic_rest_positions() const {
-  const History& history = state_->history;
+  const History& history = state().history;
   return history.has_isolated_flow() ? state_->released.positions(state_->model, history)
                                      : history.plastic_rest_positions;
 }
@@ -130,8 +154,8 @@ bool Body::plastic_rest_has_converged() const {
 }
 std::span<const unsigned char> Body::alive() const { return state_->history.alive; }
 std::span<const int> Body::removed() const { return state_->history.removed; }
-std::span<const CornerValues> Body::yield_stress() const { return state_->history.yield_stress; }
-std::span<const CornerValues> Body::plastic_strain() const { return state_->history.plastic_strain; }
+std::span<const CornerValues> Body::yield_stress() const { return state().history.yield_stress; }
+std::span<const CornerValues> Body::plastic_strain() const { return state().history.plastic_strain; }
 const HexMesh& Body::initial_mesh() const { return state_->model.initial_mesh(); }
 const Joints& Body::joints() const { return state_->model.joints(); }
 const NodeCopies& Body::copies() const { return state_->model.copies; }
@@ -141,7 +165,7 @@ long Body::revision() const { return state_->revision; }
 double Body::dissipated_energy() const { return state_->history.dissipated_energy; }
 
 ElementPoints Body::element_rest_shape(int hexahedron) const {
-  state_->require_hexahedron(hexahedron);
+  state().require_hexahedron(hexahedron);
   const ElementHistory element = state_->history.element(state_->model, hexahedron);
   ElementPoints shape;
   for (int a = 0; a < kCorners; ++a)
@@ -187,6 +211,9 @@ void Body::linearize(ConstPoints x) {
   state_->terms.clear();
   if (state_->is_plain())
     state_->plain.linearize(state_->model, state_->history, x, state_->branches);
+  else if (state_->device)
+    state_->at.recovery =
+        state_->device->linearize(state_->model, state_->history, x) ? state_->springs_at(x) : Recovery();
   else
     hexaplast::linearize(state_->model, state_->history, x, state_->at,
                          !state_->skip_screening && state_->branches.empty(), state_->branches);
@@ -197,6 +224,10 @@ void Body::add_force(Points f) const {
   state_->require_linearized("add_force");
   state_->require_field("add_force", "f", f);
   if (state_->is_plain()) return state_->plain.add_force(f);
+  if (state_->device) {
+    state_->device->add_force(f);
+    return state_->at.recovery.add_force(f);
+  }
   hexaplast::add_force(state_->model, state_->at, f);
 }
 
@@ -205,6 +236,10 @@ void Body::add_stiffness_product(double factor, ConstPoints dx, Points df) const
   state_->require_field("add_stiffness_product", "dx", dx);
   state_->require_field("add_stiffness_product", "df", df);
   if (state_->is_plain()) return state_->plain.add_stiffness_product(factor, dx, df);
+  if (state_->device) {
+    state_->device->add_stiffness_product(factor, dx, df);
+    return state_->at.recovery.add_product(-factor, dx, df);
+  }
   hexaplast::add_stiffness_product(state_->model, state_->at, factor, dx, state_->slots, state_->product, df);
 }
 
@@ -212,6 +247,9 @@ void Body::add_stiffness_blocks(double factor, BlockMatrix& K) const {
   state_->require_linearized("add_stiffness_blocks");
   require_count("add_stiffness_blocks", "K", K.num_nodes(), state_->model.mesh.num_nodes());
   if (state_->is_plain()) return state_->plain.add_stiffness_blocks(factor, K);
+  if (state_->device)
+    throw InputError(
+        "a body on a device (attribute device) has no matrix: its solver must be one of conjugate gradients");
   hexaplast::add_stiffness_blocks(state_->model, state_->history, state_->at, factor, K);
 }
 
@@ -227,14 +265,17 @@ void Body::add_operator(double factor, MatrixFreeSystem& system) const {
   }
   KernelBody& body = system.bodies.emplace_back();
   body.factor = -factor;  // L = - df/dx
-  body.double_operator = std::get_if<ElementOperator<double, double>>(&state_->at.op);
-  if (const auto* half = std::get_if<ElementOperator<float, Half>>(&state_->at.op)) body.single_operator = half;
-  if (const auto* single = std::get_if<ElementOperator<float, float>>(&state_->at.op)) body.single_operator = single;
-  if (body.single_operator) {
-    state_->exact.setup(state_->model, state_->history, state_->at);
-    body.exact_operator = &state_->exact;
+  body.device = state_->device.get();
+  if (!body.device) {
+    body.double_operator = std::get_if<ElementOperator<double, double>>(&state_->at.op);
+    if (const auto* half = std::get_if<ElementOperator<float, Half>>(&state_->at.op)) body.single_operator = half;
+    if (const auto* single = std::get_if<ElementOperator<float, float>>(&state_->at.op)) body.single_operator = single;
+    if (body.single_operator) {
+      state_->exact.setup(state_->model, state_->history, state_->at);
+      body.exact_operator = &state_->exact;
+    }
+    body.scratch = &state_->slots;
   }
-  body.scratch = &state_->slots;
   if (state_->at.recovery.acts()) {
     auto term = std::ranges::find(state_->springs, -factor, &RecoveryTerm::factor);
     if (term == state_->springs.end()) term = state_->springs.emplace(term);
@@ -242,7 +283,7 @@ void Body::add_operator(double factor, MatrixFreeSystem& system) const {
     term->factor = -factor;
     system.others.push_back(&*term);
   }
-  if (!system.wants_levels) return;
+  if (!system.wants_levels || body.device) return;
   if (!state_->hierarchy) state_->hierarchy.emplace(state_->model);
   body.levels = state_->hierarchy->update(state_->model, state_->at);
 }
@@ -262,6 +303,13 @@ double Body::energy(ConstPoints x) const {
   state_->require_field("energy", "x", x);
   state_->require_relaxing_step("energy");
   if (state_->is_plain()) return plain::energy(state_->model, state_->history, x, state_->branches);
+  if (state_->device) {
+    if (const std::optional<double> sum = state_->device->energy(state_->model, state_->history, x)) {
+      state_->product = {};
+      return *sum;
+    }
+    state_->download();  // springs act, which the kernels find
+  }
   return hexaplast::energy(state_->model, state_->history, x, state_->slots, state_->product, state_->branches);
 }
 
@@ -284,6 +332,7 @@ FlowReport Body::flow(ConstPoints x, double dt) {
     state_->revision += report.removed > 0;
     return report;
   }
+  if (state_->device) return state_->device->flow(state_->model, x, dt, state_->history);
   if (state_->branches.empty() &&
       !(state_->skip_screening && state_->at.plastic_rest_version == state_->history.version)) {
     hexaplast::linearize(state_->model, state_->history, x, state_->at);
@@ -316,6 +365,7 @@ std::vector<int> Body::State::torn_faces(ConstPoints x) {
 
 void Body::remove(std::span<const int> elements) {
   for (const int e : elements) state_->require_hexahedron(e);
+  state_->take_from_device();
   state_->not_linearized_since = "remove";
   for (const int e : elements) {
     if (!state_->history.alive[e]) continue;
@@ -335,6 +385,7 @@ std::vector<int> Body::open(std::span<const int> joints, std::span<const double>
         fmt::format("{} crossings for {} joints, must be as many, or none", crossings.size(), joints.size()));
   for (const double place : crossings)
     if (!is_crossing(place)) throw InputError(fmt::format("crossing {} must lie in [0, 1]", place));
+  state_->take_from_device();
   std::vector<int>& opened = state_->history.opened;
   std::vector<unsigned char> is_open(count, 0);
   for (const int joint : opened) is_open[joint] = 1;
@@ -358,6 +409,7 @@ std::vector<int> Body::open(std::span<const int> joints, std::span<const double>
 
 void Body::set_materials(std::vector<Material> materials) {
   Model changed(state_->model, std::move(materials));
+  state_->take_from_device();
   History history = state_->history;
   if (changed.tracks_plastic_stretch && history.plastic_stretch.empty())
     history.plastic_stretch = History(changed).plastic_stretch;
@@ -388,8 +440,20 @@ void Body::State::take(Model changed, History changed_history, const char* call)
   renew(call);
 }
 
+void Body::State::take_from_device() {
+  download();
+  if (device) device->forget();
+}
+
+Recovery Body::State::springs_at(ConstPoints x) {
+  download();
+  hexaplast::energy(model, history, x, slots, product);
+  return product.recovery;
+}
+
 void Body::State::renew(const char* call) {
   ++revision;
+  if (device) device->forget();
   at = Linearization(model);
   not_linearized_since = call;
   make_flow();
@@ -420,12 +484,14 @@ std::pair<Model, History> Body::State::read(Archive& archive) const {
 }
 
 void Body::serialize(Archive& archive) {
+  state_->download();
   if (!archive.reads()) return state_->write(archive);
   auto [model, history] = state_->read(archive);
   state_->take(std::move(model), std::move(history), "serialize");
 }
 
 void Body::save(std::ostream& out) const {
+  state_->download();
   write_saved(out, kSavedBody, identity_of(state_->model), [&](Archive& archive) { state_->write(archive); });
 }
 
@@ -446,6 +512,7 @@ void Body::reset() {
     return state_->take(std::move(initial), std::move(history), "reset");
   }
   ++state_->revision;
+  if (state_->device) state_->device->forget();
   const long version = state_->history.version;
   state_->history = History(state_->model);
   state_->history.version = version + 1;  // what was derived from the old history is old
@@ -456,6 +523,7 @@ void Body::reset() {
 
 ElementFields Body::fields(ConstPoints x) const {
   state_->require_field("fields", "x", x);
+  state_->download();
   const int num_elements = state_->model.mesh.num_elements();
   const std::vector<BranchStep> branches = branch_steps(settings(), 0);  // stress is that of the moment
   ElementFields out;
@@ -510,6 +578,7 @@ double Body::initial_volume(int hexahedron) const {
 }
 
 void Body::add_to(StateHash& hash) const {
+  state_->download();
   add_array(hash, state_->history.rest_shape);
   add_array(hash, state_->history.rotation_map);
   add_array(hash, state_->history.yield_stress);

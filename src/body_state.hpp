@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "device/device_body.hpp"
 #include "elastic/hierarchy.hpp"
 #include "elastic/operators.hpp"
 #include "hexaplast/body.hpp"
@@ -20,6 +21,16 @@ namespace hexaplast {
 
 /// What a body solves its averaging with.
 PreconditionedConjugateGradients averaging_solver(const Model& model);
+
+/// A body's device, if it has one; a copy of the body has one of its own.
+class OnDevice : public std::unique_ptr<DeviceBody> {
+ public:
+  OnDevice() = default;
+  explicit OnDevice(const std::string& name) : std::unique_ptr<DeviceBody>(std::make_unique<DeviceBody>(name)) {}
+  OnDevice(const OnDevice& other) : OnDevice(other ? OnDevice(other->name()) : OnDevice()) {}
+  OnDevice(OnDevice&&) = default;
+  OnDevice& operator=(OnDevice&&) = default;
+};
 
 /// All that a body is.
 struct Body::State {
@@ -47,6 +58,16 @@ struct Body::State {
   /// The faces that are to open after a plastic step that led to x.
   std::vector<int> torn_faces(ConstPoints x);
 
+  /// What has flowed on the device comes into `history`.
+  void download() {
+    if (device) device->download(history);
+  }
+
+  /// The same; and the device is to take all of it again.
+  void take_from_device();
+  /// The springs of `recovery` at x.
+  Recovery springs_at(ConstPoints x);
+
   bool is_plain() const { return model.is_plain; }
   const Recovery& recovery() const { return is_plain() ? plain.recovery() : at.recovery; }  // of the linearized body
 
@@ -69,6 +90,7 @@ struct Body::State {
   std::deque<plain::StiffnessTerm> terms;     // the same of a plain body
   std::optional<ElementHierarchy> hierarchy;  // made when a solver first asks for levels
   long revision = 0;                          // Body::revision
+  OnDevice device;                            // computes it, in place of the kernels and of `at` but for its springs
   ReleasedShape released;                     // of isolated rest shapes, made when it is first asked for
 };
 

@@ -32,6 +32,7 @@ const std::map<std::string, int> kHeight{
     {"solve", 6},
     {"plastic", 6},
     {"plain", 7},
+    {"device", 7},
     {"body", 8},
     {"contact", 8},
     {"inspect", 9},

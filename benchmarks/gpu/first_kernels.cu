@@ -13,10 +13,7 @@
 #include <string>
 #include <vector>
 
-#ifndef __CUDACC__
-#include "emulation.hpp"
-#endif
-#include "kernels.cuh"
+#include "device/kernels.cuh"
 #include "reference.hpp"
 
 namespace hexaplast::one_number {
@@ -29,60 +26,9 @@ constexpr int kIterations = 25;
 constexpr double kEdge = 0.003, kMu = 1724, kLambda = 15517;  // [m], [Pa]: 5 kPa, Poisson's ratio .45
 constexpr gpu::FlowNumbers kRule{.rate_dt = 0.05, .hardening = 0.2};
 
-#ifdef __CUDACC__
-void check(cudaError_t error, int line) {
-  if (error == cudaSuccess) return;
-  std::fprintf(stderr, "first_kernels: line %d: %s\n", line, cudaGetErrorString(error));
-  std::exit(1);
-}
-#define CHECK(call) check(call, __LINE__)
-cudaStream_t stream;
-void* allocate(std::size_t bytes) {
-  void* at;
-  CHECK(cudaMalloc(&at, bytes));
-  CHECK(cudaMemset(at, 0xff, bytes));  // NaN: what nobody writes shows
-  return at;
-}
-void release(void* at) { cudaFree(at); }
-void copy(void* to, const void* from, std::size_t bytes) {
-  CHECK(cudaStreamSynchronize(stream));
-  CHECK(cudaMemcpy(to, from, bytes, cudaMemcpyDefault));
-}
-void copy_on_device(void* to, const void* from, std::size_t bytes) {
-  CHECK(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, stream));
-}
-template <class... Parameters, class... Args>
-void launch(void (*kernel)(Parameters...), int blocks, int threads, const Args&... args) {
-  kernel<<<blocks, threads, 0, stream>>>(args...);
-  CHECK(cudaGetLastError());
-}
-#else
-void* allocate(std::size_t bytes) { return std::memset(std::malloc(bytes), 0xff, bytes); }
-void release(void* at) { std::free(at); }
-void copy(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
-void copy_on_device(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
-void launch(auto* kernel, int blocks, int threads, const auto&... args) { emulate(kernel, blocks, threads, args...); }
-#endif
-
-/// An array on the device.
-template <class T>
-class Array {
- public:
-  explicit Array(std::size_t count) : count_(count), at_(static_cast<T*>(allocate(count * sizeof(T))), release) {}
-  explicit Array(const std::vector<T>& from) : Array(from.size()) { set(from); }
-  void set(const std::vector<T>& from) { copy(at_.get(), from.data(), bytes()); }
-  operator T*() const { return at_.get(); }
-  std::size_t bytes() const { return count_ * sizeof(T); }
-  std::vector<T> values() const {
-    std::vector<T> to(count_);
-    copy(to.data(), at_.get(), bytes());
-    return to;
-  }
-
- private:
-  std::size_t count_;
-  std::unique_ptr<T, void (*)(void*)> at_;
-};
+using device::Array;
+using device::copy_on_device;
+using device::launch;
 
 struct Size {
   int x, y, z;  ///< multiples of 4, 4, 2
@@ -111,7 +57,8 @@ struct Grid {
   std::vector<std::uint16_t> begin;
   std::vector<int> node, partial_begin, partial;
   std::vector<double4_32a> rest_x, x;
-  std::vector<float> rest, mass, mean;
+  std::vector<float> rest, mean;
+  std::vector<float4> mass;  // of each axis
   Numbers G, tau;
   int num_bricks, num_nodes;
 
@@ -123,7 +70,7 @@ struct Grid {
       const double u = 1.08 * X.x + 0.03 * kEdge * about(random), v = 0.97 * X.y + 0.03 * kEdge * about(random);
       x.push_back({0.8 * u - 0.6 * v + 1, 0.6 * u + 0.8 * v, 1.02 * X.z + 0.03 * kEdge * about(random), 0});
     }
-    mass.assign(num_nodes, 0), rest.resize(size.count() * kRestNumbers);
+    mass.assign(num_nodes, {}), rest.resize(size.count() * kRestNumbers);
     G.resize(size.count() * 72), tau.resize(size.count() * 8);
     for (int e = 0; e < size.count(); ++e) {
       Mat<double> edges;
@@ -135,10 +82,11 @@ struct Grid {
       const Mat<double> dual = reciprocal(edges, volume);
       const auto set = [&](int k, double a) { rest[place_of(e, kRestNumbers, k)] = static_cast<float>(a); };
       for (int k = 0; k < 9; ++k) set(k, dual.m[k / 3][k % 3]);
-      set(9, volume), set(10, kMu), set(11, kLambda);
+      set(9, volume), set(10, kMu), set(11, kLambda), set(12, kRule.rate_dt), set(13, kRule.hardening);  // in 1 s
       for (int c = 0; c < 8; ++c) {
         // h^2 K / M about 9: sound crosses three edges in a step
-        mass[node_of(e, c)] += static_cast<float>((2 * kMu + kLambda) * volume / (9 * 8 * kEdge * kEdge));
+        float4& m = mass[node_of(e, c)];
+        m.x = m.y = m.z = m.x + static_cast<float>((2 * kMu + kLambda) * volume / (9 * 8 * kEdge * kEdge));
         for (int k = 0; k < 9; ++k) G[place_of(e, 72, 8 * k + c)] = (k % 4 == 0) + 0.03 * about(random);
         tau[place_of(e, 8, c)] = 0.02 * kMu * (1 + 0.3 * about(random));
       }
@@ -209,21 +157,26 @@ struct Body {
 
   void linearize_at(const History& history) {
     launch(linearize, blocks, kBricksOfBlock * kWidth, at, rest, float(kEdge), x, history.G, history.mean, coef, weight,
-           partial);
+           partial, 0.05f, status);
   }
   void flow_to(const History& before, History& after) {
-    launch(flow, blocks, kBricksOfBlock * kWidth, at, rest, FlowRule{float(kRule.rate_dt), float(kRule.hardening)}, x,
+    launch(flow, blocks, kBricksOfBlock * kWidth, at, rest, FlowRule{.dt = 1}, x,
            Plastic<const double>{before.G, before.tau, before.strain}, before.mean,
-           Plastic<double>{after.G, after.tau, after.strain}, after.mean, left);
+           Plastic<double>{after.G, after.tau, after.strain}, after.mean, status, value);
   }
   void multiply_by(const Direction& d) {
     launch(multiply, blocks, kBricksOfBlock * kWidth, at, coef, weight, d, partial);
   }
   void sum(const Direction& d) {
-    launch(sum_nodes, node_blocks, kNodesOfBlock, at, mass, partial, d, p, Ap, block_sum, scalars);
+    launch(sum_nodes, node_blocks, kNodesOfBlock, at, NodalSystem{1, mass, nullptr, nullptr}, partial, d, p, Ap,
+           block_sum, scalars);
   }
-  void add_step() { launch(update, node_blocks, kNodesOfBlock, at.num_nodes, p, Ap, dv, r, block_sum, scalars); }
-  Direction next() const { return {p, r, &static_cast<Scalars*>(scalars)->beta}; }
+  void add_step() {
+    launch(update, node_blocks, kNodesOfBlock, at.num_nodes, static_cast<float4*>(nullptr),
+           Factor{0, &at_scalars()->alpha}, p, Ap, dv, r, block_sum, scalars);
+  }
+  Direction next() const { return {p, r, nullptr, {0, &at_scalars()->beta}}; }
+  Scalars* at_scalars() const { return scalars; }
   /// From 0.
   void solve(int iterations) {
     copy_on_device(r, rhs, r.bytes());
@@ -238,18 +191,20 @@ struct Body {
     }
   }
   const Grid& grid;
-  Array<std::uint8_t> local{grid.local}, sorted{grid.sorted}, left{std::size_t(grid.num_bricks * kWidth)};
+  Array<std::uint8_t> local{grid.local}, sorted{grid.sorted}, status{std::size_t(grid.num_bricks * kWidth)};
   Array<std::uint16_t> begin{grid.begin};
   Array<int> node{grid.node}, partial_begin{grid.partial_begin}, places{grid.partial};
   Array<double4_32a> x{grid.x};
-  Array<float> rest{grid.rest}, mass{grid.mass}, weight{std::size_t(grid.num_bricks * 2 * kWidth)};
+  Array<float> rest{grid.rest}, weight{std::size_t(grid.num_bricks * 2 * kWidth)}, value{status.size()};
+  Array<float4> mass{grid.mass};
+  Array<std::uint32_t> present{std::vector<std::uint32_t>(grid.num_bricks, ~0u)};
   Array<uint4> coef{std::size_t(grid.num_bricks * kWords * kWidth)};
   std::size_t num_nodes = grid.num_nodes;
   Array<float4> partial{std::size_t(grid.num_bricks * kNodes)}, p{num_nodes}, Ap{num_nodes}, r{num_nodes},
       dv{num_nodes}, rhs{num_nodes}, zero{std::vector<float4>(num_nodes)};
-  Array<double> block_sum{num_nodes / kNodesOfBlock + 1};
-  Array<Scalars> scalars{1}, start{std::vector<Scalars>{{.alpha = 0, .beta = 0, .rr = 1, .finished = 0}}};
-  Layout at{grid.num_bricks, grid.num_nodes, local, sorted, begin, node, partial_begin, places};
+  Array<double> block_sum{2 * (num_nodes / kNodesOfBlock + 1)};
+  Array<Scalars> scalars{1}, start{std::vector<Scalars>{{.alpha = 0, .beta = 0, .rz = 1, .finished = 0}}};
+  Layout at{grid.num_bricks, grid.num_nodes, local, sorted, begin, node, partial_begin, places, present};
   int blocks = (grid.num_bricks + kBricksOfBlock - 1) / kBricksOfBlock;
   int node_blocks = (grid.num_nodes + kNodesOfBlock - 1) / kNodesOfBlock;
 };
@@ -359,7 +314,7 @@ void compare(const Size& size) {
     for (int k = 0; k < kByHexahedron; ++k) stored[e].coef[72 + k] = stored_at(9 + k / 8, k % 8);
     for (int k = 0; k < 2; ++k) stored[e].weight[k] = weight[place_of(e, 2, k)];
   }
-  body.multiply_by({body.p, nullptr, nullptr});
+  body.multiply_by({body.p, nullptr, nullptr, {}});
   const Numbers product = nodal(grid, body.partial.values());  // halves round by 5e-4
   bound(size, "product, of its coefficients", error_in_norm(product, product_of(grid, stored, p)), 1e-6);
   bound(size, "product, of exact ones", error_in_norm(product, product_of(grid, right, p)), 5e-4);
@@ -369,7 +324,7 @@ void compare(const Size& size) {
   for (int k = 0; k < kIterations; ++k) {
     for (std::size_t i = 0; i < d.size(); ++i) d[i] = r[i] + beta * d[i];
     Numbers Ad = product_of(grid, stored, d);
-    for (std::size_t i = 0; i < d.size(); ++i) Ad[i] += grid.mass[i / 3] * d[i];
+    for (std::size_t i = 0; i < d.size(); ++i) Ad[i] += grid.mass[i / 3].x * d[i];
     const double alpha = rr / dot(d, Ad);
     for (std::size_t i = 0; i < d.size(); ++i) dv[i] += alpha * d[i], r[i] -= alpha * Ad[i];
     const double next = dot(r, r);
@@ -379,8 +334,8 @@ void compare(const Size& size) {
   bound(size, "25 iterations", error_in_norm(numbers_of(body.dv.values()), dv), 1e-4);
 
   body.flow_to(before, after);
-  const std::vector<std::uint8_t> left = body.left.values();
-  bound(size, "hexahedra that the flow leaves over", double(left.size() - std::count(left.begin(), left.end(), 0)), 0);
+  const std::vector<std::uint8_t> status = body.status.values();
+  bound(size, "hexahedra that the flow leaves over", double(std::count(status.begin(), status.end(), kLeft)), 0);
   bound(size, "G after the flow, per unit of fraction", greatest_error(after.G.values(), G) / fraction, 1e-6);
   bound(size, "tau after the flow / (2 mu + lambda)", greatest_error(after.tau.values(), tau) / modulus, 2e-6);
   bound(size, "strain of the flow, per unit of fraction", greatest_error(after.strain.values(), strain) / fraction,
@@ -426,28 +381,28 @@ void compare_repeats(const Size& size, int repeats) {
 double time_of(int calls, const std::function<void()>& call) {
   cudaGraph_t graph;
   cudaGraphExec_t ready;
-  CHECK(cudaStreamBeginCapture(stream, cudaStreamCaptureModeGlobal));
+  device::check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeGlobal));
   for (int k = 0; k < calls; ++k) call();
-  CHECK(cudaStreamEndCapture(stream, &graph));
-  CHECK(cudaGraphInstantiate(&ready, graph, 0));
+  device::check(cudaStreamEndCapture(stream, &graph));
+  device::check(cudaGraphInstantiate(&ready, graph, 0));
   cudaEvent_t from, to;
-  CHECK(cudaEventCreate(&from));
-  CHECK(cudaEventCreate(&to));
+  device::check(cudaEventCreate(&from));
+  device::check(cudaEventCreate(&to));
   Numbers times;
   for (int k = -5; k < 60; ++k) {
     float ms;
-    CHECK(cudaEventRecord(from, stream));
-    CHECK(cudaGraphLaunch(ready, stream));
-    CHECK(cudaEventRecord(to, stream));
-    CHECK(cudaEventSynchronize(to));
-    CHECK(cudaEventElapsedTime(&ms, from, to));
+    device::check(cudaEventRecord(from, stream));
+    device::check(cudaGraphLaunch(ready, stream));
+    device::check(cudaEventRecord(to, stream));
+    device::check(cudaEventSynchronize(to));
+    device::check(cudaEventElapsedTime(&ms, from, to));
     if (k >= 0) times.push_back(1e3 * ms / calls);
   }
   std::sort(times.begin(), times.end());
-  CHECK(cudaEventDestroy(from));
-  CHECK(cudaEventDestroy(to));
-  CHECK(cudaGraphExecDestroy(ready));
-  CHECK(cudaGraphDestroy(graph));
+  device::check(cudaEventDestroy(from));
+  device::check(cudaEventDestroy(to));
+  device::check(cudaGraphExecDestroy(ready));
+  device::check(cudaGraphDestroy(graph));
   return times[times.size() / 2];
 }
 
@@ -468,11 +423,11 @@ void measure(const Size& size) {
   const double in_brick = 75.0 / kWidth, nodes = double(grid.num_nodes) / count, corners = 8 + 4 * in_brick;
   const double sums = 8 + (2 * (kNodes + 1) + 16.0 * kNodes) / kWidth, product = 256 + 8 + corners + sums;
   const double place = 48 + 24 + corners + 32 * in_brick;
-  row("product", product + 16 * in_brick, calls, [&] { body.multiply_by({body.p, nullptr, nullptr}); });
+  row("product", product + 16 * in_brick, calls, [&] { body.multiply_by({body.p, nullptr, nullptr, {}}); });
   row("product, p = r + beta p", product + 32 * in_brick, calls, [&] { body.multiply_by(body.next()); });
-  row("sum of nodes, p.Ap", 72 * nodes + 20 * in_brick, calls, [&] { body.sum(body.next()); });
+  row("sum of nodes, p.Ap", 84 * nodes + 20 * in_brick, calls, [&] { body.sum(body.next()); });
   row("update, r.r", 96 * nodes, calls, [&] { body.add_step(); });
-  row("25 iterations", kIterations * (product + 52 * in_brick + 168 * nodes), 1, [&] { body.solve(kIterations); });
+  row("25 iterations", kIterations * (product + 52 * in_brick + 180 * nodes), 1, [&] { body.solve(kIterations); });
   row("linearize", place + 576 + 256 + 8 + sums, calls, [&] { body.linearize_at(before); });
   row("flow", place + 24 + 2 * 704 + 1, calls, [&] { body.flow_to(before, after); });
   const auto memory = [&](const char* name, auto... bytes) {
@@ -492,10 +447,10 @@ void run([[maybe_unused]] bool has_times) {
 #ifdef __CUDACC__
   cudaDeviceProp device;
   int clock = 0, width = 0;
-  CHECK(cudaGetDeviceProperties(&device, 0));
-  CHECK(cudaDeviceGetAttribute(&clock, cudaDevAttrMemoryClockRate, 0));
-  CHECK(cudaDeviceGetAttribute(&width, cudaDevAttrGlobalMemoryBusWidth, 0));
-  CHECK(cudaStreamCreate(&stream));
+  device::check(cudaGetDeviceProperties(&device, 0));
+  device::check(cudaDeviceGetAttribute(&clock, cudaDevAttrMemoryClockRate, 0));
+  device::check(cudaDeviceGetAttribute(&width, cudaDevAttrGlobalMemoryBusWidth, 0));
+  device::check(cudaStreamCreate(&device::stream));
   print_row(R"({"device": "%s", "multiprocessors": %d, "GB/s": %g, "compiler": "nvcc %d.%d.%d"})", device.name,
             device.multiProcessorCount, 2.0 * clock * (width / 8) * 1e-6, __CUDACC_VER_MAJOR__, __CUDACC_VER_MINOR__,
             __CUDACC_VER_BUILD__);

@@ -4,6 +4,7 @@
 #include <iosfwd>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "hexaplast/base/archive.hpp"
@@ -57,6 +58,13 @@ class Body {
   /// sudden change. Where nothing relaxes (Settings::relaxation) it is without effect. Otherwise another dt ends the
   /// linearization. Throws InputError for other numbers.
   void set_time_step(double dt);
+
+  /// What computes the body: "cpu", "cuda" for a graphics card, "emulation" for its kernels on the CPU (docs/gpu.md).
+  /// In single precision, and with solvers by conjugate gradients alone. Between two time steps; nothing that is saved
+  /// knows of it. Throws InputError where there is no device, and for a body that it cannot compute, by the name of the
+  /// setting; the body is then as before.
+  void use_device(const std::string& name);
+  std::string device() const;
 
   /// Fixes the positions that add_force, the stiffness verbs and add_operator refer to.
   void linearize(ConstPoints x);
@@ -175,8 +183,8 @@ class Body {
 
   /// Model, History and Linearization themselves, for the library's own tests and measurements (src/body_state.hpp).
   struct State;
-  State& state() { return *state_; }
-  const State& state() const { return *state_; }
+  State& state();
+  const State& state() const;
 
  private:
   std::unique_ptr<State> state_;

@@ -11,6 +11,9 @@ namespace hexaplast::attributes {
 /// What a body has besides what it is made of.
 inline constexpr std::array kBodyAttributes = {
     kForceRayleigh,
+    one_of("device", {.initial = "cpu", .words = "cpu cuda emulation"},
+           "What computes the body: cuda is a graphics card, emulation its kernels on the CPU. Both need precision = "
+           "mixed, and refuse what docs/gpu.md names. Cannot change during a run."),
     link("topology", "The hexahedra; default: the nearest topology."),
     output(reals("plasticStrain", "Accumulated plastic strain of each hexahedron: mean over its corners.")),
     output(reals("presentYieldStress", {.unit = "Pa"},

@@ -110,7 +110,8 @@ class HexahedronElastoplasticFEMForceField final : public ElasticForces<BodyFiel
   }
 
   bool may_change(std::string_view attribute) const override {
-    return std::ranges::none_of(settings_rows(), [&](const auto& row) { return row.name == attribute; });
+    return attribute != "device" &&
+           std::ranges::none_of(settings_rows(), [&](const auto& row) { return row.name == attribute; });
   }
 
   void end_step(double dt) override {
@@ -172,8 +173,8 @@ class HexahedronElastoplasticFEMForceField final : public ElasticForces<BodyFiel
   parts::HexahedralBodyOptions options() {
     std::vector<parts::MaterialRegion> regions;
     for (MaterialRegion* region : MaterialRegion::all_of(*this)) regions.push_back(region->values(*hexahedra_));
-    return parts::body_options([this](const auto& row) { return values_of(*this, row); }, hexahedra_->size(),
-                               topology_->fill(), regions);
+    return parts::body_options([this](const auto& row) { return values_of(*this, row); }, text("device"),
+                               hexahedra_->size(), topology_->fill(), regions);
   }
 
   scene::MechanicalState* state_ = nullptr;

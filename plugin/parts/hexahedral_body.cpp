@@ -94,7 +94,14 @@ Body HexahedralBody::made(ConstPoints rest, const std::vector<Hexahedron>& hexah
   const auto count = static_cast<double>(hexahedra.size());
   memory_ = grant_memory(fmt::format("a body of {:.10g} hexahedra", count),
                          count * bytes_per_hexahedron(options.materials, options.settings));
-  return Body(HexMesh(rest, hexahedra), std::move(options.materials), options.settings);
+  Body body(HexMesh(rest, hexahedra), std::move(options.materials), options.settings);
+  try {
+    body.use_device(options.device);
+  } catch (const InputError& error) {
+    const std::string why = error.what();
+    throw OptionError("device", fmt::format("= '{}': {}", options.device, why.substr(why.find(": ") + 2)));
+  }
+  return body;
 }
 
 void HexahedralBody::check(const HexahedralBodyOptions& options, double dt) {
@@ -116,6 +123,7 @@ void HexahedralBody::set_options(HexahedralBodyOptions options, double dt) {
   for (const Row<Settings>& row : settings_rows())
     if (row.values(options.settings) != row.values(body_.settings()))
       errors.add({row.name, "cannot change during a run, only members of the material can"});
+  if (options.device != body_.device()) errors.add({"device", "cannot change during a run"});
   errors.throw_all();
   check(options, dt);
   if (!are_same(options.materials, body_.materials())) body_.set_materials(std::move(options.materials));

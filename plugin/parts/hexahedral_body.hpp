@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "hexaplast/base/archive.hpp"
@@ -19,6 +20,7 @@ namespace hexaplast::parts {
 struct HexahedralBodyOptions {
   std::vector<Material> materials = {Material()};  ///< one, or one per hexahedron
   Settings settings = {};
+  std::string device = "cpu";  ///< Body::use_device
 };
 
 /// Gives all materials the values of one member, one or one per hexahedron. Throws OptionError for another number of
@@ -35,9 +37,9 @@ void fill_partly(std::span<const double> fill, std::vector<Material>& materials)
 /// later ones over earlier ones. Throws OptionError with all that is wrong, including what
 /// `given` throws.
 template <class Given>
-HexahedralBodyOptions body_options(const Given& given, std::size_t num_hexahedra, std::span<const double> fill,
-                                   std::span<const MaterialRegion> regions = {}) {
-  HexahedralBodyOptions options;
+HexahedralBodyOptions body_options(const Given& given, std::string device, std::size_t num_hexahedra,
+                                   std::span<const double> fill, std::span<const MaterialRegion> regions = {}) {
+  HexahedralBodyOptions options{.device = std::move(device)};
   OptionErrors errors;
   for (const Row<Settings>& row : settings_rows())
     errors.collect([&] {

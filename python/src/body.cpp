@@ -316,6 +316,10 @@ void add_owned_body(py::module_& module) {
            py::arg("positions"), py::arg("hexahedra"), py::arg("material") = Material(),
            py::arg("settings") = Settings(),
            "positions (n, 3) [m]; hexahedra (m, 8), in the corner order of VTK; one Material, or one per hexahedron")
+      .def_property("device", in_turn([](Body& b) { return b.body().device(); }),
+                    in_turn([](Body& b, const std::string& name) { b.body().use_device(name); }),
+                    "What computes the body: \"cpu\", \"cuda\" or \"emulation\" (docs/gpu.md). ValueError names what a "
+                    "device cannot")
       .def("set_time_step", in_turn([](Body& b, double dt) { b.body().set_time_step(dt); }), py::arg("dt"),
            "What follows is of a step of dt [s]; inf: of an equilibrium; 0: of a sudden change. A body whose settings "
            "have\n"

@@ -135,6 +135,17 @@ def test_removed_hexahedra_carry_nothing():
     assert body.initial_volume == pytest.approx(VOLUME / 2, rel=1e-12)
 
 
+def test_a_device_computes_what_the_cpu_does():
+    mixed = hexaplast.Settings(precision="mixed")
+    cpu, device = elastic(mixed), elastic(mixed)
+    device.device = "emulation"
+    assert (cpu.device, device.device) == ("cpu", "emulation")
+    x = POSITIONS + RANDOM.uniform(-0.02, 0.02, POSITIONS.shape)
+    assert device.force(x) == pytest.approx(cpu.force(x), abs=1e-5 * np.abs(cpu.force(x)).max())
+    with pytest.raises(ValueError, match="precision must be mixed"):
+        elastic(hexaplast.Settings()).device = "emulation"
+
+
 def test_what_the_library_refuses_is_a_value_error_with_its_message():
     with pytest.raises(ValueError, match=r"poisson.*0\.5"):
         hexaplast.Body(POSITIONS, HEXAHEDRA, hexaplast.Material(poisson_ratio=0.5))

@@ -27,6 +27,14 @@ inline bool rounds_products(const MatrixFreeSystem& system) {
          });
 }
 
+/// The vectors of a body on a device; null where none is. of_preconditioner: as of DeviceOperator::space.
+inline CgSpace* device_space(const MatrixFreeSystem& system, const PointArray* of_preconditioner) {
+  if (std::ranges::none_of(system.bodies, [](const KernelBody& body) { return body.device; })) return nullptr;
+  if (!system.has_one_body())
+    throw InputError("a body on a device (attribute device) needs a solver of its own, without other bodies or ties");
+  return &system.bodies.front().device->space(system, of_preconditioner);
+}
+
 /// b.b; throws NumericalError where it is beyond all numbers, as products of directions would be.
 inline double finite_square(ConstPoints b) {
   const double square = hexaplast::dot(b, b);

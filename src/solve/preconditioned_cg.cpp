@@ -139,6 +139,7 @@ struct PreconditionedConjugateGradients::Spaces {
     const std::span<const NodeGroup> groups =
         system.has_one_body() ? std::span(&all, 1) : std::span<const NodeGroup>(several.find_groups(system));
     if (!system.others.empty()) lumped.find(system, groups);
+    if (CgSpace* space = on_device()) return *space;
     const bool has_levels = std::ranges::any_of(system.bodies, [](const KernelBody& b) { return !b.levels.empty(); });
     return precondition(
         A, has_levels && (preconditioner == Preconditioner::kMultigrid || is_stiff(nodal_part().diagonal)));
@@ -170,6 +171,16 @@ struct PreconditionedConjugateGradients::Spaces {
             .free = system.constraints.free,
             .blocks = system.others.empty() ? std::span<const NodeBlock>() : std::span(lumped.blocks()),
             .own_diagonal = system.others.empty() ? nullptr : &system.diagonal};
+  }
+
+  /// By the diagonal, of blocks too.
+  CgSpace* on_device() {
+    correction = nodal_part().diagonal;
+    if (!system.others.empty())
+      for (const NodeBlock& block : lumped.blocks()) correction.row(block.node) += block.block.diagonal().transpose();
+    CgSpace* const space = device_space(system, &correction);
+    if (space) preconditioned_by = PreconditionedBy::kDiagonal;
+    return space;
   }
 
   template <class T>

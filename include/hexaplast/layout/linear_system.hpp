@@ -57,11 +57,24 @@ struct Constraints {
   void pin(BlockMatrix& A) const;
 };
 
+class CgSpace;
+struct MatrixFreeSystem;
+
+/// L on a device, where the vectors of conjugate gradients are too.
+class DeviceOperator {
+ public:
+  virtual ~DeviceOperator() = default;
+  /// Those of a system of this body and other terms. of_preconditioner: num_nodes x 3, its diagonal without that of L;
+  /// null: there is none.
+  virtual CgSpace& space(const MatrixFreeSystem& system, const PointArray* of_preconditioner) = 0;
+};
+
 /// One body's part of a linear system: factor L, L applied chunk by chunk on slots.
 struct KernelBody {
   const ChunkedOperator<double>* double_operator = nullptr;  ///< L in double precision, or null
   const ChunkedOperator<float>* single_operator = nullptr;   ///< L in single precision, or null
   const ChunkedProduct<double>* exact_operator = nullptr;    ///< beside single_operator: L in double, slower
+  DeviceOperator* device = nullptr;                          ///< in place of all of them
   double factor = 0;                                         ///< of L
   int first_node = 0;                                        ///< of the system's: where the body's nodes begin
   SlotScratch* scratch = nullptr;  ///< of solvers, borrowed from the body; without it they do not check their residuals

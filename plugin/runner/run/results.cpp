@@ -212,6 +212,10 @@ std::vector<output::Figure> figures_of(Simulation& simulation) {
                                   totals.threshold_solves, num_steps));
   if (std::string line = preconditioner_line(totals); !line.empty()) add("preconditioner", std::move(line));
   add("instruction set", simd_target());
+  if (const output::Bodies* bodies = simulation.bodies())
+    for (const output::Bodies::Entry& entry : bodies->all())
+      if (entry.body->device() != "cpu")
+        add(bodies->is_one() ? "device" : "device of " + entry.name, entry.body->device());
   add("state hash", simulation.state_hash());
   return figures;
 }

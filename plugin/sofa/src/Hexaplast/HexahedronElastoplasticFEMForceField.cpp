@@ -135,7 +135,9 @@ parts::HexahedralBodyOptions HexahedronElastoplasticFEMForceField::options(
         if (const auto* number = dynamic_cast<const Data<SReal>*>(data)) return {{number->getValue()}};
         return reals(dynamic_cast<const Data<VecReal>&>(*data).getValue());
     };
-    return parts::body_options(given, hexahedra.size(), m_fill, ofRegions);
+    checkWord("device");
+    return parts::body_options(given, data<OptionsGroup>("device").getValue().getSelectedItem(), hexahedra.size(),
+                               m_fill, ofRegions);
 }
 
 void HexahedronElastoplasticFEMForceField::resetPart()

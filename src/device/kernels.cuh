@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// First kernels of the default element with isolated rest shapes for a GPU: parallelepipeds, mixed precision. A warp
-// has a brick of 32 hexahedra, a lane has one of them with all of its samples. Arrays of bricks end in [lane]:
-// neighbouring lanes read neighbouring numbers. Corners and samples are in the order of kCornerSign.   theory.md
-// sections 2.1, 5.9
+// Kernels of the default element with isolated rest shapes for a GPU: parallelepipeds, mixed precision. A warp has a
+// brick of 32 hexahedra, a lane has one of them with all of its samples. Arrays of bricks end in [lane]: neighbouring
+// lanes read neighbouring numbers. Corners and samples are in the order of kCornerSign.   theory.md sections 2.1, 5.9
 #pragma once
 
 #define HEXAPLAST_ONE_NUMBER
@@ -12,6 +11,8 @@
 #include <cuda_pipeline.h>
 #endif
 
+#include "device/device_kernels.hpp"
+#include "device/runtime.hpp"
 #include "elastic/assumed-inl.hpp"
 #include "element/isolated-inl.hpp"
 #include "material/law-inl.hpp"
@@ -21,10 +22,10 @@ namespace hexaplast::one_number {
 
 using V = float;
 
-constexpr int kWidth = 32;         ///< hexahedra of a brick
-constexpr int kBricksOfBlock = 2;  ///< a warp each
-constexpr int kNodes = 80;         ///< room for the nodes of a brick
-constexpr int kRestNumbers = 12;   ///< J^-1 / 2 (9), volume [m^3], mu, lambda [Pa]
+constexpr int kWidth = kBrick;       ///< hexahedra of a brick
+constexpr int kBricksOfBlock = 2;    ///< a warp each
+constexpr int kNodes = kBrickNodes;  ///< room for the nodes of a brick
+constexpr int kRestNumbers = kBrickNumbers;
 constexpr int kByHexahedron = 51;  ///< coefficients: j, gradients of the volume and of the mean dilatation
 constexpr float kWeight = 0.57735026918962576451f;  // Sampling::corner_weight
 
@@ -32,12 +33,13 @@ constexpr float kWeight = 0.57735026918962576451f;  // Sampling::corner_weight
 /// order, and need no atomics.
 struct Layout {
   int num_bricks, num_nodes;
-  const std::uint8_t* local;   ///< [brick][corner][lane]: number of the node in the brick
-  const std::uint8_t* sorted;  ///< [brick][corner kWidth + lane]: corners by node, ascending
-  const std::uint16_t* begin;  ///< [brick][kNodes + 1]: where those of a node begin
-  const int* node;             ///< [brick][kNodes], or -1
-  const int* partial_begin;    ///< [node + 1]
-  const int* partial;          ///< places [brick][kNodes] of the sums of a node, in the order of bricks
+  const std::uint8_t* local;     ///< [brick][corner][lane]: number of the node in the brick
+  const std::uint8_t* sorted;    ///< [brick][corner kWidth + lane]: corners by node, ascending
+  const std::uint16_t* begin;    ///< [brick][kNodes + 1]: where those of a node begin
+  const int* node;               ///< [brick][kNodes], or -1
+  const int* partial_begin;      ///< [node + 1]
+  const int* partial;            ///< places [brick][kNodes] of the sums of a node, in the order of bricks
+  const std::uint32_t* present;  ///< [brick]: a bit per hexahedron that is there
 };
 
 struct Place {
@@ -142,17 +144,29 @@ __device__ uint4 word_of(const Of& of) {
   return {two(0), two(2), two(4), two(6)};
 }
 
-/// Direction of conjugate gradients at a node: r + beta p.
+/// A number that the host knows, or that lies on the device.
+struct Factor {
+  double value;
+  const double* place;  ///< null: the value
+};
+__device__ inline float factor(const Factor& a) { return static_cast<float>(a.place ? *a.place : a.value); }
+
+/// Direction of conjugate gradients at a node: z + beta p.
 struct Direction {
-  const float4 *p, *r;
-  const double* beta;  ///< null: p alone
+  const float4 *p, *r;    ///< r null: p alone
+  const float4* inverse;  ///< z = inverse r; null: r
+  Factor beta;
 };
 __device__ inline float4 direction_at(const Direction& d, int n) {
   const float4 p = d.p[n];
-  if (!d.beta) return p;
-  const float4 r = d.r[n];
-  const float beta = static_cast<float>(*d.beta);
-  return make_float4(r.x + beta * p.x, r.y + beta * p.y, r.z + beta * p.z, 0);
+  if (!d.r) return p;
+  float4 z = d.r[n];
+  if (d.inverse) {
+    const float4 inverse = d.inverse[n];
+    z.x *= inverse.x, z.y *= inverse.y, z.z *= inverse.z;
+  }
+  const float beta = factor(d.beta);
+  return make_float4(z.x + beta * p.x, z.y + beta * p.y, z.z + beta * p.z, 0);
 }
 
 /// L p: apply_stiffness (elastic/assumed-inl.hpp), sample by sample. weight: [brick][2][lane], mu and lambda.
@@ -250,6 +264,8 @@ __device__ inline V volume_of_placed(const PlacedHexahedron& h, ModeLanes<V>& gr
   return volume;
 }
 
+constexpr std::uint8_t kThin = 1, kLeft = 1, kFlows = 2;  ///< bits of the status of a hexahedron
+
 /// History of samples: G (9), tau [Pa], accumulated strain [-], each [brick][number][sample][lane].
 template <class N>
 struct Plastic {
@@ -266,10 +282,12 @@ __device__ inline Mat<V> history_at(const double* G, const Place& my, int i) {
 
 /// Forces, coefficients and weights at positions x; length [m]: of an edge, by which coefficients become numbers that a
 /// half can be. The pressure of the mean dilatation acts as its gradient does, so that one loop over the samples is
-/// enough.                                                    eq. P1 to P5, E6, E12, E13; elastic/linearize_pass.cpp
+/// enough. status: kThin where det J of a corner is below thin_from of the volume.
+///                                                            eq. P1 to P5, E6, E12, E13; elastic/linearize_pass.cpp
 __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 4)
     linearize(Layout at, const float* rest, float length, const double4_32a* x, const double* G,
-              const float* mean_plastic, uint4* coef, float* weight, float4* partial) {
+              const float* mean_plastic, uint4* coef, float* weight, float4* partial, float thin_from,
+              std::uint8_t* status) {
   __shared__ CornerForces shared[kBricksOfBlock];
   const Place my;
   if (my.brick >= at.num_bricks) return;
@@ -282,12 +300,13 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 4)
   uint4* const to = coef + static_cast<std::size_t>(my.brick) * kWords * kWidth + my.lane;
 
   ActingModes acting, dilating;  // stresses without the shared pressure; the gradient of the mean dilatation
-  V theta_sum(0.0f);
+  V theta_sum(0.0f), least(1e30f);
 #pragma unroll 1
   for (int i = 0; i < kCorners; ++i) {
     const Signs signs(i);
     Mat<V> edges, columns;
     columns_at(h.modes, h.a, signs, edges, columns);
+    least = min(least, determinant(edges));
     const Mat<V> inverse = h.dual * history_at(G, my, i), F = transposed_product(columns, inverse);
     PolarLanes<V> polar;
     polars<1>(&F, &polar);
@@ -339,6 +358,7 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 4)
     to[(9 + w) * kWidth] = word_of([&](int k) { return other(8 * w + k); });
   });
   const float per_sample = volume / (8 * length * length);
+  status[my.brick * kWidth + my.lane] = least < V(thin_from) * volume ? kThin : 0;
   weight[my.brick * 2 * kWidth + my.lane] = per_sample * mu;
   weight[(my.brick * 2 + 1) * kWidth + my.lane] = per_sample * lambda;
   CornerLanes<V> f;
@@ -382,22 +402,25 @@ struct KeptSamples {
 };
 
 struct FlowRule {
-  float rate_dt, hardening;                     ///< nu h, kappa
-  float least_det = 0.1f, least_corner = 0.3f;  ///< below these a hexahedron does not flow
+  float dt;                                     ///< [s]
+  float least_det = 0.1f, least_corner = 0.3f;  ///< below these a hexahedron is left over
+  bool is_true_stress = true;                   ///< YieldStressMeasure::kCauchy
 };
 
-/// History and Gm after a step at positions x; left: hexahedra for the CPU, which keep theirs. Three loops over samples
-/// find the stretches, what flows, and the new history.            eq. P6 to P12, true stress; plastic/flow_pass.cpp
+/// History and Gm after a step at positions x. status: kLeft where a hexahedron is for the CPU, and keeps its history;
+/// kFlows. value: what it dissipates [J]. Three loops over samples find the stretches, what flows, and the new history.
+///                                                                            eq. P6 to P12; plastic/flow_pass.cpp
 __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
     flow(Layout at, const float* rest, FlowRule rule, const double4_32a* x, Plastic<const double> before,
-         const float* mean_before, Plastic<double> after, float* mean_after, std::uint8_t* left) {
+         const float* mean_before, Plastic<double> after, float* mean_after, std::uint8_t* status, float* value) {
   __shared__ KeptSamples shared[kBricksOfBlock];
   const Place my;
   if (my.brick >= at.num_bricks) return;
   KeptSamples& kept = shared[my.here];
   const auto of_rest = [&](int k) { return of_brick(rest, kRestNumbers, my, k); };
   const V volume = of_rest(9), mu = of_rest(10), lambda = of_rest(11), one(1.0f), eighth(0.125f);
-  const V free = free_modulus(mu, lambda);
+  const V free = free_modulus(mu, lambda), rate = of_rest(12) * V(rule.dt);
+  const float hardening = of_rest(13);
   std::uint32_t fails = 0;
   V theta_sum(0.0f), excess, c[3] = {V(0.0f), V(0.0f), V(0.0f)}, c_of_mean[3] = {V(0.0f), V(0.0f), V(0.0f)};
   {
@@ -420,15 +443,19 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
       theta_sum += theta;
       const Mat<V> normals = face_normals(G, h.dual);
       const Sym<V> sigma = stress(ElasticLaw::kCorotated, 0, polar.S, mu, free * theta);
-      add_normal(normals, signs, cauchy_stress(polar.S, sigma, V(0.0f), one + excess), c);
-      add_normal(normals, signs, polar.S, c_of_mean);
+      if (rule.is_true_stress) {
+        add_normal(normals, signs, cauchy_stress(polar.S, sigma, V(0.0f), one + excess), c);
+        add_normal(normals, signs, polar.S, c_of_mean);
+      } else {
+        add_normal(normals, signs, sigma, c);  // what all samples share is relieved of nothing
+      }
       kept.set(my, i, polar.S);
       for (int k = 0; k < 9; ++k) kept.set(my, i, 7 + k, normals.m[k / 3][k % 3]);
     }
   }
 
   const V mean_theta = eighth * theta_sum;
-  V k_n[3] = {V(0.0f), V(0.0f), V(0.0f)}, flowing(0.0f);
+  V k_n[3] = {V(0.0f), V(0.0f), V(0.0f)}, flowing(0.0f), work(0.0f), along[3] = {V(0.0f), V(0.0f), V(0.0f)};
   for (int n = 0; n < 3; ++n) c[n] -= free * mean_theta / (one + excess) * c_of_mean[n];
 #pragma unroll 1
   for (int i = 0; i < kCorners; ++i) {
@@ -436,25 +463,34 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
     const Sym<V> S = kept.symmetric_at(my, i);
     const V theta = dilatation(ElasticLaw::kCorotated, S);
     const Sym<V> sigma = stress(ElasticLaw::kCorotated, 0, S, mu, free * (theta - mean_theta));
-    const Sym<V> whole = cauchy_stress(S, sigma, lambda * excess, one + excess);
+    const V pressure = lambda * excess;
+    Sym<V> whole = {sigma.xx + pressure, sigma.yy + pressure, sigma.zz + pressure, sigma.yz, sigma.zx, sigma.xy};
+    if (rule.is_true_stress) whole = cauchy_stress(S, sigma, pressure, one + excess);
     const Mat<V> normals = kept.normals_at(my, i);
     Sym<V> relieved = whole, M = {V(0.0f), V(0.0f), V(0.0f), V(0.0f), V(0.0f), V(0.0f)};
     relieve_by(c, signs, normals, relieved);
     const V norm = stress_norm_bound(relieved, YieldNorm::kVonMises);
     const V tau(static_cast<float>(before.tau[place_of_sample(my, 1, 0, i)]));
-    const V fraction = isolated_flow_fraction(norm, tau, V(rule.rate_dt));
+    const V fraction = isolated_flow_fraction(norm, tau, rate);
     if (!(norm < 1e30f)) fails = 1;
     if (fraction > 0) {
       M = flow_direction(symmetric_part(deviatoric_log(S, fails)), relieved, whole, mu, fraction);
       if (!(squared_norm(M) < 1)) fails = 1;  // far within the series
     }
     add_normal(normals, signs, M, k_n);
+    const Sym<V> power = symmetric_part(matrix(S) * matrix(sigma));
+    work += dot(matrix(power), matrix(M));
+    add_normal(normals, signs, power, along);
     flowing += fraction;
     kept.set(my, i, M);
     kept.set(my, i, 6, fraction * norm);
   }
 
-  left[my.brick * kWidth + my.lane] = fails != 0;
+  // of M without what is relieved below
+  for (int n = 0; n < 3; ++n) work -= V(8.0f) * k_n[n] * along[n];
+  const bool flows = fails == 0 && flowing > 0;
+  status[my.brick * kWidth + my.lane] = fails != 0 ? kLeft : flows ? kFlows : 0;
+  value[my.brick * kWidth + my.lane] = flows ? float(eighth * volume * work) : 0.0f;
   const bool stays = fails != 0 || !(flowing > 0);
   Sym<V> squares = {V(0.0f), V(0.0f), V(0.0f), V(0.0f), V(0.0f), V(0.0f)};  // of G G^T
 #pragma unroll 1
@@ -475,7 +511,7 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
     squares.xx += GG(0, 0), squares.yy += GG(1, 1), squares.zz += GG(2, 2);
     squares.yz += GG(1, 2), squares.zx += GG(2, 0), squares.xy += GG(0, 1);
     const std::size_t sample = place_of_sample(my, 1, 0, i);
-    const double tau = before.tau[sample], harder = tau + rule.hardening * kept.number_at(my, i, 6);
+    const double tau = before.tau[sample], harder = tau + hardening * kept.number_at(my, i, 6);
     const V mean = V(1.0f / 3) * trace(M);
     const V strain = sqrt(V(2.0f / 3) * squared_norm(Sym<V>{M.xx - mean, M.yy - mean, M.zz - mean, M.yz, M.zx, M.xy}));
     after.tau[sample] = stays ? tau : harder > 0 ? harder : 0;
@@ -488,84 +524,249 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
   for (int k = 0; k < 6; ++k) mean_after[(my.brick * 6 + k) * kWidth + my.lane] = L[k];
 }
 
-// Conjugate gradients over nodes. Dot products: one double per block, which the last block to finish adds in order.
+/// value: elastic energy [J] at positions x; status: as of linearize. eq. 18, E5, P17
+__global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
+    energy(Layout at, const float* rest, const double4_32a* x, const double* G, const float* mean_plastic, float* value,
+           float thin_from, std::uint8_t* status) {
+  const Place my;
+  if (my.brick >= at.num_bricks) return;
+  PlacedHexahedron h;
+  place_hexahedron(at, my, rest, x, mean_plastic, h);
+  const auto of_rest = [&](int k) { return of_brick(rest, kRestNumbers, my, k); };
+  const V volume = of_rest(9), mu = of_rest(10), lambda = of_rest(11), half(0.5f), eighth(0.125f);
+  const V free = free_modulus(mu, lambda);
+  V sum(0.0f), theta_sum(0.0f), least(1e30f);
+#pragma unroll 1
+  for (int i = 0; i < kCorners; ++i) {
+    Mat<V> edges, columns;
+    columns_at(h.modes, h.a, Signs(i), edges, columns);
+    least = min(least, determinant(edges));
+    const Mat<V> F = transposed_product(columns, h.dual * history_at(G, my, i));
+    PolarLanes<V> polar;
+    polars<1>(&F, &polar);
+    const V theta = dilatation(ElasticLaw::kCorotated, polar.S);
+    theta_sum += theta;
+    sum += shape_energy(ElasticLaw::kCorotated, 0, polar.S, mu) + half * free * theta * theta;
+  }
+  status[my.brick * kWidth + my.lane] = least < V(thin_from) * volume ? kThin : 0;
+  ModeLanes<V> gradient;
+  const V mean = eighth * theta_sum, excess = volume_of_placed(h, gradient) / volume - V(1.0f);
+  value[my.brick * kWidth + my.lane] = volume * (eighth * sum + half * (lambda * excess * excess - free * mean * mean));
+}
+
+/// Sums at the nodes of a brick of the diagonal of L; what is assumed is left out.                     eq. 17, E4, E7
+__global__ void __launch_bounds__(kWidth* kBricksOfBlock)
+    diagonal(Layout at, const uint4* coef, const float* weight, float4* partial) {
+  __shared__ CornerForces shared[kBricksOfBlock];
+  const Place my;
+  if (my.brick >= at.num_bricks) return;
+  const auto word = [&](int k) { return coef[(static_cast<std::size_t>(my.brick) * kWords + k) * kWidth + my.lane]; };
+  const V mu = of_brick(weight, 2, my, 0), lambda = of_brick(weight, 2, my, 1), free = free_modulus(mu, lambda);
+  CornerLanes<V> sum, mean;
+  set_zero(sum);
+  set_zero(mean);
+  const uint4 last = word(8);
+#pragma unroll 1
+  for (int i = 0; i < kCorners; ++i) {
+    const uint4 first = word(i);
+    V C[9];
+    unrolled<8>([&](auto k) __attribute__((always_inline)) {
+      const StoredHalf half = half_of(first, k);
+      C[k] = load_as(&half);
+    });
+    const StoredHalf half = half_of(last, i);
+    C[8] = load_as(&half);
+    const Signs of_sample(i);
+    unrolled<8>([&](auto a) __attribute__((always_inline)) {
+      const Signs of_corner(a);
+      V r[3] = {V(0.0f), V(0.0f), V(0.0f)};
+      for (int d = 0; d < 3; ++d) {
+        const V same = V(0.5f) * (V(1.0f) + of_corner.at[d] * of_sample.at[d]);
+        const V along = of_corner.at[d] * (V((1 - kWeight) / 4) + V(kWeight) * same);
+        for (int c = 0; c < 3; ++c) r[c] += along * C[3 * d + c];
+      }
+      const V squared = mu * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+      for (int c = 0; c < 3; ++c) {
+        sum.at[a][c] += squared + (mu + free) * r[c] * r[c];
+        mean.at[a][c] += r[c];
+      }
+    });
+  }
+  StoredHalf volume_gradient[21];
+  unrolled<21>([&](auto k) __attribute__((always_inline)) {
+    volume_gradient[k] = half_of(word(9 + (9 + k) / 8), (9 + k) % 8);
+  });
+  ModeLanes<V> along;
+  set_zero(along);
+  add_gradient(V(1.0f), Numbers<21>{volume_gradient}, along);
+  CornerLanes<V> b;
+  modes_transpose(along, b);
+  for (int k = 0; k < 3 * kCorners; ++k) {
+    const V m = mean.at[k / 3][k % 3], of_volume = b.at[k / 3][k % 3];
+    sum.at[k / 3][k % 3] += V(8.0f) * lambda * of_volume * of_volume - V(0.125f) * free * m * m;
+  }
+  add_brick(at, my, sum, shared[my.here], partial);
+}
+
+// Nodes, and sums over all: numbers of a block, which the last block to finish adds in order.
 
 constexpr int kNodesOfBlock = 256;
 
+__device__ inline float4 sum_of_bricks(const Layout& at, const float4* partial, int n) {
+  float4 sum = make_float4(0, 0, 0, 0);
+  for (int k = at.partial_begin[n]; k < at.partial_begin[n + 1]; ++k) {
+    const float4 part = partial[at.partial[k]];
+    sum.x += part.x, sum.y += part.y, sum.z += part.z;
+  }
+  return sum;
+}
+/// to = factor times the sums of the bricks.
+__global__ void __launch_bounds__(kNodesOfBlock) gather(Layout at, const float4* partial, float factor, float4* to) {
+  const int n = blockIdx.x * kNodesOfBlock + threadIdx.x;
+  if (n >= at.num_nodes) return;
+  const float4 sum = sum_of_bricks(at, partial, n);
+  to[n] = make_float4(factor * sum.x, factor * sum.y, factor * sum.z, 0);
+}
+
+/// What acts at the nodes of a system A = factor L + diagonal, and its preconditioner.
+struct NodalSystem {
+  float factor;
+  const float4* diagonal;
+  const float4* inverse;  ///< of the preconditioner, 0 where fixed; null: 1
+  const float4* others;   ///< what other terms make of the direction; null: nothing
+};
+/// inverse = 1 / (factor diag(L) + rest), or 1; 0 where rest is infinite: fixed. partial: of the diagonal, or null.
+__global__ void __launch_bounds__(kNodesOfBlock)
+    invert(Layout at, const float4* partial, float factor, const float4* rest, float4* inverse) {
+  const int n = blockIdx.x * kNodesOfBlock + threadIdx.x;
+  if (n >= at.num_nodes) return;
+  const float4 sum = partial ? sum_of_bricks(at, partial, n) : make_float4(0, 0, 0, 0), more = rest[n];
+  const auto one = [&](float stiffness, float other) {
+    if (!(other < 1e38f)) return 0.0f;
+    const float entry = factor * stiffness + other;
+    return partial ? entry > 0 ? 1 / entry : 0.0f : 1.0f;
+  };
+  inverse[n] = make_float4(one(sum.x, more.x), one(sum.y, more.y), one(sum.z, more.z), 0);
+}
+
 struct Scalars {
-  double alpha, beta, rr;
+  double alpha, beta;
+  double p_Ap, rr, rz;
+  double sum[3];  ///< of hexahedra
   unsigned finished;
 };
 
-/// The sum of all blocks; true in one thread of the grid.
-__device__ inline bool sum_of_blocks(double mine, double* block_sum, Scalars* scalars, double& total) {
-  __shared__ double part[kNodesOfBlock];
+/// The sums of all blocks; true in one thread of the grid.
+template <int kCount>
+__device__ inline bool sum_of_blocks(const double (&mine)[kCount], double* block_sum, Scalars* scalars,
+                                     double (&total)[kCount]) {
+  __shared__ double part[kCount][kNodesOfBlock];
   __shared__ bool is_last;
   const int t = threadIdx.x;
   const auto tree = [&] {
     for (int half = kNodesOfBlock / 2; half > 0; half /= 2) {
       __syncthreads();
-      if (t < half) part[t] += part[t + half];
+      if (t < half)
+        for (int c = 0; c < kCount; ++c) part[c][t] += part[c][t + half];
     }
     __syncthreads();
   };
-  part[t] = mine;
+  for (int c = 0; c < kCount; ++c) part[c][t] = mine[c];
   tree();
   if (t == 0) {
-    block_sum[blockIdx.x] = part[0];
+    for (int c = 0; c < kCount; ++c) block_sum[kCount * blockIdx.x + c] = part[c][0];
     __threadfence();
     is_last = atomicInc(&scalars->finished, gridDim.x - 1) == gridDim.x - 1;
   }
   __syncthreads();
   if (!is_last) return false;
   __threadfence();
-  part[t] = 0;
-  for (unsigned k = t; k < gridDim.x; k += kNodesOfBlock) part[t] += __ldcg(block_sum + k);
+  for (int c = 0; c < kCount; ++c) {
+    part[c][t] = 0;
+    for (unsigned k = t; k < gridDim.x; k += kNodesOfBlock) part[c][t] += __ldcg(block_sum + kCount * k + c);
+  }
   tree();
-  total = part[0];
+  for (int c = 0; c < kCount; ++c) total[c] = part[c][0];
   return t == 0;
 }
 __device__ inline double dot(const float4& a, const float4& b) {
   return double(a.x) * b.x + double(a.y) * b.y + double(a.z) * b.z;
 }
 
-/// Ap = m p + sum of the bricks with the new p, which it writes; alpha.
+/// scalars->sum: of the hexahedra that are there, their values, and how many have the first and the second bit of their
+/// status. value, status: [brick][lane], or null.
 __global__ void __launch_bounds__(kNodesOfBlock)
-    sum_nodes(Layout at, const float* mass, const float4* partial, Direction d, float4* p, float4* Ap,
+    sum_hexahedra(Layout at, const float* value, const std::uint8_t* status, double* block_sum, Scalars* scalars) {
+  const int e = blockIdx.x * kNodesOfBlock + threadIdx.x;
+  double mine[3] = {0, 0, 0}, total[3];
+  if (e < at.num_bricks * kWidth && (at.present[e / kWidth] >> e % kWidth & 1)) {
+    if (value) mine[0] = value[e];
+    if (status) mine[1] = status[e] & 1, mine[2] = status[e] >> 1 & 1;
+  }
+  if (sum_of_blocks(mine, block_sum, scalars, total))
+    for (int c = 0; c < 3; ++c) scalars->sum[c] = total[c];
+}
+
+/// Ap = A p with the new p, which it writes; alpha.
+__global__ void __launch_bounds__(kNodesOfBlock)
+    sum_nodes(Layout at, NodalSystem system, const float4* partial, Direction d, float4* p, float4* Ap,
               double* block_sum, Scalars* scalars) {
   const int n = blockIdx.x * kNodesOfBlock + threadIdx.x;
-  double mine = 0, total;
+  double mine[1] = {0}, total[1];
   if (n < at.num_nodes) {
-    const float4 here = direction_at(d, n);
-    const float m = mass[n];
-    float4 sum = make_float4(m * here.x, m * here.y, m * here.z, 0);
-    for (int k = at.partial_begin[n]; k < at.partial_begin[n + 1]; ++k) {
-      const float4 part = partial[at.partial[k]];
-      sum.x += part.x, sum.y += part.y, sum.z += part.z;
+    const float4 here = direction_at(d, n), m = system.diagonal[n];
+    float4 sum = sum_of_bricks(at, partial, n);
+    sum.x = m.x * here.x + system.factor * sum.x;
+    sum.y = m.y * here.y + system.factor * sum.y;
+    sum.z = m.z * here.z + system.factor * sum.z;
+    if (system.others) {
+      const float4 more = system.others[n];
+      sum.x += more.x, sum.y += more.y, sum.z += more.z;
+    }
+    if (system.inverse) {
+      const float4 inverse = system.inverse[n];
+      if (inverse.x == 0) sum.x = 0;
+      if (inverse.y == 0) sum.y = 0;
+      if (inverse.z == 0) sum.z = 0;
     }
     p[n] = here;
     Ap[n] = sum;
-    mine = dot(here, sum);
+    mine[0] = dot(here, sum);
   }
-  if (sum_of_blocks(mine, block_sum, scalars, total)) scalars->alpha = scalars->rr / total;
+  if (sum_of_blocks(mine, block_sum, scalars, total)) {
+    scalars->p_Ap = total[0];
+    scalars->alpha = scalars->rz / total[0];
+  }
 }
 
-/// x += alpha p, r -= alpha Ap; beta.
-__global__ void __launch_bounds__(kNodesOfBlock) update(int num_nodes, const float4* p, const float4* Ap, float4* x,
-                                                        float4* r, double* block_sum, Scalars* scalars) {
+/// p alone, for terms that the host adds.
+__global__ void __launch_bounds__(kNodesOfBlock) set_direction(int num_nodes, Direction d, float4* p) {
   const int n = blockIdx.x * kNodesOfBlock + threadIdx.x;
-  const float alpha = static_cast<float>(scalars->alpha);
-  double mine = 0, total;
+  if (n < num_nodes) p[n] = direction_at(d, n);
+}
+
+/// x += alpha p, r -= alpha Ap; beta. inverse: as of NodalSystem.
+__global__ void __launch_bounds__(kNodesOfBlock)
+    update(int num_nodes, const float4* inverse, Factor step, const float4* p, const float4* Ap, float4* x, float4* r,
+           double* block_sum, Scalars* scalars) {
+  const int n = blockIdx.x * kNodesOfBlock + threadIdx.x;
+  const float alpha = factor(step);
+  double mine[2] = {0, 0}, total[2];
   if (n < num_nodes) {
     const float4 along = p[n], A = Ap[n], at = x[n], old = r[n];
     const float4 left = make_float4(old.x - alpha * A.x, old.y - alpha * A.y, old.z - alpha * A.z, 0);
     x[n] = make_float4(at.x + alpha * along.x, at.y + alpha * along.y, at.z + alpha * along.z, 0);
     r[n] = left;
-    mine = dot(left, left);
+    mine[0] = mine[1] = dot(left, left);
+    if (inverse) {
+      const float4 i = inverse[n];
+      mine[1] = dot(left, make_float4(i.x * left.x, i.y * left.y, i.z * left.z, 0));
+    }
   }
   if (sum_of_blocks(mine, block_sum, scalars, total)) {
-    scalars->beta = total / scalars->rr;
-    scalars->rr = total;
+    scalars->beta = total[1] / scalars->rz;
+    scalars->rr = total[0];
+    scalars->rz = total[1];
   }
 }
 

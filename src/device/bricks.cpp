@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "device/bricks.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "mesh/trilinear.hpp"
+
+namespace hexaplast {
+
+namespace {
+
+/// Numbers of hexahedra along a curve that fills space: x, y, z by turns, so that 32 that follow one another are 4 x 4
+/// x 2 of a grid.
+std::vector<std::uint64_t> along_curve(const HexMesh& mesh) {
+  std::vector<Vec3> centre;
+  Vec3 size = Vec3::Zero();
+  for (const Hexahedron& corners : mesh.hexahedra()) {
+    const ElementPoints points = gather(mesh.positions(), corners);
+    centre.emplace_back(points.colwise().mean().transpose());
+    size += (points.colwise().maxCoeff() - points.colwise().minCoeff()).transpose();
+  }
+  size /= static_cast<double>(std::max<std::size_t>(centre.size(), 1));
+  Vec3 origin = Vec3::Constant(std::numeric_limits<double>::infinity());
+  for (const Vec3& one : centre) origin = origin.cwiseMin(one);
+  std::vector<std::uint64_t> numbers;
+  for (const Vec3& one : centre) {
+    std::uint64_t number = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto cell = static_cast<std::uint64_t>(std::clamp((one[axis] - origin[axis]) / size[axis] + 0.5, 0.0, 2e6));
+      for (int bit = 0; bit < 21; ++bit) number |= (cell >> bit & 1) << (3 * bit + axis);
+    }
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+}  // namespace
+
+bool is_parallelepiped(const ElementPoints& corners) {
+  const Mat3 edges = 2 * centre_jacobian(corners);
+  for (int a = 0; a < kCorners; ++a)
+    for (int d = 0; d < 3; ++d) {
+      const Vec3 edge = (corners.row(kEdgeNeighbour[a][d]) - corners.row(a)).transpose() * -kCornerSign[a][d];
+      if ((edge - edges.col(d)).norm() > 1e-9 * edges.norm()) return false;
+    }
+  return true;
+}
+
+Bricks::Bricks(const Model& model, const History& history) : length(static_cast<float>(model.length)) {
+  const HexMesh& mesh = model.mesh;
+  const std::vector<std::uint64_t> along = along_curve(mesh);
+  std::vector<int> order(mesh.num_elements());
+  for (std::size_t e = 0; e < order.size(); ++e) order[e] = static_cast<int>(e);
+  std::ranges::stable_sort(order, {}, [&](int e) { return along[e]; });
+
+  std::vector<int> number(mesh.num_nodes(), -1);  // of the device, per node of the body
+  std::vector<std::vector<int>> places;           // of each node of the device
+  std::set<int> nodes;
+  for (std::size_t first = 0, last = 0; first < order.size(); first = last) {
+    nodes.clear();
+    for (last = first; last < order.size() && last - first < kBrick; ++last) {
+      const Hexahedron& corners = mesh.hexahedra()[order[last]];
+      const auto added = std::ranges::count_if(corners, [&](int n) { return !nodes.contains(n); });
+      if (nodes.size() + added > kBrickNodes) break;
+      nodes.insert(corners.begin(), corners.end());
+    }
+    add_brick(model, history, std::span(order).subspan(first, last - first), number, places);
+  }
+  for (int n = 0; n < mesh.num_nodes(); ++n)  // that no hexahedron has
+    if (number[n] < 0) node_of.push_back(n), places.emplace_back();
+  partial_begin.push_back(0);
+  for (const std::vector<int>& of_node : places) {
+    partial.insert(partial.end(), of_node.begin(), of_node.end());
+    partial_begin.push_back(static_cast<int>(partial.size()));
+  }
+}
+
+void Bricks::add_brick(const Model& model, const History& history, std::span<const int> elements,
+                       std::vector<int>& number, std::vector<std::vector<int>>& places) {
+  const int brick = num_bricks();
+  std::uint32_t is_there = 0;
+  std::vector<int> nodes;  // of the body
+  std::vector<std::uint8_t> corners_of[kBrickNodes];
+  local.resize(local.size() + kCorners * kBrick);
+  rest.resize(rest.size() + kBrickNumbers * kBrick);
+  for (int lane = 0; lane < kBrick; ++lane) {
+    const bool has_one = lane < static_cast<int>(elements.size());
+    const int e = elements[has_one ? lane : 0], place = brick * kBrick + lane;  // what is not there is as the first one
+    element.push_back(has_one ? e : -1);
+    const bool counts = has_one && history.alive[e];
+    is_there |= static_cast<std::uint32_t>(counts) << lane;
+    const Hexahedron& corners = model.mesh.hexahedra()[e];
+    for (int c = 0; c < kCorners; ++c) {
+      auto at = std::ranges::find(nodes, corners[c]);
+      if (at == nodes.end()) at = nodes.insert(at, corners[c]);
+      const auto t = static_cast<std::uint8_t>(at - nodes.begin());
+      local[index(place, kCorners, c)] = t;
+      if (counts) corners_of[t].push_back(static_cast<std::uint8_t>(c * kBrick + lane));
+    }
+    const ElementPoints X = gather(model.mesh.positions(), corners);
+    const Mat3 inverse = (2 * centre_jacobian(X)).inverse();  // half of that of J, whose columns are half the edges
+    const auto set = [&](int k, double a) { rest[index(place, kBrickNumbers, k)] = static_cast<float>(a); };
+    for (int k = 0; k < 9; ++k) set(k, inverse(k / 3, k % 3));
+    const Material& material = model.material(e);
+    set(9, model.volume[e]);
+    set(10, model.lame[e].mu);
+    set(11, model.lame[e].lambda);
+    set(12, material.flow_rate);
+    set(13, material.hardening);
+  }
+  present.push_back(is_there);
+
+  begin.push_back(0);
+  for (int t = 0; t < kBrickNodes; ++t) {
+    std::ranges::sort(corners_of[t]);
+    sorted.insert(sorted.end(), corners_of[t].begin(), corners_of[t].end());
+    begin.push_back(static_cast<std::uint16_t>(begin.back() + corners_of[t].size()));
+    if (t >= static_cast<int>(nodes.size())) {
+      node.push_back(-1);
+      continue;
+    }
+    int& of_device = number[nodes[t]];
+    if (of_device < 0) {
+      of_device = num_nodes();
+      node_of.push_back(nodes[t]);
+      places.emplace_back();
+    }
+    node.push_back(of_device);
+    places[of_device].push_back(brick * kBrickNodes + t);
+  }
+  sorted.resize(static_cast<std::size_t>(num_bricks()) * kCorners * kBrick);
+}
+
+BrickArrays Bricks::arrays() const {
+  return {.num_bricks = num_bricks(),
+          .num_nodes = num_nodes(),
+          .local = local.data(),
+          .sorted = sorted.data(),
+          .begin = begin.data(),
+          .node = node.data(),
+          .partial_begin = partial_begin.data(),
+          .partial = partial.data(),
+          .present = present.data(),
+          .rest = rest.data(),
+          .length = length};
+}
+
+}  // namespace hexaplast

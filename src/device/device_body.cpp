@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "device/device_body.hpp"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "element/samples.hpp"
+#include "hexaplast/base/error.hpp"
+#include "hexaplast/base/parallel.hpp"
+#include "mesh/trilinear.hpp"
+#include "plastic/isolated_flow.hpp"
+
+namespace hexaplast {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMeanNumbers = 6;
+
+std::unique_ptr<DeviceKernels> load(const std::string& name) {
+  if (name != "cuda" && name != "emulation")
+    throw InputError(fmt::format("device {}: must be cpu, cuda or emulation", name));
+  Dl_info here{};
+  ::dladdr(reinterpret_cast<void*>(&not_on_device), &here);
+  const fs::path file =
+      fs::absolute(here.dli_fname ? here.dli_fname : "").parent_path() / "hexaplast" / ("hexaplast_" + name + ".so");
+  const auto refuse = [&](const std::string& why) { return InputError(fmt::format("device {}: {}", name, why)); };
+  void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);  // for the life of the process
+  if (!library)
+    throw refuse(fmt::format("its library cannot be loaded (docs/gpu.md says how it is built): {}", ::dlerror()));
+  void* const entry = ::dlsym(library, HEXAPLAST_DEVICE_ENTRY);
+  DeviceKernels* kernels = nullptr;
+  try {
+    if (entry) kernels = reinterpret_cast<DeviceKernels* (*)(int)>(entry)(kDeviceVersion);
+  } catch (const std::runtime_error& error) {
+    throw refuse(error.what());
+  }
+  if (!kernels) throw refuse(file.string() + " belongs to another version of Hexaplast");
+  return std::unique_ptr<DeviceKernels>(kernels);
+}
+
+/// [-] Corner ratio below which springs may act, in single precision.
+float thin_from(const Model& model) {
+  const double from = Recovery::from(model.settings);
+  return static_cast<float>(from + 1e-4);
+}
+
+/// to, four numbers per node of the device, = scale field.
+template <class T>
+void to_nodes(const Bricks& bricks, ConstPoints field, double scale, std::vector<T>& to) {
+  to.resize(4 * static_cast<std::size_t>(bricks.num_nodes()), T(0));
+  parallel_for(bricks.num_nodes(), [&](int n) {
+    for (int i = 0; i < 3; ++i)
+      to[4 * static_cast<std::size_t>(n) + i] = static_cast<T>(scale * field(bricks.node_of[n], i));
+  });
+}
+
+/// add(entry of the field, number) for all.
+template <class Add>
+void from_nodes(const Bricks& bricks, const std::vector<float>& from, Points field, const Add& add) {
+  parallel_for(bricks.num_nodes(), [&](int n) {
+    for (int i = 0; i < 3; ++i)
+      add(field(bricks.node_of[n], i), static_cast<double>(from[4 * static_cast<std::size_t>(n) + i]));
+  });
+}
+
+/// visit(k, number) for all numbers of the history of a hexahedron.
+template <class Visit>
+void visit_history(History& history, int e, const Visit& visit) {
+  static const CornerTensors none = [] {
+    CornerTensors one;
+    one.fill(Mat3::Identity());
+    return one;
+  }();
+  CornerTensors identity = none;
+  CornerTensors& G = history.plastic_inverse.empty() ? identity : history.plastic_inverse[e];
+  for (int k = 0; k < 9; ++k)
+    for (int i = 0; i < kCorners; ++i) visit(kCorners * k + i, G[i](k / 3, k % 3));
+  for (int i = 0; i < kCorners; ++i) visit(9 * kCorners + i, history.yield_stress[e][i]);
+  for (int i = 0; i < kCorners; ++i) visit(10 * kCorners + i, history.plastic_strain[e][i]);
+}
+
+/// Where that number of a place is among all.
+std::size_t history_index(int num_bricks, int place, int k) {
+  const std::size_t lanes = static_cast<std::size_t>(num_bricks) * kBrick;
+  if (k < 9 * kCorners) return Bricks::index(place, 9 * kCorners, k);
+  return (k < 10 * kCorners ? 9 : 10) * kCorners * lanes + Bricks::index(place, kCorners, k % kCorners);
+}
+
+/// The lower triangle of Gm by columns.                                                                        eq. P2
+void mean_plastic(const History& history, int e, float (&mean)[kMeanNumbers]) {
+  Mat3 sum = Mat3::Zero();
+  for (int i = 0; i < kCorners; ++i)
+    sum += history.plastic_inverse.empty()
+               ? Mat3(Mat3::Identity())
+               : Mat3(history.plastic_inverse[e][i] * history.plastic_inverse[e][i].transpose());
+  const Mat3 L = Mat3(sum / kCorners).llt().matrixL();
+  int k = 0;
+  for (int column = 0; column < 3; ++column)
+    for (int row = column; row < 3; ++row) mean[k++] = static_cast<float>(L(row, column));
+}
+
+}  // namespace
+
+std::string not_on_device(const Model& model) {
+  const Settings& settings = model.settings;
+  if (model.is_plain) return "implementation, or what only the plain implementation has: the default element is needed";
+  if (settings.precision != Precision::kMixed) return "precision must be mixed";
+  if (settings.bending != Bending::kAssumedCorner || settings.volumetric != Volumetric::kVolumeRatio)
+    return "bending and volumetric must be those of the default element";
+  if (settings.law != ElasticLaw::kCorotated) return "law must be corotated";
+  if (settings.rest_shape != RestShape::kIsolated) return "restShape must be isolated";
+  if (settings.yield_norm != YieldNorm::kVonMises && model.can_flow()) return "yieldNorm must be vonMises";
+  if (settings.num_branches() > 0) return "relaxation must be empty";
+  for (const Material& material : model.materials)
+    if (std::isfinite(material.fracture_stress) || std::isfinite(material.fracture_stretch))
+      return "hexahedra must not break (fractureStress, fractureStretch)";
+  for (std::size_t e = 0; e < model.volume.size(); ++e) {
+    if (model.is_thin()[e])
+      return fmt::format("hexahedron {} is so thin that its coefficients leave half precision", e);
+    if (!is_parallelepiped(gather(model.mesh.positions(), model.mesh.hexahedra()[e])))
+      return fmt::format("hexahedron {} is no parallelepiped", e);
+  }
+  return {};
+}
+
+DeviceBody::DeviceBody(std::string name) : name_(std::move(name)), kernels_(load(name_)), space_(*kernels_, bricks_) {}
+
+void DeviceBody::set_up(const Model& model, const History& history, ConstPoints x) {
+  if (!is_set_up_) {
+    if (const std::string why = not_on_device(model); !why.empty())
+      throw InputError(fmt::format("device {}: {}", name_, why));
+    bricks_ = Bricks(model, history);
+    try {
+      kernels_->set_bricks(bricks_.arrays());
+    } catch (const std::runtime_error& error) {
+      throw InputError(fmt::format("device {}: {} hexahedra: {}", name_, model.mesh.num_elements(), error.what()));
+    }
+    const int places = static_cast<int>(bricks_.element.size());
+    numbers_.resize(static_cast<std::size_t>(places) * kHistoryNumbers);
+    std::vector<float> means(static_cast<std::size_t>(places) * kMeanNumbers);
+    for (int place = 0; place < places; ++place) {
+      const int first = place / kBrick * kBrick, e = bricks_.element[bricks_.element[place] < 0 ? first : place];
+      visit_history(const_cast<History&>(history), e,
+                    [&](int k, double& number) { numbers_[history_index(bricks_.num_bricks(), place, k)] = number; });
+      float mean[kMeanNumbers];
+      mean_plastic(history, e, mean);
+      for (int k = 0; k < kMeanNumbers; ++k) means[Bricks::index(place, kMeanNumbers, k)] = mean[k];
+    }
+    kernels_->set_history(numbers_.data(), means.data());
+    is_set_up_ = true;
+    has_newer_history_ = false;
+  }
+  to_nodes(bricks_, x, 1, positions_);
+  kernels_->set_positions(positions_.data());
+}
+
+void DeviceBody::download(History& history) {
+  if (!has_newer_history_) return;
+  kernels_->get_history(numbers_.data());
+  parallel_for(static_cast<int>(bricks_.element.size()), [&](int place) {
+    const int e = bricks_.element[place];
+    if (e < 0 || !history.alive[e]) return;
+    visit_history(history, e,
+                  [&](int k, double& number) { number = numbers_[history_index(bricks_.num_bricks(), place, k)]; });
+    if (!history.has_flowed.empty()) history.has_flowed[e] = is_flowed(history.plastic_inverse[e]);
+  });
+  has_newer_history_ = false;
+}
+
+bool DeviceBody::linearize(const Model& model, const History& history, ConstPoints x) {
+  set_up(model, history, x);
+  return kernels_->linearize(thin_from(model)) > 0;
+}
+
+void DeviceBody::add_force(Points f) const {
+  product_.resize(4 * static_cast<std::size_t>(bricks_.num_nodes()));
+  kernels_->get_force(product_.data());
+  from_nodes(bricks_, product_, f, [](double& entry, double number) { entry += number; });
+}
+
+void DeviceBody::add_stiffness_product(double factor, ConstPoints dx, Points df) const {
+  const double scale = scale_to_one(std::sqrt(dot(dx, dx)));
+  to_nodes(bricks_, dx, scale, field_);
+  product_.resize(field_.size());
+  kernels_->multiply(1, field_.data(), product_.data());
+  from_nodes(bricks_, product_, df, [&](double& entry, double number) { entry -= factor / scale * number; });
+}
+
+std::optional<double> DeviceBody::energy(const Model& model, const History& history, ConstPoints x) {
+  set_up(model, history, x);
+  const DeviceKernels::Sums sums = kernels_->energy(thin_from(model));
+  return sums.first == 0 ? std::optional(sums.value) : std::nullopt;
+}
+
+FlowReport DeviceBody::flow(const Model& model, ConstPoints x, double dt, History& history) {
+  set_up(model, history, x);
+  FlowReport report;
+  const Settings& settings = model.settings;
+  const DeviceKernels::Sums sums =
+      kernels_->flow(static_cast<float>(dt), static_cast<float>(settings.inversion_threshold),
+                     settings.yield_stress_measure == YieldStressMeasure::kCauchy);
+  report.yielded = sums.second;
+  double dissipated = sums.value;
+  if (sums.first > 0) dissipated += flow_left_over(model, x, dt, history, report);
+  if (report.yielded == 0) return report;
+  kernels_->take_flow();
+  has_newer_history_ = true;
+  ++history.version;
+  history.dissipated_energy += dissipated;
+  return report;
+}
+
+/// What the kernels leave over: inverted hexahedra, nearly inverted ones, and those of more flow than their series
+/// reaches.
+double DeviceBody::flow_left_over(const Model& model, ConstPoints x, double dt, History& history, FlowReport& report) {
+  std::vector<std::uint8_t> is_left(bricks_.element.size());
+  kernels_->get_left(is_left.data());
+  has_newer_history_ = true;  // what the host has of these is written over
+  double dissipated = 0;
+  for (std::size_t place = 0; place < is_left.size(); ++place) {
+    const int e = bricks_.element[place];
+    if (!is_left[place] || e < 0 || !history.alive[e]) continue;
+    double numbers[kHistoryNumbers];
+    kernels_->get_hexahedron(static_cast<int>(place), numbers);
+    visit_history(history, e, [&](int k, double& number) { number = numbers[k]; });
+    const Hexahedron& corners = model.mesh.hexahedra()[e];
+    const ElementSamples samples = element_samples(gather(model.mesh.positions(), corners), gather(x, corners),
+                                                   model.lame[e], model.settings, history.plastic_inverse_of(e));
+    const IsolatedStep step = isolated_step(model, e, samples, history, dt);
+    report.inverted += step.inverted;
+    report.skipped += step.skipped;
+    if (!step.yielded) continue;
+    ++report.yielded;
+    dissipated += step.dissipated;
+    set_isolated(e, step, history);
+    if (!history.is_finite(e) || !std::isfinite(step.dissipated))
+      throw NumericalError(fmt::format("the plastic history of hexahedron {} is not finite", e));
+    visit_history(history, e, [&](int k, double& number) { numbers[k] = number; });
+    float mean[kMeanNumbers];
+    mean_plastic(history, e, mean);
+    kernels_->set_hexahedron(static_cast<int>(place), numbers, mean);
+  }
+  return dissipated;
+}
+
+CgSpace& DeviceBody::space(const MatrixFreeSystem& system, const PointArray* of_preconditioner) {
+  space_.setup(system, of_preconditioner);
+  return space_;
+}
+
+void DeviceCgSpace::setup(const MatrixFreeSystem& system, const PointArray* of_preconditioner) {
+  others_ = system.others;
+  is_scaled_ = of_preconditioner != nullptr;
+  free_ = system.constraints.free.cast<double>();
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  field_ = (free_.array() > 0).select(is_scaled_ ? *of_preconditioner : system.diagonal, kInfinite);
+  to_nodes(bricks_, system.diagonal, 1, first_);
+  to_nodes(bricks_, field_, 1, second_);
+  kernels_.set_system(static_cast<float>(system.bodies.front().factor), first_.data(), second_.data(), is_scaled_);
+}
+
+double DeviceCgSpace::begin(ConstPoints b, const ConstPoints* start) {
+  scale_ = scale_to_one(std::sqrt(dot(b, b)));
+  to_nodes(bricks_, b.cwiseProduct(free_), scale_, first_);
+  if (start) to_nodes(bricks_, start->cwiseProduct(free_), scale_, second_);
+  norms_ = kernels_.start(first_.data(), start ? second_.data() : nullptr);
+  if (start) {  // x as the first direction, of length 1
+    product(true, 0);
+    norms_ = kernels_.advance(1);
+  }
+  return unscaled(norms_.r_r);
+}
+
+double DeviceCgSpace::product(bool has_direction, double beta) {
+  if (others_.empty()) return unscaled(kernels_.product(has_direction, beta, nullptr));
+  first_.resize(4 * static_cast<std::size_t>(bricks_.num_nodes()));
+  if (has_direction)
+    first_ = second_;
+  else
+    kernels_.set_direction(beta, first_.data());
+  field_.resize(bricks_.num_nodes(), 3);
+  from_nodes(bricks_, first_, field_, [](double& entry, double number) { entry = number; });
+  product_.setZero(bricks_.num_nodes(), 3);
+  for (const NodalTerm& other : others_) other.add_product(field_, product_);
+  to_nodes(bricks_, product_, 1, first_);
+  return unscaled(kernels_.product(true, 0, first_.data()));
+}
+
+double DeviceCgSpace::advance(double alpha) {
+  norms_ = kernels_.advance(alpha);
+  return unscaled(norms_.r_r);
+}
+
+void DeviceCgSpace::end(Points x) const {
+  first_.resize(4 * static_cast<std::size_t>(bricks_.num_nodes()));
+  kernels_.get_solution(first_.data());
+  from_nodes(bricks_, first_, x, [&](double& entry, double number) { entry = number / scale_; });
+}
+
+void DeviceCgSpace::residual(Points r) const {
+  first_.resize(4 * static_cast<std::size_t>(bricks_.num_nodes()));
+  kernels_.get_residual(first_.data());
+  from_nodes(bricks_, first_, r, [&](double& entry, double number) { entry = number / scale_; });
+}
+
+}  // namespace hexaplast

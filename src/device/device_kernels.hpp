@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace hexaplast {
+
+inline constexpr int kBrick = 32;       ///< hexahedra of a brick, a warp of a GPU
+inline constexpr int kBrickNodes = 80;  ///< room for the nodes of a brick
+/// J^-1 / 2 (9), volume [m^3], mu, lambda [Pa], flow rate [1/s], hardening
+inline constexpr int kBrickNumbers = 14;
+inline constexpr int kHistoryNumbers =
+    88;  ///< of a hexahedron: G, by entries, tau [Pa], accumulated strain; each of all samples
+
+/// A body in bricks. Nodes have numbers of their own; arrays of nodes have four numbers per node.
+struct BrickArrays {
+  int num_bricks, num_nodes;
+  const std::uint8_t* local;     ///< [brick][corner][kBrick]: number of the node in the brick
+  const std::uint8_t* sorted;    ///< [brick][8 kBrick]: corners (corner kBrick + hexahedron) by node, of what is there
+  const std::uint16_t* begin;    ///< [brick][kBrickNodes + 1]: where those of a node begin
+  const int* node;               ///< [brick][kBrickNodes], or -1
+  const int* partial_begin;      ///< [node + 1]
+  const int* partial;            ///< places [brick][kBrickNodes] of a node
+  const std::uint32_t* present;  ///< [brick]: a bit per hexahedron that is there
+  const float* rest;             ///< [brick][kBrickNumbers][kBrick]
+  float length;                  ///< [m] unit of coefficients
+};
+
+/// The kernels of one body, on a device or on the CPU in its place; a library that is loaded when somebody asks for it.
+/// Throws std::runtime_error with what the device says.
+class DeviceKernels {
+ public:
+  struct Sums {
+    double value = 0;
+    int first = 0, second = 0;
+  };
+  struct Norms {
+    double r_r = 0, r_z = 0;
+  };
+
+  virtual ~DeviceKernels() = default;
+  virtual std::string name() const = 0;  ///< of the device
+
+  /// Another body, in which nothing is known.
+  virtual void set_bricks(const BrickArrays& bricks) = 0;
+  /// numbers: [brick][kHistoryNumbers][kBrick] as three arrays, one behind the other: G, tau, strain. mean_plastic:
+  /// [brick][6][kBrick], the lower triangle of Gm by columns.
+  virtual void set_history(const double* numbers, const float* mean_plastic) = 0;
+  virtual void get_history(double* numbers) = 0;
+
+  virtual void set_positions(const double* x) = 0;
+  /// Returns how many hexahedra have a corner below thin_from.
+  virtual int linearize(float thin_from) = 0;
+  virtual void get_force(float* f) = 0;
+  virtual void multiply(float factor, const float* dx, float* df) = 0;  ///< df = factor L dx
+  virtual Sums energy(float thin_from) = 0;                             ///< [J], and how many are so thin
+
+  /// value [J] dissipated; how many hexahedra are left over; how many flow. Until take_flow the history is as before.
+  virtual Sums flow(float dt, float least_det, bool is_true_stress) = 0;
+  virtual void get_left(std::uint8_t* is_left) = 0;  ///< [brick][kBrick]
+  /// One of those, by its place: before the step, and after it.
+  virtual void get_hexahedron(int place, double (&numbers)[kHistoryNumbers]) = 0;
+  virtual void set_hexahedron(int place, const double (&numbers)[kHistoryNumbers], const float (&mean_plastic)[6]) = 0;
+  virtual void take_flow() = 0;
+
+  /// A = factor L + diagonal. rest: of the preconditioner beside the diagonal of L, infinite where fixed.
+  virtual void set_system(float factor, const float* diagonal, const float* rest, bool is_scaled) = 0;
+  virtual Norms start(const float* r, const float* p) = 0;  ///< x = 0, r, p; p null: 0
+  /// p = z + beta p, or p as it is; p.Ap. others: of p, by the host; null: nothing.
+  virtual void set_direction(double beta, float* p) = 0;
+  virtual double product(bool has_direction, double beta, const float* others) = 0;
+  virtual Norms advance(double alpha) = 0;
+  virtual void get_solution(float* x) = 0;
+  virtual void get_residual(float* r) = 0;
+};
+
+inline constexpr int kDeviceVersion = 1;                   ///< of the class above
+#define HEXAPLAST_DEVICE_ENTRY "hexaplast_device_kernels"  // DeviceKernels* (int version); null: another version
+
+}  // namespace hexaplast

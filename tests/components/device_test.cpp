@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Scenes whose bodies are on a device, by its emulation.
+#include "support/scene.hpp"
+
+namespace {
+
+using namespace hexaplast;
+using namespace hexaplast::support;
+
+std::string beam(const std::string& body,
+                 const std::string& solver = "<CGLinearSolver tolerance='1e-6' iterations='200'/>") {
+  return "<Node name='root' dt='0.01'><EulerImplicitSolver/>" + solver +
+         "<RegularGridTopology name='grid' n='4 2 2' max='3 1 1'/><MechanicalObject name='nodes'/>"
+         "<DiagonalMass massDensity='10'/><HexahedronElastoplasticFEMForceField name='body' poissonRatio='0.4' " +
+         body + "/></Node>";
+}
+
+// Grips take part in every iteration of the solver.
+TEST(Device, ComputesAShippedScene) {
+  scene::Scene cpu = shipped("liver_cage"), device = shipped("liver_cage", {"liver/material.device=emulation"});
+  for (scene::Scene* scene : {&cpu, &device}) run(*scene, 60);
+  const auto moved = [](scene::Scene& scene) -> const PointArray& {
+    return at<scene::MechanicalState>(scene, "liver/nodes").positions();
+  };
+  const PointArray& start = body(cpu, "liver/material").mesh().positions();
+  EXPECT_GT((moved(cpu) - start).cwiseAbs().maxCoeff(), 0.005);
+  EXPECT_LE((moved(device) - moved(cpu)).cwiseAbs().maxCoeff(), 2e-5);
+  EXPECT_GT(body(cpu, "liver/material").dissipated_energy(), 0);
+  EXPECT_EQ(body(device, "liver/material").device(), "emulation");
+  EXPECT_TRUE(device.diagnostics().take_warnings().empty());
+}
+
+TEST(Device, IsRefusedByTheAttribute) {
+  const std::string who = "test.scn:1: error: HexahedronElastoplasticFEMForceField.device: = 'emulation': ";
+  EXPECT_EQ(errors_of(beam("device='emulation'")), who + "precision must be mixed");
+  EXPECT_EQ(errors_of(beam("device='emulation' precision='mixed' law='neoHookean'")), who + "law must be corotated");
+  EXPECT_NE(errors_of(beam("device='opencl'")).find("emulation"), std::string::npos);
+}
+
+TEST(Device, StaysWhatItIs) {
+  EXPECT_NE(
+      errors_of(beam("precision='mixed'", "<CGLinearSolver/>" + attribute_change("body", "device", "0", "emulation")))
+          .find("has no attribute 'device' that may change"),
+      std::string::npos);
+}
+
+TEST(Device, HasSolversByConjugateGradientsAlone) {
+  scene::Scene scene = read_and_init(beam("device='emulation' precision='mixed'", "<SparseLDLSolver/>"));
+  EXPECT_THROW(run(scene, 1), std::runtime_error);
+}
+
+}  // namespace

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Bodies on a device, by its emulation on the CPU, against the same bodies computed by the CPU's kernels.
+#include "device/device_body.hpp"
+
+#include "support/core.hpp"
+#include "support/yielding_bar.hpp"
+
+namespace hexaplast {
+namespace {
+
+const Settings kMixed{.precision = Precision::kMixed};
+const Material kFlowing{
+    .young_modulus = 5000, .poisson_ratio = .45, .yield_stress = 300, .flow_rate = 4, .hardening = .2};
+
+/// Of 5 x 3 x 4 hexahedra of two materials, in bricks that are not full.
+Body block(const Settings& settings = kMixed, double yield_stress = 300) {
+  const HexMesh mesh = regular_grid({5, 3, 4}, {0, 0, 0}, {.5, .24, .4});
+  std::vector<Material> materials(mesh.num_elements(), kFlowing);
+  for (std::size_t e = 0; e < materials.size(); ++e) {
+    materials[e].yield_stress = yield_stress;
+    if (e % 3 == 0)
+      materials[e] = {.young_modulus = 9000, .poisson_ratio = .3, .yield_stress = 2 * yield_stress, .flow_rate = 2};
+  }
+  return Body(mesh, materials, settings);
+}
+
+/// Turned, stretched by a fifth, and bent.
+PointArray deformed(const Body& body, double size = .004, std::uint64_t seed = 5) {
+  Random random(seed);
+  PointArray x = body.mesh().positions();
+  x.col(0) *= 1.2;
+  x.col(1) += .3 * x.col(0).cwiseProduct(x.col(0));
+  return x * random.rotation().transpose() + random.field(body.mesh().num_nodes(), size);
+}
+
+Body on_device(Body body) {
+  body.use_device("emulation");
+  return body;
+}
+
+double relative(const PointArray& found, const PointArray& right) { return (found - right).norm() / right.norm(); }
+
+TEST(DeviceBody, EvaluatesAsTheCpuDoes) {
+  for (const YieldStressMeasure measure : {YieldStressMeasure::kBiot, YieldStressMeasure::kCauchy}) {
+    Settings settings = kMixed;
+    settings.yield_stress_measure = measure;
+    Body cpu = block(settings), device = on_device(block(settings));
+    const PointArray x = deformed(cpu), dx = Random(6).field(cpu.mesh().num_nodes(), 1);
+    PointArray force[2], product[2];
+    for (int step = 0; step < 3; ++step) {
+      int k = 0;
+      for (Body* body : {&cpu, &device}) {
+        body->linearize(x);
+        force[k].setZero(x.rows(), 3), product[k].setZero(x.rows(), 3);
+        body->add_force(force[k]);
+        body->add_stiffness_product(-1, dx, product[k++]);
+      }
+      EXPECT_LE(relative(force[1], force[0]), 3e-5);
+      EXPECT_LE(force[1].colwise().sum().norm(), 1e-5 * force[1].norm());
+      EXPECT_LE(relative(product[1], product[0]), 5e-4);  // coefficients are half
+      EXPECT_NEAR(device.energy(x), cpu.energy(x), 2e-6 * cpu.energy(x));
+      const FlowReport of_cpu = cpu.flow(x, .01), of_device = device.flow(x, .01);
+      EXPECT_GT(of_cpu.yielded, 40);
+      EXPECT_EQ(of_device.yielded, of_cpu.yielded);
+      EXPECT_NEAR(device.dissipated_energy(), cpu.dissipated_energy(), 1e-4 * cpu.dissipated_energy());
+    }
+    const History &a = std::as_const(cpu).state().history, &b = std::as_const(device).state().history;
+    for (int e = 0; e < cpu.mesh().num_elements(); ++e)
+      for (int i = 0; i < kCorners; ++i) {
+        EXPECT_LE((a.plastic_inverse[e][i] - b.plastic_inverse[e][i]).norm(), 2e-6);
+        EXPECT_NEAR(a.yield_stress[e][i], b.yield_stress[e][i], 2e-3);
+        EXPECT_NEAR(a.plastic_strain[e][i], b.plastic_strain[e][i], 2e-6);
+      }
+    EXPECT_LE(max_abs(device.plastic_rest_positions() - cpu.plastic_rest_positions()), 2e-6);
+  }
+}
+
+TEST(DeviceBody, EnergyHasTheForceAsItsSlope) {
+  Body device = on_device(block());
+  const PointArray x = deformed(device), along = Random(7).field(device.mesh().num_nodes(), 1);
+  device.flow(x, .01);
+  device.linearize(x);
+  PointArray force = PointArray::Zero(x.rows(), 3);
+  device.add_force(force);
+  constexpr double kStep = 1e-3;
+  const double slope = (device.energy(x + kStep * along) - device.energy(x - kStep * along)) / (2 * kStep);
+  EXPECT_NEAR(slope, -force.cwiseProduct(along).sum(), 2e-3 * force.norm() * along.norm());
+}
+
+/// Springs to where the nodes began, which the kernels do not know.
+struct Springs final : StepForces {
+  void add_force(double, const Pair<ConstPoints>& x, const Pair<ConstPoints>&, Pair<Points> f) override {
+    if (from.rows() == 0) from = x.first;
+    f.first.topRows(30) -= 40 * (x.first - from).topRows(30);
+  }
+  void add_stiffness_product(double factor, const Pair<ConstPoints>& dx, Pair<Points> df) const override {
+    df.first.topRows(30) -= factor * 40 * dx.first.topRows(30);
+  }
+  PointArray from = PointArray(0, 3);
+};
+
+TEST(DeviceBody, MovesAndFlowsAsOnTheCpu) {
+  for (const bool has_springs : {false, true}) {
+    MovingBody cpu(yielding_bar(kMixed), pulling(), std::make_unique<PreconditionedConjugateGradients>(1e-5, 1000));
+    MovingBody device(on_device(yielding_bar(kMixed)), pulling(),
+                      std::make_unique<PreconditionedConjugateGradients>(1e-5, 1000));
+    Springs of_cpu, of_device;
+    if (has_springs) cpu.add(of_cpu), device.add(of_device);
+    for (int step = 0; step < 40; ++step) {
+      cpu.step();
+      device.step();
+      EXPECT_TRUE(device.latest.converged);
+      EXPECT_EQ(device.latest.preconditioner, PreconditionedBy::kDiagonal);
+      EXPECT_NEAR(device.latest.iterations, cpu.latest.iterations, 3);
+    }
+    EXPECT_LE(max_abs(device.positions - cpu.positions), 4e-5);  // 1e-4 of the size
+    EXPECT_EQ(device.positions.topRows(9), cpu.positions.topRows(9)) << "fixed";
+    if (has_springs) continue;
+    EXPECT_GT(cpu.body.dissipated_energy(), 0);
+    EXPECT_LE(max_abs(device.body.plastic_rest_positions() - cpu.body.plastic_rest_positions()), 4e-5);
+  }
+}
+
+TEST(DeviceBody, HasTheSameBitsInEveryRun) {
+  const auto hash = [] {
+    MovingBody moving(on_device(yielding_bar(kMixed)), pulling(),
+                      std::make_unique<ConjugateGradients>(ConjugateGradientSettings{.iterations = 10}));
+    moving.run(15);
+    return moving.state_hash();
+  };
+  EXPECT_EQ(hash(), hash());
+}
+
+TEST(DeviceBody, LeavesFoldedHexahedraToTheCpu) {
+  Body cpu = block(), device = on_device(block());
+  PointArray x = deformed(cpu);
+  x.row(cpu.mesh().hexahedra()[17][6]) +=
+      .9 * (x.row(cpu.mesh().hexahedra()[17][0]) - x.row(cpu.mesh().hexahedra()[17][6]));
+  const FlowReport of_cpu = cpu.flow(x, .01), of_device = device.flow(x, .01);
+  EXPECT_GT(of_cpu.skipped, 0);
+  EXPECT_EQ(of_device.skipped, of_cpu.skipped);
+  EXPECT_EQ(of_device.inverted, of_cpu.inverted);
+  EXPECT_EQ(of_device.yielded, of_cpu.yielded);
+  PointArray force[2];
+  int k = 0;
+  for (Body* body : {&cpu, &device}) {
+    body->linearize(x);
+    force[k].setZero(x.rows(), 3);
+    body->add_force(force[k++]);
+  }
+  EXPECT_TRUE(std::as_const(device).state().recovery().acts());
+  EXPECT_LE(relative(force[1], force[0]), 1e-4);
+  EXPECT_NEAR(device.energy(x), cpu.energy(x), 1e-4 * cpu.energy(x));
+  for (std::size_t e = 0; e < cpu.plastic_strain().size(); ++e)
+    for (int i = 0; i < kCorners; ++i) EXPECT_NEAR(device.plastic_strain()[e][i], cpu.plastic_strain()[e][i], 1e-5);
+}
+
+TEST(DeviceBody, WhatIsSavedKnowsNothingOfIt) {
+  Body cpu = block(), device = on_device(block());
+  const PointArray x = deformed(cpu);
+  device.flow(x, .01);
+  std::stringstream saved;
+  device.save(saved);
+  cpu.load(saved);
+  const auto strain = [](const Body& body) { return body.plastic_strain()[20]; };
+  EXPECT_EQ(strain(cpu), strain(device));
+  EXPECT_GT(strain(cpu)[0], 0);
+  std::stringstream again;
+  cpu.flow(x, .01);
+  cpu.save(again);
+  device.load(again);
+  EXPECT_EQ(strain(device), strain(cpu));
+  Body copy = device;
+  EXPECT_EQ(copy.device(), "emulation");
+  copy.flow(x, .01);
+  EXPECT_NE(strain(copy), strain(device));
+  copy.use_device("cpu");
+  EXPECT_EQ(copy.device(), "cpu");
+  device.flow(x, .01);
+  EXPECT_EQ(strain(copy), strain(device));
+  device.reset();
+  EXPECT_EQ(strain(device), strain(block()));
+}
+
+TEST(DeviceBody, FollowsRemovalsCutsAndOtherMaterials) {
+  Body cpu = block(), device = on_device(block());
+  const PointArray before = deformed(cpu);
+  PointArray x;
+  const std::vector<int> removed = {0, 7, 30};
+  std::vector<Material> stiffer = cpu.materials();
+  for (Material& material : stiffer) material.young_modulus *= 2;
+  PointArray force[2];
+  int k = 0;
+  for (Body* body : {&cpu, &device}) {
+    x = before;
+    body->flow(x, .01);
+    body->remove(removed);
+    body->flow(x, .01);
+    std::vector<int> cut;
+    for (int joint = 40; joint < 80; ++joint) cut.push_back(joint);
+    const std::vector<int> split_from = body->open(cut);
+    EXPECT_GT(split_from.size(), 5u);
+    append_rows(split_from, x);
+    x.bottomRows(2).array() += .004;
+    body->flow(x, .01);
+    body->set_materials(stiffer);
+    body->flow(x, .01);
+    body->linearize(x);
+    force[k].setZero(x.rows(), 3);
+    body->add_force(force[k++]);
+  }
+  EXPECT_LE(relative(force[1], force[0]), 5e-5);
+  EXPECT_NEAR(device.energy(x), cpu.energy(x), 5e-6 * cpu.energy(x));
+  EXPECT_NEAR(device.dissipated_energy(), cpu.dissipated_energy(), 1e-4 * cpu.dissipated_energy());
+}
+
+TEST(DeviceBody, RefusesByName) {
+  const auto refusal = [](Body body, const std::string& name = "emulation") -> std::string {
+    body.set_time_step(.01);
+    try {
+      body.use_device(name);
+    } catch (const InputError& error) {
+      EXPECT_EQ(body.device(), "cpu");
+      EXPECT_LE(body.energy(body.mesh().positions()), 1e-20) << "it is as before";
+      return error.what();
+    }
+    return "nothing";
+  };
+  const auto with = [](const auto& change) {
+    Settings settings = kMixed;
+    change(settings);
+    return yielding_bar(settings);
+  };
+  EXPECT_EQ(refusal(yielding_bar()), "device emulation: precision must be mixed");
+  EXPECT_EQ(refusal(with([](Settings& s) { s.yield_norm = YieldNorm::kFrobenius; })),
+            "device emulation: yieldNorm must be vonMises");
+  EXPECT_EQ(refusal(with([](Settings& s) { s.relaxation = {.5, 1}; })), "device emulation: relaxation must be empty");
+  const HexMesh cube = regular_grid({1, 1, 1}, {0, 0, 0}, {1, 1, 1});
+  EXPECT_EQ(refusal(Body(cube, {Material{}}, {.law = ElasticLaw::kNeoHookean, .precision = Precision::kMixed})),
+            "device emulation: law must be corotated");
+  Material breaking = kFlowing;
+  breaking.fracture_stretch = 1.5;
+  EXPECT_EQ(refusal(Body(cube, {breaking}, kMixed)),
+            "device emulation: hexahedra must not break (fractureStress, fractureStretch)");
+  EXPECT_EQ(refusal(Body(distorted_block({2, 2, 2}, .1, .1, 3), {Material{}}, kMixed)),
+            "device emulation: hexahedron 0 is no parallelepiped");
+  EXPECT_EQ(refusal(yielding_bar(kMixed), "vulkan"), "device vulkan: must be cpu, cuda or emulation");
+  Body device = on_device(block());
+  device.linearize(device.mesh().positions());
+  BlockMatrix K(device.mesh().num_nodes());
+  EXPECT_THROW(device.add_stiffness_blocks(1, K), InputError);
+}
+
+}  // namespace
+}  // namespace hexaplast
