@@ -28,7 +28,7 @@ py::array array_of(const char* name, py::handle given, std::string_view kinds, c
 
 using IntegerArray = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
 
-RealArray points(const char* name, py::handle given, Eigen::Index num_rows, const std::string& allowed) {
+RealArray array_of_points(const char* name, py::handle given, Eigen::Index num_rows, const std::string& allowed) {
   const py::array array = array_of(name, given, "fiu", "real numbers");
   if (array.ndim() != 2 || array.shape(1) != 3 || (num_rows >= 0 && array.shape(0) != num_rows))
     refuse_shape(name, array, allowed);
@@ -37,10 +37,10 @@ RealArray points(const char* name, py::handle given, Eigen::Index num_rows, cons
 
 }  // namespace
 
-RealArray points(const char* name, py::handle given) { return points(name, given, -1, "(n, 3)"); }
+RealArray points(const char* name, py::handle given) { return array_of_points(name, given, -1, "(n, 3)"); }
 
 RealArray points(const char* name, py::handle given, Eigen::Index num_rows) {
-  return points(name, given, num_rows, fmt::format("({}, 3)", num_rows));
+  return array_of_points(name, given, num_rows, fmt::format("({}, 3)", num_rows));
 }
 
 std::vector<int> indices(const char* name, py::handle given, int count) {
