@@ -14,12 +14,12 @@
 namespace hexaplast::support {
 namespace {
 
-constexpr double kCell = 0.01, kWidth = 3 * kCell;  // [m]
+constexpr double kCell = 0.01, kSide = 3 * kCell;  // [m]
 constexpr int kSlices = 10, kAxis = 2;
 
 /// The bar of a case, with the origin on its axis at the lower end.
 HexMesh bar_mesh(int refine) {
-  const Vec3 min(-kWidth / 2, -kWidth / 2, 0), max(kWidth / 2, kWidth / 2, kSlices * kCell);
+  const Vec3 min(-kSide / 2, -kSide / 2, 0), max(kSide / 2, kSide / 2, kSlices * kCell);
   return regular_grid({3 * refine, 3 * refine, kSlices * refine}, min, max);
 }
 
@@ -65,7 +65,7 @@ double twist(const HexMesh& mesh, const std::vector<int>& layer, ConstPoints x) 
     const Vec3 X = mesh.positions().row(n);
     const bool is_on_diagonal = std::abs(std::abs(X.x()) - std::abs(X.y())) < 1e-9;
     const bool is_central = std::abs(std::abs(X.x()) - kCell / 2) < 1e-9;
-    const bool is_corner = std::abs(std::abs(X.x()) - kWidth / 2) < 1e-9;
+    const bool is_corner = std::abs(std::abs(X.x()) - kSide / 2) < 1e-9;
     if (!is_on_diagonal || !(is_central || is_corner)) continue;
     sum += std::remainder(std::atan2(x(n, 1), x(n, 0)) - std::atan2(X.y(), X.x()), 2 * std::numbers::pi);
     ++count;
