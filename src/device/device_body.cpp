@@ -268,8 +268,12 @@ void DeviceCgSpace::setup(const MatrixFreeSystem& system, const PointArray* of_p
 
 double DeviceCgSpace::begin(ConstPoints b, const ConstPoints* start) {
   scale_ = scale_to_one(std::sqrt(dot(b, b)));
-  to_nodes(bricks_, b.cwiseProduct(free_), scale_, first_);
-  if (start) to_nodes(bricks_, start->cwiseProduct(free_), scale_, second_);
+  field_ = b.cwiseProduct(free_);
+  to_nodes(bricks_, field_, scale_, first_);
+  if (start) {
+    field_ = start->cwiseProduct(free_);
+    to_nodes(bricks_, field_, scale_, second_);
+  }
   norms_ = kernels_.start(first_.data(), start ? second_.data() : nullptr);
   if (start) {  // x as the first direction, of length 1
     product(true, 0);

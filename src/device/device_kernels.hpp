@@ -54,7 +54,7 @@ class DeviceKernels {
   /// Returns how many hexahedra have a corner below thin_from.
   virtual int linearize(float thin_from) = 0;
   virtual void get_force(float* f) = 0;
-  virtual void multiply(float factor, const float* dx, float* df) = 0;  ///< df = factor L dx
+  virtual void multiply(float factor, const float* dx, float* df) = 0;  ///< df = factor L dx; between two solves
   virtual Sums energy(float thin_from) = 0;                             ///< [J], and how many are so thin
 
   /// value [J] dissipated; how many hexahedra are left over; how many flow. Until take_flow the history is as before.

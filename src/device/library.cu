@@ -65,10 +65,10 @@ class Kernels final : public DeviceKernels {
   void get_force(float* f) override { arrays_.force.get(f); }
   void multiply(float factor, const float* dx, float* df) override {
     const Arrays& a = arrays_;
-    const Array<float4> along(reinterpret_cast<const float4*>(dx), num_nodes_), product(num_nodes_);
-    multiply_by({along, nullptr, nullptr, {}});
-    launch(gather, node_blocks(), kNodesOfBlock, layout(), a.partial, factor, product);
-    product.get(df);
+    a.p.set(dx);
+    multiply_by({a.p, nullptr, nullptr, {}});
+    launch(gather, node_blocks(), kNodesOfBlock, layout(), a.partial, factor, a.Ap);
+    a.Ap.get(df);
   }
   Sums energy(float thin_from) override {
     const Arrays& a = arrays_;

@@ -64,8 +64,8 @@ class Array {
   Array(const T* from, std::size_t count) : Array(count) { set(from); }
   explicit Array(const std::vector<T>& from) : Array(from.data(), from.size()) {}
 
-  void set(const void* from) { copy(at_.get(), from, bytes()); }
-  void set(const std::vector<T>& from) { set(from.data()); }
+  void set(const void* from) const { copy(at_.get(), from, bytes()); }
+  void set(const std::vector<T>& from) const { set(from.data()); }
   void get(void* to) const { copy(to, at_.get(), bytes()); }
   operator T*() const { return at_.get(); }
   std::size_t size() const { return count_; }
