@@ -81,10 +81,6 @@ HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Mate
   found.stiffness.setZero();
   for (int a = 0; a < kCorners; ++a)
     for (const auto& [b, block] : blocks.row(a)) found.stiffness.block<3, 3>(3 * a, 3 * b) = block;
-  for (const auto& [factor, u] : blocks.rank_ones()) {
-    const Eigen::Map<const Eigen::VectorXd> column(u.data(), u.size());
-    found.stiffness += factor * column * column.transpose();
-  }
   return found;
 }
 

@@ -113,7 +113,7 @@ class IdentityMapping final : public StateMapping, public scene::GivesPoints {
   void add_transposed_blocks(const BlockMatrix& below, BlockMatrix& above) const override {
     for (int n = 0; n < below.num_nodes(); ++n)
       for (const BlockMatrix::Entry& entry : below.row(n)) above.add(n, entry.column, entry.block);
-    for (const auto& [factor, u] : below.rank_ones()) above.add_rank_one(factor, u);
+    if (below.leaves_out()) above.leave_out();
   }
   bool is_left(std::span<const int> cell, const scene::SurvivingCells& above) const override { return above.has(cell); }
 

@@ -22,13 +22,6 @@ void BlockMatrix::set_range(int first_node, int num_nodes) {
   num_nodes_ = num_nodes;
 }
 
-void BlockMatrix::add_rank_one(double factor, ConstPoints u) {
-  require_rows("BlockMatrix::add_rank_one", "u", u, num_nodes_);
-  RankOne& term = rank_ones_.emplace_back(
-      RankOne{.factor = factor, .u = PointArray::Zero(static_cast<Eigen::Index>(rows_.size()), 3)});
-  term.u.middleRows(first_node_, num_nodes_) = u;
-}
-
 void BlockMatrix::add(int row, int column, const Mat3& block) {
   require_nodes("BlockMatrix::add", std::array{row, column}, num_nodes_);
   row += first_node_;
@@ -55,7 +48,7 @@ const std::vector<BlockMatrix::Entry>& BlockMatrix::row(int node) const {
 
 void BlockMatrix::clear() {
   num_unused_ = 0;
-  rank_ones_.clear();
+  leaves_out_ = false;
   for (auto& [entries, is_used] : rows_) {
     for (Entry& entry : entries) entry.block.setZero();
     std::fill(is_used.begin(), is_used.end(), 0);
@@ -88,7 +81,6 @@ void BlockMatrix::pin(int node, int axis) {
                                      [](const Entry& other, int wanted) { return other.column < wanted; });
     if (at != mirrored.end() && at->column == own) at->block.col(axis).setZero();
   }
-  for (RankOne& term : rank_ones_) term.u(own, axis) = 0;
   Mat3 one = Mat3::Zero();
   one(axis, axis) = 1;
   add(node, node, one);

@@ -147,11 +147,7 @@ void Embedding::add_transposed_blocks(const BlockMatrix& B, BlockMatrix& A) cons
           A.add(row.corners[a], column.corners[b], row.weight[a] * column.weight[b] * block);
     }
   }
-  for (const auto& [factor, u] : B.rank_ones()) {
-    PointArray above = PointArray::Zero(num_nodes_, 3);
-    add_transposed(u, above);
-    A.add_rank_one(factor, above);
-  }
+  if (B.leaves_out()) A.leave_out();
 }
 
 }  // namespace hexaplast

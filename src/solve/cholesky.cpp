@@ -4,21 +4,26 @@
 #include <cholmod.h>
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
-
 #include "hexaplast/base/error.hpp"
+#include "solve/cg_loop.hpp"
 
 namespace hexaplast {
 
-struct CholeskySolver::Factor {
+namespace {
+
+constexpr double kRestOfLoad = 1e-12;       // of |b|, left by conjugate gradients
+constexpr int kMaxIterationsOfRest = 1000;  // about six for each cluster of more than 200 nodes
+
+}  // namespace
+
+struct CholeskySolver::Factor final : NodalPreconditioner {
   cholmod_common common{};
   cholmod_sparse* lower = nullptr;  // lower triangle, compressed columns, 3 per node
   cholmod_factor* factor = nullptr;
   cholmod_dense* right_hand_side = nullptr;
   cholmod_dense *solution = nullptr, *work_y = nullptr, *work_e = nullptr;  // kept by cholmod_l_solve2 between calls
   long pattern_version = -1;
-  Eigen::MatrixXd columns, solved;        // U and A^-1 U of the terms U D U^T beside A
-  Eigen::LDLT<Eigen::MatrixXd> capacity;  // D^-1 + U^T A^-1 U
+  NodalCgSpace space;
 
   Factor() {
     cholmod_l_start(&common);
@@ -32,7 +37,7 @@ struct CholeskySolver::Factor {
   }
   Factor(const Factor&) = delete;
   Factor& operator=(const Factor&) = delete;
-  ~Factor() {
+  ~Factor() override {
     free_all();
     cholmod_l_finish(&common);
   }
@@ -84,39 +89,14 @@ struct CholeskySolver::Factor {
     first[3 * A.num_nodes()] = at;
   }
 
-  /// values = A^-1 values of the factorised A.
-  void solve_in_place(Eigen::Ref<Eigen::VectorXd> values) {
-    Eigen::Map<Eigen::VectorXd>(static_cast<double*>(right_hand_side->x), values.size()) = values;
+  /// z = A^-1 r of the factorised A.
+  void solve(ConstPoints r, Points z) {
+    Eigen::Map<PointArray>(static_cast<double*>(right_hand_side->x), r.rows(), 3) = r;
     if (!cholmod_l_solve2(CHOLMOD_A, factor, right_hand_side, nullptr, &solution, nullptr, &work_y, &work_e, &common))
       throw NumericalError(fmt::format("Cholesky: the solution failed ({})", common.status));
-    values = Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(solution->x), values.size());
+    z = Eigen::Map<const PointArray>(static_cast<const double*>(solution->x), r.rows(), 3);
   }
-
-  /// Throws where A with its terms of rank one is not positive definite, as A is.
-  void set_rank_ones(const std::vector<BlockMatrix::RankOne>& terms) {
-    columns.resize(0, 0);
-    if (terms.empty()) return;
-    const auto size = static_cast<Eigen::Index>(factor->n), count = static_cast<Eigen::Index>(terms.size());
-    columns.resize(size, count);
-    Eigen::VectorXd inverse_factors(count);
-    Eigen::Index num_terms = 0, num_positive = 0;
-    for (const auto& [scale, u] : terms) {
-      if (scale == 0 || u.isZero(0)) continue;
-      columns.col(num_terms) = Eigen::Map<const Eigen::VectorXd>(u.data(), size);
-      inverse_factors[num_terms++] = 1 / scale;
-      num_positive += scale > 0;
-    }
-    columns.conservativeResize(size, num_terms);
-    solved = columns;
-    if (num_terms == 0) return;
-    for (Eigen::Index k = 0; k < num_terms; ++k) solve_in_place(solved.col(k));
-    Eigen::MatrixXd sum = columns.transpose() * solved;
-    sum.diagonal() += inverse_factors.head(num_terms);
-    capacity.compute(sum);
-    // A and A + U D U^T have as many negative eigenvalues if D^-1 and the capacity have as many positive ones
-    if (capacity.info() != Eigen::Success || (capacity.vectorD().array() > 0).count() != num_positive)
-      throw NumericalError("Cholesky: the matrix with its terms of rank one is not positive definite");
-  }
+  void apply(const PointArray& r, PointArray& z) override { solve(r, z); }
 };
 
 CholeskySolver::CholeskySolver() : factor_(std::make_unique<Factor>()) {}
@@ -141,10 +121,7 @@ void CholeskySolver::factorise(const LinearSystem& A) {
   const auto status = f.common.status;
   const bool is_definite = status >= CHOLMOD_OK && status != CHOLMOD_NOT_POSDEF;
   const bool is_finite = is_definite && cholmod_l_rcond(f.factor, &f.common) > 0;  // no pivot stands out of all numbers
-  if (is_finite) {
-    f.set_rank_ones(matrix_.rank_ones());
-    return;
-  }
+  if (is_finite) return;
 
   const auto minor = f.factor->minor;  // in the order of elimination
   const auto pivot = minor < f.factor->n ? static_cast<const SuiteSparse_long*>(f.factor->Perm)[minor] : 0;
@@ -163,11 +140,26 @@ SolveReport CholeskySolver::solve(const LinearSystem& A, ConstPoints b, Points x
   factorise(A);
   Factor& f = *factor_;
   if (!b.allFinite()) throw NumericalError("Cholesky: the right-hand side is not finite");
-  x = b;
-  Eigen::Map<Eigen::VectorXd> values(x.data(), x.size());
-  f.solve_in_place(values);
-  if (f.columns.cols() > 0) values -= f.solved * f.capacity.solve(f.columns.transpose() * values);
-  return {.iterations = 1, .residual = 0, .converged = true, .preconditioner = PreconditionedBy::kFactorisation};
+  SolveReport report{.iterations = 1, .residual = 0, .converged = true};
+  report.preconditioner = PreconditionedBy::kFactorisation;
+  if (!matrix_.leaves_out()) {
+    f.solve(b, x);
+    return report;
+  }
+  const double norm_b = std::sqrt(finite_square(b));
+  int iterations = 0;
+  f.space.setup(A, true, &f);
+  const double r_r = iterate(
+      f.space, f.space.begin(b, nullptr), kMaxIterationsOfRest, iterations,
+      [&](double square) { return std::sqrt(square) <= kRestOfLoad * norm_b; },
+      [](double, double p_Ap) {
+        if (!(p_Ap > 0)) throw_indefinite(p_Ap);
+        return true;
+      });
+  f.space.end(x);
+  if (norm_b > 0) report.residual = std::sqrt(r_r) / norm_b;
+  report.converged = report.residual <= kRestOfLoad;
+  return report;
 }
 
 }  // namespace hexaplast

@@ -21,8 +21,8 @@ double pull_of(double corner_ratio, double from, double full) {
   return std::clamp((from - corner_ratio) / (from - full), 0.0, 1.0);
 }
 
-// Nodes up to which a cluster is assembled as blocks. Terms of rank one have all nodes of the mesh, and cost a solution
-// each: for many small clusters they would be the most of a step.
+// Nodes up to which what is rigid in a cluster is assembled, as blocks of all its nodes with one another. What is left
+// out costs the direct solver about six solutions for each cluster: of many small ones, the most of a step.
 constexpr int kMaxDenseNodes = 200;
 
 /// The inverse of a symmetric positive semi-definite matrix, zero along axes of (nearly) no value: springs that lie on
@@ -182,35 +182,20 @@ void Recovery::add_diagonal(double factor, Points diagonal) const {
 void Recovery::add_blocks(double factor, BlockMatrix& K) const {
   corners_.add_blocks(factor, K);
   for (const Spring& spring : springs_) K.add(spring.node, spring.node, factor * spring.weight * Mat3::Identity());
-  if (clusters_.empty()) return;
-  PointArray u(K.num_nodes(), 3);
+  const auto cross = [](const Vec3& r) { return Mat3{{0, -r.z(), r.y()}, {r.z(), 0, -r.x()}, {-r.y(), r.x(), 0}}; };
   for (const Cluster& cluster : clusters_) {
-    if (cluster.last - cluster.first <= kMaxDenseNodes) {
-      add_rigid_blocks(factor, cluster, K);
+    const std::span<const Spring> springs = springs_of(cluster);
+    if (std::ssize(springs) > kMaxDenseNodes) {
+      K.leave_out();
       continue;
     }
-    const auto add = [&](double scale, const auto& motion) {
-      u.setZero();
-      for (const Spring& spring : springs_of(cluster)) u.row(spring.node) = spring.weight * motion(spring).transpose();
-      K.add_rank_one(-factor * scale, u);
-    };
-    const Eigen::SelfAdjointEigenSolver<Mat3> turns(cluster.inverse_inertia);
-    for (int axis = 0; axis < 3; ++axis) {
-      add(1 / cluster.weight, [&](const Spring&) -> Vec3 { return Vec3::Unit(axis); });
-      const Vec3 about = turns.eigenvectors().col(axis);
-      add(turns.eigenvalues()[axis], [&](const Spring& spring) -> Vec3 { return about.cross(spring.arm); });
+    // minus W (mean + turn) of add_product, for the displacement of one node b at another a
+    for (const Spring& a : springs) {
+      const Mat3 turned = cross(a.arm).transpose() * cluster.inverse_inertia;
+      for (const Spring& b : springs)
+        K.add(a.node, b.node,
+              -factor * a.weight * b.weight * (Mat3::Identity() / cluster.weight + turned * cross(b.arm)));
     }
-  }
-}
-
-// minus W (mean + turn) of add_product, for the displacement of one node b at another a
-void Recovery::add_rigid_blocks(double factor, const Cluster& cluster, BlockMatrix& K) const {
-  const auto cross = [](const Vec3& r) { return Mat3{{0, -r.z(), r.y()}, {r.z(), 0, -r.x()}, {-r.y(), r.x(), 0}}; };
-  for (const Spring& a : springs_of(cluster)) {
-    const Mat3 turned = cross(a.arm).transpose() * cluster.inverse_inertia;
-    for (const Spring& b : springs_of(cluster))
-      K.add(a.node, b.node,
-            -factor * a.weight * b.weight * (Mat3::Identity() / cluster.weight + turned * cross(b.arm)));
   }
 }
 

@@ -47,8 +47,7 @@ class Recovery {
   /// diagonal += factor diag(W).
   void add_diagonal(double factor, Points diagonal) const;
 
-  /// K += the same operator: W as blocks, and what is rigid in p as blocks of small clusters, as six terms of rank one
-  /// of each large one.
+  /// K += the same operator: W as blocks, and what is rigid in p as blocks of small clusters; large ones leave it out.
   void add_blocks(double factor, BlockMatrix& K) const;
 
  private:
@@ -72,7 +71,6 @@ class Recovery {
   std::span<const Spring> springs_of(const Cluster& cluster) const {
     return {springs_.data() + cluster.first, springs_.data() + cluster.last};
   }
-  void add_rigid_blocks(double factor, const Cluster& cluster, BlockMatrix& K) const;
   Placement placement(const Cluster& cluster, ConstPoints plastic_rest, ConstPoints current) const;
 
   CornerEnergy corners_;

@@ -22,11 +22,12 @@ class DenseSystem final : public LinearSystem {
   void assemble(BlockMatrix& A) const override {
     for (int n = 0; n < num_nodes(); ++n) {
       for (int m = 0; m < num_nodes(); ++m) {
-        const Mat3 block = A_.block<3, 3>(3 * n, 3 * m);
+        Mat3 block = A_.block<3, 3>(3 * n, 3 * m);
+        if (beyond.size() > 0) block += beyond.block<3, 3>(3 * n, 3 * m);
         if (n == m || !block.isZero(0)) A.add(n, m, block);
       }
     }
-    for (const auto& [factor, u] : rank_ones) A.add_rank_one(factor, u);  // A_ is without them
+    if (beyond.size() > 0) A.leave_out();
     for (const int dof : constrained_) A.pin(dof / 3, dof % 3);
   }
   void precondition(ConstPoints r, Points z) const override {
@@ -36,7 +37,7 @@ class DenseSystem final : public LinearSystem {
 
   const Eigen::MatrixXd& matrix() const { return A_; }
 
-  std::vector<BlockMatrix::RankOne> rank_ones;
+  Eigen::MatrixXd beyond;  ///< what the assembled matrix has, and products have not
 
  private:
   Eigen::MatrixXd A_;
@@ -221,20 +222,21 @@ TEST_F(Solvers, RefuseWhatIsNotFinite) {
   }
 }
 
-TEST_F(Solvers, CholeskySolvesWithTermsOfRankOne) {
+TEST_F(Solvers, CholeskySolvesWithWhatBlocksLeaveOut) {
   DenseSystem system(A, {5, 20});
-  system.rank_ones = {
-      {-0.01, random.field(kNodes, 1)}, {0.3, random.field(kNodes, 1)}, {-0.02, random.field(kNodes, 1)}};
-  BlockMatrix assembled(kNodes);
-  system.assemble(assembled);
-  const Eigen::MatrixXd full = dense(assembled);
-  PointArray x(kNodes, 3);
+  const Eigen::MatrixXd motions = random.matrix(kSize, 6);
+  system.beyond = motions * motions.transpose();
+  PointArray free_b = b, x(kNodes, 3);
+  free_b(1, 2) = free_b(6, 2) = 0;
   CholeskySolver cholesky;
-  cholesky.solve(system, b, x);
-  EXPECT_TRUE(agrees(unstacked(full * stacked(x)), b, 1e-11));
-  system.rank_ones = {{-100, random.field(kNodes, 1)}, {0.3, random.field(kNodes, 1)}};
-  EXPECT_TRUE(refuses<NumericalError>([&] { cholesky.solve(system, b, x); }, {"rank one", "not positive definite"}));
-  cholesky.solve(DenseSystem(A), b, x);  // and forgets them
+  const SolveReport report = cholesky.solve(system, free_b, x);
+  EXPECT_TRUE(report.converged);
+  EXPECT_EQ(report.iterations, 1);
+  EXPECT_TRUE(agrees(unstacked(system.matrix() * stacked(x)), free_b, 1e-11));
+  DenseSystem indefinite(-0.5 * A);
+  indefinite.beyond = 1.5 * A;
+  EXPECT_TRUE(refuses<NumericalError>([&] { cholesky.solve(indefinite, b, x); }, {"not positive definite"}));
+  cholesky.solve(DenseSystem(A), b, x);  // and forgets what was left out
   EXPECT_TRUE(agrees(x, exact, 1e-10));
 }
 

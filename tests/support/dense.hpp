@@ -14,14 +14,9 @@ inline Eigen::MatrixXd dense(const BlockMatrix& A) {
   for (int n = 0; n < A.num_nodes(); ++n) {
     for (const BlockMatrix::Entry& entry : A.row(n)) full.block<3, 3>(3 * n, 3 * entry.column) = entry.block;
   }
-  for (const auto& [factor, u] : A.rank_ones()) {
-    const Eigen::Map<const Eigen::VectorXd> column(u.data(), u.size());
-    full += factor * column * column.transpose();
-  }
   return full;
 }
 
-/// Of its blocks, without terms of rank one.
 inline PointArray times(const BlockMatrix& A, ConstPoints p) {
   PointArray product = PointArray::Zero(p.rows(), 3);
   for (int n = 0; n < A.num_nodes(); ++n)

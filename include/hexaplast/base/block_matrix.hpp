@@ -9,8 +9,7 @@ namespace hexaplast {
 
 /// Square sparse matrix of 3x3 blocks, assembled by adding. The pattern grows with the first assembly and is kept by
 /// clear(), so that later assemblies only add numbers; drop_unused() then leaves the pattern of the latest one,
-/// whatever was assembled before. Terms of rank one stand beside the blocks: who reads the blocks alone misses
-/// them. What names a node throws InputError where that does not exist.
+/// whatever was assembled before. What names a node throws InputError where that does not exist.
 class BlockMatrix {
  public:
   explicit BlockMatrix(int num_nodes = 0);
@@ -19,23 +18,18 @@ class BlockMatrix {
   int num_nodes() const { return num_nodes_; }
 
   /// From now on nodes are counted from `first_node`, and there are num_nodes of them: for those who know a part of a
-  /// system alone. row, rank_ones and clear are of the whole matrix always.
+  /// system alone. row and clear are of the whole matrix always.
   void set_range(int first_node, int num_nodes);
   void set_whole_range() { set_range(0, static_cast<int>(rows_.size())); }
 
   /// Adds a block at (row, column). Both triangles are stored; the caller adds a symmetric matrix symmetrically.
   void add(int row, int column, const Mat3& block);
 
-  /// A term factor u u^T with u (a row per node of the whole matrix) of many nodes, whose blocks would be dense.
-  struct RankOne {
-    double factor;
-    PointArray u;
-  };
-  /// u: num_nodes x 3
-  void add_rank_one(double factor, ConstPoints u);
-  const std::vector<RankOne>& rank_ones() const { return rank_ones_; }
+  /// Terms whose blocks would be dense, which only products have: the blocks are near the matrix, but not all of it.
+  void leave_out() { leaves_out_ = true; }
+  bool leaves_out() const { return leaves_out_; }
 
-  /// All blocks to zero, and no terms of rank one; the pattern stays.
+  /// All blocks to zero, and nothing left out; the pattern stays.
   void clear();
 
   /// Takes out the blocks to which nothing was added since clear().
@@ -61,7 +55,7 @@ class BlockMatrix {
   };
   std::vector<Row> rows_;
   int first_node_ = 0, num_nodes_ = 0;  // of the range
-  std::vector<RankOne> rank_ones_;
+  bool leaves_out_ = false;
   long num_unused_ = 0;  // entries
   long pattern_version_ = 0;
 };

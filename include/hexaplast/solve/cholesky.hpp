@@ -8,7 +8,7 @@
 namespace hexaplast {
 
 /// Sparse Cholesky factorisation (CHOLMOD) of the assembled system; the symbolic part is reused while the pattern
-/// stays. Terms of rank one are solved for by the formula of Sherman, Morrison and Woodbury.
+/// stays. Where that leaves something out, it preconditions conjugate gradients.
 class CholeskySolver final : public LinearSolver {
  public:
   CholeskySolver();
