@@ -37,7 +37,9 @@ void ContactSettings::require_valid(const char* whose) const {
   require(damping >= 0, damping, "damping", "at least 0");
 }
 
-void ContactCounts::require_of(std::size_t num_samples) const {
+void ContactTotals::require_of(std::size_t num_samples) const {
+  if (!std::isfinite(force.sum() + torque.sum() + depth + energy + work + friction_loss))
+    throw InputError("contact is saved with numbers that are not finite");
   if (slipping < 0 || slipping > touching || touching > static_cast<int>(num_samples))
     throw InputError(fmt::format("contact is saved with {} of {} samples that touch, {} of which slip", touching,
                                  num_samples, slipping));

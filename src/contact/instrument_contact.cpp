@@ -91,11 +91,6 @@ void InstrumentContact::set_samples(SurfaceSamples samples, const SplitNodes& sp
   terms_.terms.clear();
 }
 
-void InstrumentContact::forget_touching() {
-  if (has_touching_) states_.assign(states_.size(), {});
-  has_touching_ = false;
-}
-
 // By the box of the places that samples have relative to the instrument on their straight ways. As the instrument
 // turns, they lie beside it by no more than a point of the body does that turns with it.
 bool InstrumentContact::can_touch(ConstPoints x, ConstPoints v, double h, const Pose& begin, const Pose& end) const {
@@ -126,9 +121,13 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
   pose_before_ = begin;
   pose_ = end;
   terms_.terms.clear();
-  loaded_ = {};
+  totals_.touching = totals_.slipping = 0;
   num_examined_ = 0;
-  if (samples_.samples.empty() || !can_touch(x, v, h, begin, end)) return forget_touching();
+  if (samples_.samples.empty() || !can_touch(x, v, h, begin, end)) {
+    if (has_touching_) states_.assign(states_.size(), {});
+    has_touching_ = false;
+    return;
+  }
 
   const auto num_samples = static_cast<int>(samples_.samples.size());
   num_examined_ = num_samples;
@@ -251,19 +250,17 @@ void InstrumentContact::begin_step(ConstPoints x, ConstPoints v, double h, const
 }
 
 void InstrumentContact::end_step(ConstPoints x) {
-  force_.setZero();
-  torque_.setZero();
-  depth_ = energy_ = 0;
+  totals_ = {.work = totals_.work, .friction_loss = totals_.friction_loss};
   if (has_touching_)
     for (SampleState& state : states_) state.normal_force = 0;
   for (const ContactTerm& term : terms_.terms) {
     const auto [p, change] = terms_.end_of(term, {x, x});
     const double N = term.normal_force(p, change), g = term.gap(p);
     const Vec3 tangential = term.tangential_force(p), f = N * term.normal + tangential;
-    force_ -= f;
-    torque_ -= (p - pose_.position).cross(f);
-    depth_ = std::max(depth_, -(g + settings_.distance));
-    work_ += f.dot(p - pose_before_.to_world(pose_.to_own(p)));
+    totals_.force -= f;
+    totals_.torque -= (p - pose_.position).cross(f);
+    totals_.depth = std::max(totals_.depth, -(g + settings_.distance));
+    totals_.work += f.dot(p - pose_before_.to_world(pose_.to_own(p)));
     if (N <= 0) continue;
 
     SampleState& state = states_[term.sample];
@@ -274,8 +271,8 @@ void InstrumentContact::end_step(ConstPoints x) {
                  kept = stiffness * size > limit ? limit / (stiffness * size) : 1;
     // also what it is moved along the normal: the anchor stays on the sample's own level
     state.anchor = pose_.to_own(now - kept * u);
-    friction_loss_ += tangential.norm() * (1 - kept) * size;
-    energy_ += term.stiffness * g * g / 2 + stiffness * kept * kept * size * size / 2;
+    totals_.friction_loss += tangential.norm() * (1 - kept) * size;
+    totals_.energy += term.stiffness * g * g / 2 + stiffness * kept * kept * size * size / 2;
   }
 }
 
@@ -283,10 +280,7 @@ void InstrumentContact::reset() {
   states_.assign(states_.size(), {});
   has_touching_ = false;
   terms_.terms.clear();
-  loaded_ = {};
-  force_.setZero();
-  torque_.setZero();
-  depth_ = energy_ = work_ = friction_loss_ = 0;
+  totals_ = {};
 }
 
 void InstrumentContact::serialize(Archive& archive) {
@@ -294,34 +288,26 @@ void InstrumentContact::serialize(Archive& archive) {
   for (const SampleState& state : states_)
     numbers.insert(numbers.end(), {state.anchor.x(), state.anchor.y(), state.anchor.z(), state.normal_force,
                                    state.normal.x(), state.normal.y(), state.normal.z()});
-  Vec3 force = force_, torque = torque_;
-  double depth = depth_, energy = energy_, work = work_, friction_loss = friction_loss_;
-  ContactCounts counts{num_touching(), num_slipping()};
-  archive(numbers, force.x(), force.y(), force.z(), torque.x(), torque.y(), torque.z(), depth, energy, work,
-          friction_loss, counts.touching, counts.slipping);
+  ContactTotals totals = totals_;
+  totals.touching = num_touching();
+  totals.slipping = num_slipping();
+  archive(numbers, totals.force, totals.torque, totals.depth, totals.energy, totals.work, totals.friction_loss,
+          totals.touching, totals.slipping);
   if (!archive.reads()) return;
   constexpr std::size_t kNumbers = 7;  // of a sample
   if (numbers.size() != kNumbers * states_.size())
     throw InputError(
         fmt::format("contact is saved of {} samples, there are {}", numbers.size() / kNumbers, states_.size()));
-  const bool is_finite = std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); }) &&
-                         force.allFinite() && torque.allFinite() && std::isfinite(depth) && std::isfinite(energy) &&
-                         std::isfinite(work) && std::isfinite(friction_loss);
-  if (!is_finite) throw InputError("contact is saved with numbers that are not finite");
-  counts.require_of(states_.size());
+  if (!std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); }))
+    throw InputError("contact is saved with numbers that are not finite");
+  totals.require_of(states_.size());
   for (std::size_t i = 0; i < states_.size(); ++i) {
     const double* const of = &numbers[kNumbers * i];
     states_[i] = {{of[0], of[1], of[2]}, std::max(of[3], 0.0), {of[4], of[5], of[6]}};
   }
   has_touching_ = true;
   terms_.terms.clear();
-  loaded_ = counts;
-  force_ = force;
-  torque_ = torque;
-  depth_ = depth;
-  energy_ = energy;
-  work_ = work;
-  friction_loss_ = friction_loss;
+  totals_ = totals;
 }
 
 }  // namespace hexaplast

@@ -239,7 +239,7 @@ void TissueContact::find_distances(ConstPoints x) {
 
 void TissueContact::begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, double h) {
   terms_.terms.clear();
-  loaded_ = {};
+  totals_.touching = totals_.slipping = 0;
   first_sample_.clear();
   num_examined_ = 0;
   const bool with_itself = meshes_[0] == meshes_[1];
@@ -369,8 +369,7 @@ void TissueContact::begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoint
 }
 
 void TissueContact::end_step(const Pair<ConstPoints>& x) {
-  force_.setZero();
-  depth_ = energy_ = 0;
+  totals_ = {};
   if (has_touching_)
     for (const auto& side : sides_)
       for (SampleState& state : side->states) {
@@ -382,8 +381,8 @@ void TissueContact::end_step(const Pair<ConstPoints>& x) {
     const double N = term.normal_force(r, change), g = term.gap(r);
     Side& side = *sides_[sides_.size() > 1 && term.sample >= first_sample_[1] ? 1 : 0];
     const int i = term.sample - first_sample_[&side == sides_[0].get() ? 0 : 1];
-    if (meshes_[0] != meshes_[1]) force_ += term.force(r, change);
-    depth_ = std::max(depth_, -(g + side.distance_of(i, settings_)));
+    if (meshes_[0] != meshes_[1]) totals_.force += term.force(r, change);
+    totals_.depth = std::max(totals_.depth, -(g + side.distance_of(i, settings_)));
     if (N <= 0) continue;
 
     SampleState& state = side.states[i];
@@ -392,7 +391,7 @@ void TissueContact::end_step(const Pair<ConstPoints>& x) {
     const Vec3 u = term.displacement(term.at(x));
     const double stiffness = kFraction * settings_.tangential_stiffness * sample.area, limit = settings_.friction * N,
                  size = u.norm(), kept = stiffness * size > limit ? limit / (stiffness * size) : 1;
-    energy_ += term.stiffness * g * g / 2 + stiffness * kept * kept * size * size / 2;
+    totals_.energy += term.stiffness * g * g / 2 + stiffness * kept * kept * size * size / 2;
 
     // the anchor, in the hexahedron of the other body that the sample was found in
     const bool is_first = side.from == 0;
@@ -418,9 +417,7 @@ void TissueContact::reset() {
   for (const auto& side : sides_) side->states.assign(side->states.size(), {});
   has_touching_ = has_opened_ = false;
   terms_.terms.clear();
-  loaded_ = {};
-  force_.setZero();
-  depth_ = energy_ = 0;
+  totals_ = {};
 }
 
 double TissueContact::edge() const {
@@ -447,21 +444,20 @@ void TissueContact::serialize(Archive& archive) {
       places.insert(places.end(), {state.hexahedron, state.face, state.is_new ? 1 : 0});
       distances.push_back(state.distance);
     }
-  Vec3 force = force_;
-  double depth = depth_, energy = energy_;
-  ContactCounts counts{num_touching(), num_slipping()};
+  ContactTotals totals = totals_;
+  totals.touching = num_touching();
+  totals.slipping = num_slipping();
   bool has_opened = has_opened_;
-  archive(numbers, places, distances, has_opened, force.x(), force.y(), force.z(), depth, energy, counts.touching,
-          counts.slipping);
+  archive(numbers, places, distances, has_opened, totals.force, totals.depth, totals.energy, totals.touching,
+          totals.slipping);
   if (!archive.reads()) return;
   if (numbers.size() != (1 + kCorners) * count || places.size() != 3 * count || distances.size() != count)
     throw InputError(fmt::format("contact is saved of {} samples, there are {}", places.size() / 3, count));
   const auto is_number = [](double distance) { return distance > -std::numeric_limits<double>::infinity(); };
   const bool is_finite = std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); }) &&
-                         std::ranges::all_of(distances, is_number) && force.allFinite() && std::isfinite(depth) &&
-                         std::isfinite(energy);
+                         std::ranges::all_of(distances, is_number);
   if (!is_finite) throw InputError("contact is saved with numbers that are not finite");
-  counts.require_of(count);
+  totals.require_of(count);
   std::vector<SampleState> states;
   for (const auto& side : sides_)
     for (std::size_t i = 0; i < side->states.size(); ++i) {
@@ -488,10 +484,7 @@ void TissueContact::serialize(Archive& archive) {
   has_touching_ = true;
   has_opened_ = has_opened;
   terms_.terms.clear();
-  loaded_ = counts;
-  force_ = force;
-  depth_ = depth;
-  energy_ = energy;
+  totals_ = totals;
 }
 
 }  // namespace hexaplast

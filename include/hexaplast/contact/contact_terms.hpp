@@ -105,9 +105,12 @@ struct ContactTerm {
   double correct_friction(const Vec3& r, const Vec3& change);
 };
 
-/// Of the contacts of a step that is over, in saved states.
-struct ContactCounts {
-  int touching = 0, slipping = 0;
+/// Of the contacts of the latest step, which may be over: in saved states.
+struct ContactTotals {
+  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  ///< [N], [N m]
+  double depth = 0, energy = 0;                      ///< [m], [J]
+  double work = 0, friction_loss = 0;                ///< [J] so far
+  int touching = 0, slipping = 0;                    ///< where the terms of the step are not there any more
 
   /// Throws InputError for numbers that contacts of so many samples cannot have.
   void require_of(std::size_t num_samples) const;

@@ -87,24 +87,24 @@ class InstrumentContact {
   void serialize(Archive& archive);
 
   /// In the present step; of a state that was just loaded, in the step before it.
-  int num_touching() const { return terms_.empty() ? loaded_.touching : static_cast<int>(terms_.terms.size()); }
-  int num_slipping() const { return terms_.empty() ? loaded_.slipping : terms_.num_slipping(); }
+  int num_touching() const { return terms_.empty() ? totals_.touching : static_cast<int>(terms_.terms.size()); }
+  int num_slipping() const { return terms_.empty() ? totals_.slipping : terms_.num_slipping(); }
 
   /// Samples that were looked at in the present step; 0: the body is too far away.
   int num_examined() const { return num_examined_; }
 
   /// On the instrument, by the contacts of the latest step.
-  const Vec3& force() const { return force_; }    ///< [N]
-  const Vec3& torque() const { return torque_; }  ///< [N m] about the origin of its frame
+  const Vec3& force() const { return totals_.force; }    ///< [N]
+  const Vec3& torque() const { return totals_.torque; }  ///< [N m] about the origin of its frame
 
   /// [m] The deepest place of a sample, and [J] in the springs, at the end of the latest step.
-  double depth() const { return depth_; }
-  double energy() const { return energy_; }
+  double depth() const { return totals_.depth; }
+  double energy() const { return totals_.energy; }
 
   /// [J] What the instrument has done by its motion, and what friction has taken, so far. What is left of the work
   /// after friction and the energy of the springs is what the body has received, or damping.
-  double work() const { return work_; }
-  double friction_loss() const { return friction_loss_; }
+  double work() const { return totals_.work; }
+  double friction_loss() const { return totals_.friction_loss; }
 
  private:
   struct SampleState {
@@ -116,7 +116,6 @@ class InstrumentContact {
   };
 
   void take_samples(SurfaceSamples samples);
-  void forget_touching();  // no sample is within
 
   Solid solid_;
   ContactSettings settings_;
@@ -136,10 +135,8 @@ class InstrumentContact {
   std::vector<Found> found_;  // scratch, per sample
   int num_examined_ = 0;
   ContactTerms terms_;
-  ContactCounts loaded_;
+  ContactTotals totals_;
   PointArray expected_;  // scratch
-  Vec3 force_ = Vec3::Zero(), torque_ = Vec3::Zero();
-  double depth_ = 0, energy_ = 0, work_ = 0, friction_loss_ = 0;
 };
 
 }  // namespace hexaplast

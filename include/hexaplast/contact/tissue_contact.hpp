@@ -83,8 +83,8 @@ class TissueContact {
   void serialize(Archive& archive);
 
   /// In the present step; of a state that was just loaded, in the step before it.
-  int num_touching() const { return terms_.empty() ? loaded_.touching : static_cast<int>(terms_.terms.size()); }
-  int num_slipping() const { return terms_.empty() ? loaded_.slipping : terms_.num_slipping(); }
+  int num_touching() const { return terms_.empty() ? totals_.touching : static_cast<int>(terms_.terms.size()); }
+  int num_slipping() const { return terms_.empty() ? totals_.slipping : terms_.num_slipping(); }
   /// Samples that were looked at in the present step, in all checks; 0: the bodies are too far from each other.
   long num_examined() const { return num_examined_; }
   double edge() const;     ///< [m] the smaller one of the mean edges of the two surfaces; 0: there is none
@@ -92,9 +92,9 @@ class TissueContact {
 
   /// [N] On the first body, [m] the deepest place of a sample, [J] in the springs, by the contacts of the latest step.
   /// Of one body with itself the force is zero.
-  const Vec3& force() const { return force_; }
-  double depth() const { return depth_; }
-  double energy() const { return energy_; }
+  const Vec3& force() const { return totals_.force; }
+  double depth() const { return totals_.depth; }
+  double energy() const { return totals_.energy; }
 
  private:
   struct Side;
@@ -111,11 +111,9 @@ class TissueContact {
   bool has_opened_ = false;                   // a body that touches itself
   long num_examined_ = 0;
   ContactTerms terms_;
-  ContactCounts loaded_;
+  ContactTotals totals_;
   std::vector<int> first_sample_;  // per side, in ContactTerm::sample
   std::array<PointArray, 2> expected_;
-  Vec3 force_ = Vec3::Zero();
-  double depth_ = 0, energy_ = 0;
 };
 
 }  // namespace hexaplast
