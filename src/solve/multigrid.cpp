@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "solve/multigrid.hpp"
 
-#include <fmt/format.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -33,15 +31,6 @@ void SpectralRadii::update(int iterations_now) {
 
 bool SolverMemory::is_valid() const {
   return std::ranges::all_of(radii, [](const SpectralRadii& of_body) { return of_body.is_valid(); });
-}
-
-void SolverMemory::serialize(Archive& archive) {
-  std::uint64_t count = radii.size();
-  archive(is_first, start, count);
-  if (archive.reads() && count > archive.rest() / sizeof(SpectralRadii::of_level))
-    throw InputError(fmt::format("{} spectral radii are announced", count));
-  radii.resize(count);
-  for (SpectralRadii& of_body : radii) of_body.serialize(archive);
 }
 
 bool SpectralRadii::is_valid() const {

@@ -24,7 +24,7 @@ inline constexpr bool kIsFlat<Eigen::Matrix<T, R, C, O>> = kIsFlat<T>&& R > 0 &&
 
 /// Writes values as bytes, or reads them back: a class lists its state once, for both directions.
 ///
-///   void serialize(Archive& archive) { archive(time, positions, names); }
+///   void serialize(Archive& archive) { archive(time, positions, names, part_with_serialize); }
 ///
 /// Little-endian; a list is preceded by its length (64 bits). What is read is checked against the bytes that are there
 /// before anything is allocated. Not protected against damage: a checksum around it is (Body::save).
@@ -61,8 +61,10 @@ class Archive {
  private:
   template <class T>
   void one(T& value) {
-    static_assert(kIsFlat<T>, "list the members");
-    raw(&value, sizeof(T));
+    if constexpr (kIsFlat<T>)
+      raw(&value, sizeof(T));
+    else
+      value.serialize(*this);
   }
   template <class T>
   void one(std::vector<T>& values) {

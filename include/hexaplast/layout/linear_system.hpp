@@ -263,7 +263,7 @@ struct SolverMemory {
 
   /// Whether an archive may hold it.
   bool is_valid() const;
-  void serialize(Archive& archive);
+  void serialize(Archive& archive) { archive(is_first, start, radii); }
 };
 
 /// Solves A x = b; x may have any content before. What a solver keeps from one solve to the next is scratch, and
