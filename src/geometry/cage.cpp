@@ -13,6 +13,7 @@
 #include "base/disjoint_sets.hpp"
 #include "geometry/grid_cells.hpp"
 #include "hexaplast/base/error.hpp"
+#include "mesh/selection.hpp"
 
 namespace hexaplast {
 namespace {
@@ -195,12 +196,6 @@ SurfaceEdges edges_of_surface(ConstPoints x, std::span<const Triangle> faces) {
     if (end - first == 2 && sides[first] == sides[first + 1]) surface.is_oriented = false;
   }
   return surface;
-}
-
-/// The solid angle of a triangle [sr] as seen from the origin, positive from behind (van Oosterom and Strackee 1983).
-double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const double la = a.norm(), lb = b.norm(), lc = c.norm();
-  return 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
 }
 
 /// LabelledCells that the outside reaches only through holes of the surface, and around which it winds nearly: a hole

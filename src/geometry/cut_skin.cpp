@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "hexaplast/geometry/cut_surface.hpp"
+#include "mesh/selection.hpp"
 
 namespace hexaplast {
 namespace {
@@ -404,14 +405,11 @@ void SkinCut::add_strips() {
   }
 }
 
-/// Whether a place lies within the skin: by the solid angles of its triangles (Van Oosterom and Strackee 1983).
+/// Whether a place lies within the skin.
 bool SkinCut::winds_around(const Vec3& place) const {
   double angle = 0;
-  for (const auto& [p, q, r] : triangles_) {
-    const Vec3 a = points_[p] - place, b = points_[q] - place, c = points_[r] - place;
-    angle += 2 * std::atan2(a.dot(b.cross(c)), a.norm() * b.norm() * c.norm() + a.dot(b) * c.norm() +
-                                                   b.dot(c) * a.norm() + c.dot(a) * b.norm());
-  }
+  for (const auto& [p, q, r] : triangles_)
+    angle += solid_angle(points_[p] - place, points_[q] - place, points_[r] - place);
   return std::abs(angle) > 2 * std::numbers::pi;
 }
 

@@ -48,15 +48,15 @@ EnclosedSpace::EnclosedSpace(ConstPoints points, std::span<const Triangle> trian
   }
 }
 
-// The solid angle of each triangle, by the formula of van Oosterom and Strackee.
+double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double la = a.norm(), lb = b.norm(), lc = c.norm();
+  return 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+}
+
 bool EnclosedSpace::contains(const Vec3& point) const {
   if (!box_.contains(point)) return false;
   double angle = 0;
-  for (const auto& [first, second, third] : triangles_) {
-    const Vec3 a = first - point, b = second - point, c = third - point;
-    const double la = a.norm(), lb = b.norm(), lc = c.norm();
-    angle += 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-  }
+  for (const auto& [a, b, c] : triangles_) angle += solid_angle(a - point, b - point, c - point);
   return std::abs(angle) > 2 * std::numbers::pi;  // 4 pi inside, none outside
 }
 

@@ -28,6 +28,9 @@ struct OrientedBox {
   bool contains(const Vec3& point) const;
 };
 
+/// The solid angle of a triangle [sr] as seen from the origin, positive from behind (van Oosterom and Strackee 1983).
+double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c);
+
 /// What a closed surface of triangles encloses.
 class EnclosedSpace {
  public:
