@@ -207,8 +207,7 @@ void Body::set_time_step(double dt) {
 void Body::linearize(ConstPoints x) {
   state_->require_field("linearize", "x", x);
   state_->require_relaxing_step("linearize");
-  state_->springs.clear();  // which described the system before
-  state_->terms.clear();
+  state_->terms.clear();  // which described the system before
   if (state_->is_plain())
     state_->plain.linearize(state_->model, state_->history, x, state_->branches);
   else if (state_->device)
@@ -255,14 +254,15 @@ void Body::add_stiffness_blocks(double factor, BlockMatrix& K) const {
 
 void Body::add_operator(double factor, MatrixFreeSystem& system) const {
   state_->require_linearized("add_operator");
-  if (state_->is_plain()) {
-    auto term = std::ranges::find(state_->terms, factor, &plain::StiffnessTerm::factor);
+  if (state_->is_plain() || state_->at.recovery.acts()) {
+    auto term = std::ranges::find(state_->terms, factor, &BodyTerm::factor);
     if (term == state_->terms.end()) term = state_->terms.emplace(term);
-    term->of = &state_->plain;
+    term->elasticity = state_->is_plain() ? &state_->plain : nullptr;
+    term->recovery = &state_->at.recovery;
     term->factor = factor;
     system.others.push_back(&*term);
-    return;
   }
+  if (state_->is_plain()) return;
   KernelBody& body = system.bodies.emplace_back();
   body.factor = -factor;  // L = - df/dx
   body.device = state_->device.get();
@@ -275,13 +275,6 @@ void Body::add_operator(double factor, MatrixFreeSystem& system) const {
       body.exact_operator = &state_->exact;
     }
     body.scratch = &state_->slots;
-  }
-  if (state_->at.recovery.acts()) {
-    auto term = std::ranges::find(state_->springs, -factor, &RecoveryTerm::factor);
-    if (term == state_->springs.end()) term = state_->springs.emplace(term);
-    term->springs = &state_->at.recovery;
-    term->factor = -factor;
-    system.others.push_back(&*term);
   }
   if (!system.wants_levels || body.device) return;
   if (!state_->hierarchy) state_->hierarchy.emplace(state_->model);

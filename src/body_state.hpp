@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "device/device_body.hpp"
+#include "elastic/exact_product.hpp"
 #include "elastic/hierarchy.hpp"
 #include "elastic/operators.hpp"
 #include "hexaplast/body.hpp"
@@ -30,6 +31,21 @@ class OnDevice : public std::unique_ptr<DeviceBody> {
   OnDevice(const OnDevice& other) : OnDevice(other ? OnDevice(other->name()) : OnDevice()) {}
   OnDevice(OnDevice&&) = default;
   OnDevice& operator=(OnDevice&&) = default;
+};
+
+/// What of a body a system cannot have as a KernelBody: its recovery, or all of a plain one.
+struct BodyTerm final : NodalOperator {
+  const plain::Elasticity* elasticity = nullptr;
+  const Recovery* recovery = nullptr;
+  double factor = 0;  // of df/dx
+
+  void add_product(ConstPoints p, Points Fp) const override {
+    elasticity ? elasticity->add_stiffness_product(factor, p, Fp) : recovery->add_product(-factor, p, Fp);
+  }
+  bool has_diagonal() const override { return true; }
+  void add_diagonal(Points diagonal) const override {
+    elasticity ? elasticity->add_stiffness_diagonal(factor, diagonal) : recovery->add_diagonal(-factor, diagonal);
+  }
 };
 
 /// All that a body is.
@@ -86,8 +102,7 @@ struct Body::State {
   SlotScratch slots;                          // of solvers, `energy` and `fields`
   ProductWorkspace product;                   // of add_stiffness_product and energy
   DoublePrecisionOperator exact;              // of mixed precision
-  std::deque<RecoveryTerm> springs;           // of the systems described since `linearize`, one for each factor
-  std::deque<plain::StiffnessTerm> terms;     // the same of a plain body
+  std::deque<BodyTerm> terms;                 // of the systems described since `linearize`, one for each factor
   std::optional<ElementHierarchy> hierarchy;  // made when a solver first asks for levels
   long revision = 0;                          // Body::revision
   OnDevice device;                            // computes it, in place of the kernels and of `at` but for its springs

@@ -98,9 +98,8 @@ namespace hexaplast {
 HWY_EXPORT(exact_product);
 HWY_EXPORT(matrices_of);
 
-void add_exact_product(const Model& model, const History& history, const Linearization& at, int chunk, double factor,
-                       const double* p, double* Ap) {
-  HWY_DYNAMIC_DISPATCH(exact_product)(model, history, at, chunk, factor, p, Ap);
+void DoublePrecisionOperator::add_product(int chunk, double factor, const double* p, double* Ap) const {
+  HWY_DYNAMIC_DISPATCH(exact_product)(*model_, *history_, *at_, chunk, factor, p, Ap);
 }
 void element_matrices(const Model& model, const History& history, const Linearization& at, int block, double factor,
                       ElementMatrix* matrices) {

@@ -5,9 +5,24 @@
 
 namespace hexaplast {
 
-/// Ap += factor L p in double precision, rotations computed anew: no coefficients are kept.
-void add_exact_product(const Model& model, const History& history, const Linearization& at, int chunk, double factor,
-                       const double* p, double* Ap);
+/// The stiffness of a linearization in double precision whatever its coefficients are: rotations are computed anew in
+/// each product. For residuals, which single precision would spoil.
+class DoublePrecisionOperator final : public ChunkedProduct<double> {
+ public:
+  /// All must outlive the use.
+  void setup(const Model& model, const History& history, const Linearization& at) {
+    model_ = &model;
+    history_ = &history;
+    at_ = &at;
+  }
+  const Partition& partition() const override { return *model_->partition; }
+  void add_product(int chunk, double factor, const double* p, double* Ap) const override;
+
+ private:
+  const Model* model_ = nullptr;
+  const History* history_ = nullptr;
+  const Linearization* at_ = nullptr;
+};
 
 using ElementMatrix = Eigen::Matrix<double, 3 * kCorners, 3 * kCorners>;
 

@@ -181,10 +181,6 @@ void add_force(const Model& model, const Linearization& at, Points f) {
   at.recovery.add_force(f);
 }
 
-void DoublePrecisionOperator::add_product(int chunk, double factor, const double* p, double* Ap) const {
-  add_exact_product(*model_, *history_, *at_, chunk, factor, p, Ap);
-}
-
 void add_stiffness_product(const Model&, const Linearization& at, double factor, ConstPoints dx, SlotScratch& slots,
                            ProductWorkspace& work, Points df) {
   std::visit(
@@ -236,12 +232,6 @@ void find_fields(const Model& model, const History& history, ConstPoints x, std:
   const bool yields = !history.plastic_inverse.empty();
   for_each_block_at(model, history, x, steps, slots,
                     [&](const EvaluatedBlock& at) { block_fields(at, yields, fields); });
-}
-
-double energy(const Model& model, const History& history, ConstPoints x) {
-  SlotScratch slots;
-  ProductWorkspace work;
-  return energy(model, history, x, slots, work);
 }
 
 }  // namespace hexaplast

@@ -29,25 +29,6 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
 /// f += elastic forces [N].
 void add_force(const Model& model, const Linearization& at, Points f);
 
-/// The stiffness of a linearization in double precision whatever its coefficients are: rotations are computed anew in
-/// each product. For residuals, which single precision would spoil.
-class DoublePrecisionOperator final : public ChunkedProduct<double> {
- public:
-  /// All must outlive the use.
-  void setup(const Model& model, const History& history, const Linearization& at) {
-    model_ = &model;
-    history_ = &history;
-    at_ = &at;
-  }
-  const Partition& partition() const override { return *model_->partition; }
-  void add_product(int chunk, double factor, const double* p, double* Ap) const override;
-
- private:
-  const Model* model_ = nullptr;
-  const History* history_ = nullptr;
-  const Linearization* at_ = nullptr;
-};
-
 /// Scratch of add_stiffness_product and energy: the vectors of products in single precision, and sums.
 struct ProductWorkspace {
   AlignedVector<float> argument, product;
@@ -71,7 +52,6 @@ void add_stiffness_blocks(const Model& model, const History& history, const Line
 ///                                                                                                 eq. 18, E25, P17
 double energy(const Model& model, const History& history, ConstPoints x, SlotScratch& slots, ProductWorkspace& work,
               std::span<const BranchStep> branches = {});
-double energy(const Model& model, const History& history, ConstPoints x);
 
 /// Writes the fields of the elements that are there, at x.
 void find_fields(const Model& model, const History& history, ConstPoints x, std::span<const BranchStep> branches,

@@ -160,8 +160,8 @@ class Step {
   std::vector<unsigned char> rolled_back_;
 };
 
-}  // namespace
-
+/// Without a mesh of plastic rest positions: each sample keeps its own deformation, and what its branches hold.
+///                                                                                               theory.md 5.9, 5.10
 FlowReport flow_isolated(const Model& model, ConstPoints x, double dt, History& history,
                          std::span<const BranchStep> steps) {
   FlowReport report;
@@ -195,6 +195,8 @@ FlowReport flow_isolated(const Model& model, ConstPoints x, double dt, History& 
   history = std::move(next);
   return report;
 }
+
+}  // namespace
 
 FlowReport flow(const Model& model, ConstPoints x, double dt, LinearSolver& solver, History& history,
                 std::span<const BranchStep> branches) {

@@ -81,16 +81,6 @@ class Elasticity {
   Recovery recovery_;
 };
 
-/// factor df/dx, for solvers.
-struct StiffnessTerm final : NodalOperator {
-  const Elasticity* of = nullptr;
-  double factor = 0;
-
-  void add_product(ConstPoints p, Points Fp) const override { of->add_stiffness_product(factor, p, Fp); }
-  bool has_diagonal() const override { return true; }
-  void add_diagonal(Points diagonal) const override { of->add_stiffness_diagonal(factor, diagonal); }
-};
-
 /// One plastic step of one element before the averaging, with what flows.            theory.md sections 5.1 to 5.4
 struct ElementStep {
   bool inverted = false;                             ///< inverted at some corner (det F~ < 0)
@@ -114,11 +104,6 @@ ElementStep flow_element(const Model& model, int element, const ElementPoints& p
 /// stay.
 AveragingReport join_rest_shapes(const Model& model, const std::vector<unsigned char>& changed, LinearSolver& solver,
                                  History& history);
-
-/// The same without a mesh of plastic rest positions: each sample keeps its own deformation, and what its branches
-/// hold.                                                                                         theory.md 5.9, 5.10
-FlowReport flow_isolated(const Model& model, ConstPoints x, double dt, History& history,
-                         std::span<const BranchStep> branches);
 
 /// One plastic step at the accepted current positions x (num_nodes x 3) [m].                              theory.md 5
 /// Throws NumericalError naming the element whose history, or the node whose plastic rest position, is not finite; the

@@ -82,14 +82,4 @@ class Recovery {
   DisjointSets sets_;
 };
 
-/// All of it as a term of a linear system.
-struct RecoveryTerm final : NodalOperator {
-  const Recovery* springs = nullptr;
-  double factor = 0;
-
-  void add_product(ConstPoints p, Points Fp) const override { springs->add_product(factor, p, Fp); }
-  bool has_diagonal() const override { return true; }
-  void add_diagonal(Points diagonal) const override { springs->add_diagonal(factor, diagonal); }
-};
-
 }  // namespace hexaplast
