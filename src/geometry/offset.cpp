@@ -106,8 +106,8 @@ Interval range_of(const QuadSurface& surface, const PointArray& directions, int 
   return range;
 }
 
-std::string described(double limit, int quad) {
-  return quad < 0 ? "any distance" : fmt::format("less than {:.4g} (quad {})", limit, quad);
+std::string described(double limit) {
+  return std::isfinite(limit) ? fmt::format("less than {:.4g}", limit) : "any distance";
 }
 
 /// Throws unless the numbers make sense for this surface.
@@ -175,14 +175,7 @@ OffsetLimits offset_limits(const QuadSurface& surface, const PointArray& directi
   OffsetLimits limits;
   for (int q = 0; q < surface.num_quads(); ++q) {
     const Interval range = range_of(surface, directions, q);
-    if (-range.min < limits.inward) {
-      limits.inward = -range.min;
-      limits.inward_quad = q;
-    }
-    if (range.max < limits.outward) {
-      limits.outward = range.max;
-      limits.outward_quad = q;
-    }
+    limits = {std::min(limits.inward, -range.min), std::min(limits.outward, range.max)};
   }
   return limits;
 }
@@ -190,7 +183,6 @@ OffsetLimits offset_limits(const QuadSurface& surface, const PointArray& directi
 Shell offset(const QuadSurface& surface, const ShellThickness& thickness) {
   check(surface, thickness);
   const PointArray directions = offset_directions(surface);
-  const OffsetLimits limits = offset_limits(surface, directions);
   PointArray x = positions_of(surface, directions, thickness);
   std::vector<Hexahedron> hexahedra = hexahedra_of(surface, thickness);
 
@@ -211,15 +203,17 @@ Shell offset(const QuadSurface& surface, const ShellThickness& thickness) {
     folded.add(q);
     if (worst < 0 || shape[q] < shape[worst]) worst = q;
   }
-  if (folded.count() > 0)
+  if (folded.count() > 0) {
+    const OffsetLimits limits = offset_limits(surface, directions);
     throw InputError(fmt::format(
         "{} quads fold when offset by {} inward and {} outward: {}; the worst is {}, with a scaled Jacobian of {:.3g}; "
         "the surface can go {} inward and {} outward",
         folded.count(), thickness.inward, thickness.outward, folded.list(), worst, shape[worst],
-        described(limits.inward, limits.inward_quad), described(limits.outward, limits.outward_quad)));
+        described(limits.inward), described(limits.outward)));
+  }
 
   order.resize(std::min(order.size(), kWorstQuads));
-  Shell shell{HexMesh(std::move(x), std::move(hexahedra)), {}, std::move(order), limits};
+  Shell shell{HexMesh(std::move(x), std::move(hexahedra)), {}, std::move(order)};
   shell.quality = quality(shell.mesh);
   return shell;
 }

@@ -116,7 +116,6 @@ TEST(Offset, OfAPlaneIsABlock) {
     EXPECT_TRUE(shell.mesh.positions().row(5 * 6 + l).isApprox(Eigen::RowVector3d(1, 1, -0.25 + 0.25 * l), 1e-14));
   EXPECT_EQ(shell.mesh.hexahedra()[1], (Hexahedron{1, 7, 31, 25, 2, 8, 32, 26}));
   EXPECT_EQ(num_free_faces(shell.mesh), 2 * 6 + 10 * 5);
-  EXPECT_EQ(shell.limits.inward, kInfinity);
 }
 
 TEST(Offset, MayLieOffTheSurfaceAndOnEitherSide) {
@@ -211,7 +210,7 @@ TEST(Offset, RefusesToFold) {
   EXPECT_GT(offset(sides, {0.95, 0, 4}).quality.min_scaled_jacobian, 0);
   EXPECT_TRUE(refuses_to_fold(sides, {1.1, 0, 4},
                               {"32 quads fold", "1.1 inward", "0, 1, 2, 3, 4, 5, 6, 7, 8, 9, ...", "the worst is",
-                               "scaled Jacobian of -", "less than 0.9808 (quad ", "any distance outward"}));
+                               "scaled Jacobian of -", "less than 0.9808 inward and any distance outward"}));
   // through the centre of a sphere both directions turn over, and every corner of the hexahedra looks sound
   const QuadSurface ball = sphere(4, 1);
   EXPECT_TRUE(refuses_to_fold(ball, {2.5, 0, 1}, {"96 quads fold"}));

@@ -23,8 +23,6 @@ struct ShellThickness {
 struct OffsetLimits {
   double inward = std::numeric_limits<double>::infinity();   ///< [m]
   double outward = std::numeric_limits<double>::infinity();  ///< [m]
-  int inward_quad = -1;                                      ///< the one that folds first; -1: none does
-  int outward_quad = -1;
 };
 
 /// Displacement of every vertex that moves the surface by one unit of length, measured normal to its quads
@@ -53,7 +51,6 @@ struct Shell {
                         ///< hexahedron: quad * layers + layer, its corner 0 at the inner surface, below corner 4
   MeshQuality quality;  ///< of `mesh`
   std::vector<int> worst_quads;  ///< up to five, those over which the scaled Jacobian is smallest first
-  OffsetLimits limits;           ///< of the surface
 };
 
 /// The shell of hexahedra between the offset surfaces. Where the thickness is negative, "inner" and "outer" above
