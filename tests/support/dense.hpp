@@ -5,6 +5,7 @@
 
 #include "hexaplast/base/block_matrix.hpp"
 #include "hexaplast/body.hpp"
+#include "hexaplast/solve/implicit_euler.hpp"
 
 namespace hexaplast::support {
 
@@ -30,6 +31,14 @@ inline Eigen::VectorXd stacked(ConstPoints field) {
 }
 inline PointArray unstacked(const Eigen::VectorXd& values) {
   return Eigen::Map<const PointArray>(values.data(), values.size() / 3, 3);
+}
+
+/// What the constraints of a system leave free.
+inline Constraints constraints_of(const MechanicalSystem& system) {
+  Constraints constraints;
+  constraints.reset(system.num_nodes());
+  system.constrain(constraints);
+  return constraints;
 }
 
 /// Elastic forces at x, of a body that is linearized there.

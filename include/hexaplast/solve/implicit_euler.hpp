@@ -58,14 +58,6 @@ class MechanicalSystem {
   virtual void constrain(Constraints& /*constraints*/) const {}
 };
 
-/// The same as a value.
-inline Constraints constraints_of(const MechanicalSystem& system) {
-  Constraints constraints;
-  constraints.reset(system.num_nodes());
-  system.constrain(constraints);
-  return constraints;
-}
-
 struct EulerSettings {
   double rayleigh_mass = 0;       ///< [1/s]
   double rayleigh_stiffness = 0;  ///< [s]
