@@ -120,17 +120,8 @@ class Body {
   void reset();
 
   /// Writes the history, and the materials that its thresholds belong to, so that a body that loads it goes on as this
-  /// one does, bit for bit. The current state (positions, velocities) is the host's. Between two time steps.
-  ///
-  ///   bytes | content, little-endian
-  ///       8 | "HXPBODY" and a zero
-  ///       4 | format version: 9
-  ///       8 | XXH64 of mesh and settings, and of the names of all members and words
-  ///       8 | size of what follows
-  ///       n | materials, history: lists preceded by their lengths (base/archive.hpp)
-  ///       8 | XXH64 of all bytes before
-  ///
-  /// Throws InputError when the stream does not take it all.
+  /// one does, bit for bit (base/saved_stream.hpp). The current state (positions, velocities) is the host's. Between
+  /// two time steps. Throws InputError when the stream does not take it all.
   void save(std::ostream& out) const;
 
   /// Takes over what `save` wrote for a body of the same mesh and settings, materials included; reads no byte beyond.

@@ -47,15 +47,10 @@ double greatest_speed(ConstPoints v, std::span<const int> nodes, const Vec3& mea
 }
 
 /// Of x + fraction v.
-Eigen::AlignedBox3d box_of(ConstPoints x, ConstPoints v, std::span<const int> nodes, double fraction) {
+Eigen::AlignedBox3d box_of(ConstPoints x, ConstPoints v, std::span<const int> nodes, double fraction,
+                           double margin = 0) {
   Eigen::AlignedBox3d box;
   for (const int n : nodes) box.extend(Vec3((x.row(n) + fraction * v.row(n)).transpose()));
-  return box;
-}
-
-Eigen::AlignedBox3d box_of(ConstPoints x, std::span<const int> nodes, double margin) {
-  Eigen::AlignedBox3d box;
-  for (const int n : nodes) box.extend(Vec3(x.row(n).transpose()));
   box.min().array() -= margin;
   box.max().array() += margin;
   return box;
@@ -190,7 +185,7 @@ double TissueContact::depth_at(const Pair<ConstPoints>& x) {
   double depth = 0;
   for (const auto& side : sides_) {
     const auto& [own, others] = side->from == 0 ? std::tie(x.first, x.second) : std::tie(x.second, x.first);
-    side->surface.look_at(others, box_of(own, nodes_[side->from], 0), 0);
+    side->surface.look_at(others, box_of(own, own, nodes_[side->from], 0), 0);
     for (const SurfaceSamples::Sample& sample : side->samples.samples)
       if (const auto place = side->surface.find(sample.at(own), {}, 0, side->own(sample, with_itself)))
         depth = std::max(depth, -place->distance);
@@ -273,7 +268,7 @@ void TissueContact::begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoint
       Side& side = *of;
       const PointArray &own = expected_[side.from], &others = expected_[with_itself ? 0 : side.to];
       num_examined_ += static_cast<long>(side.states.size());
-      side.surface.look_at(others, box_of(own, nodes_[side.from], settings_.distance), settings_.distance);
+      side.surface.look_at(others, box_of(own, own, nodes_[side.from], 0, settings_.distance), settings_.distance);
       parallel_for(static_cast<int>(side.states.size()), [&](int i) {
         Side::Found& found = side.found[i];
         if (found.place) return;

@@ -122,13 +122,6 @@ Places find_places(const std::vector<Hexahedron>& hexahedra, const std::vector<s
   return found;
 }
 
-int corner_at(int x, int y, int z) {
-  for (int a = 0; a < kCorners; ++a)
-    if ((kCornerSign[a][0] > 0) == (x > 0) && (kCornerSign[a][1] > 0) == (y > 0) && (kCornerSign[a][2] > 0) == (z > 0))
-      return a;
-  return 0;
-}
-
 /// Cells of 2 x 2 x 2 places, in the order of their first element.
 struct Cells {
   std::vector<int> of_element;
@@ -235,7 +228,7 @@ std::optional<Charts::Level> find_level(int num_nodes, const std::vector<Hexahed
     const Lattice low = low_corner(places.corners[e]);
     Charts::Element& element = level.elements.emplace_back();
     element.cell = cells.of_element[e];
-    element.slot = static_cast<unsigned char>(corner_at(low[0] % 2, low[1] % 2, low[2] % 2));
+    element.slot = kCornersAround[2 * (low[0] % 2) + 6 * (low[1] % 2) + 18 * (low[2] % 2)].corner[0];
     for (int a = 0; a < kCorners; ++a) {
       int place = 0;
       for (int d = 2; d >= 0; --d) place = 3 * place + places.corners[e][a][d] - 2 * cells.place[element.cell][d];

@@ -54,7 +54,7 @@ bool find_idle(const Model& model, const Linearization& at, const History& histo
   parallel_for(model.mesh.num_elements(), [&](int e) {
     work.flows[e] = {.idle = !history.alive[e] || (is_screened && does_not_flow(model, at, e, history))};
   });
-  return std::any_of(work.flows.begin(), work.flows.end(), [](const ElementFlow& f) { return !f.idle; });
+  return !std::ranges::all_of(work.flows, &ElementFlow::idle);
 }
 
 /// All that flows and relaxes of one element, bit for bit.

@@ -14,7 +14,16 @@ void BodyResiduals::setup(const MatrixFreeSystem& system, ConstPoints b) {
   parts_.clear();
   if (system.parts.size() < 2) return;
   for (const NodeGroup& nodes : system.parts) parts_.push_back({nodes, parts_.size()});
-  for (const auto& [first, second] : system.constraints.ties) join(part_of(first).body, part_of(second).body);
+  const auto body_of = [&](int node) {
+    return std::ranges::find_if(parts_,
+                                [&](const Part& part) { return node < part.nodes.first_node + part.nodes.num_nodes; })
+        ->body;
+  };
+  for (const auto& [first, second] : system.constraints.ties) {
+    const auto [kept, joined] = std::minmax({body_of(first), body_of(second)});
+    for (Part& part : parts_)
+      if (part.body == joined) part.body = kept;
+  }
   if (std::ranges::all_of(parts_, [](const Part& part) { return part.body == 0; })) return parts_.clear();
 
   norm_b_ = std::sqrt(dot(b, b));
@@ -26,16 +35,6 @@ void BodyResiduals::setup(const MatrixFreeSystem& system, ConstPoints b) {
     const ConstPoints rows(part.nodes.rows(b));
     norms_[part.body].load = std::hypot(norms_[part.body].load, std::sqrt(dot(rows, rows)));
   }
-}
-
-const BodyResiduals::Part& BodyResiduals::part_of(int node) const {
-  return *std::ranges::find_if(parts_,
-                               [&](const Part& part) { return node < part.nodes.first_node + part.nodes.num_nodes; });
-}
-
-void BodyResiduals::join(std::size_t a, std::size_t b) {
-  for (Part& part : parts_)
-    if (part.body == std::max(a, b)) part.body = std::min(a, b);
 }
 
 double BodyResiduals::size(ConstPoints r, ConstPoints x, double unit) {

@@ -34,8 +34,6 @@ class BodyResiduals {
     double load = 0, corrected = 0;  // |b_i|, and |(F x)_i| of `size_at`
     double transmitted = 0, residual = 0;
   };
-  const Part& part_of(int node) const;
-  void join(std::size_t a, std::size_t b);
 
   const MatrixFreeSystem* system_ = nullptr;
   double norm_b_ = 0, nothing_ = 0;

@@ -44,12 +44,11 @@ Compliance::Compliance(Preconditioner preconditioner, double tolerance)
 
 void Compliance::reset() { *this = Compliance(preconditioner_, tolerance_); }
 
-Eigen::VectorXd Compliance::nearest(const Eigen::VectorXd& b) const { return factor_.solve(x_.transpose() * b); }
-
 bool Compliance::start(ConstPoints b, Points x) const {
   if (x_.cols() == 0 || x_.rows() != 3 * b.rows()) return false;
   const PointArray flat = b;
-  const Eigen::VectorXd all = x_ * nearest(Eigen::VectorXd::Map(flat.data(), flat.size()));
+  const Eigen::VectorXd of_rows = x_.transpose() * Eigen::VectorXd::Map(flat.data(), flat.size()),
+                        all = x_ * factor_.solve(of_rows);  // the nearest combination in the energy norm
   x = Eigen::Map<const PointArray>(all.data(), b.rows(), 3);
   return true;
 }

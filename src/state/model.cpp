@@ -99,8 +99,7 @@ void Model::take_mesh(HexMesh changed) {
 }
 
 ElementPoints Model::initial_shape(int element) const {
-  const ElementPoints X = gather(mesh.positions(), mesh.hexahedra()[element]);
-  return X.rowwise() - X.colwise().mean();
+  return about_mean(gather(mesh.positions(), mesh.hexahedra()[element]));
 }
 
 std::array<double, kCorners> Model::corner_jacobian(int element) const {

@@ -49,9 +49,6 @@ class Compliance {
  private:
   void factorise(const Eigen::MatrixXd& K);
 
-  /// The coefficients of the combination of x_ that is nearest to A^-1 b in the energy norm.
-  Eigen::VectorXd nearest(const Eigen::VectorXd& b) const;
-
   Preconditioner preconditioner_;
   double tolerance_;
   double energy_error_;  // |x - A^-1 b| / |A^-1 b| in the norm of A, an iteration before a solve may end
