@@ -55,7 +55,8 @@ class LoadedBody : public LayeredSystem {
  public:
   /// The body must outlive this. mass: one per node [kg]. fixed: nodes that do not move. load: may be empty. Throws
   /// InputError for another number of masses, and for nodes that do not exist.
-  LoadedBody(Body& body, const std::vector<double>& mass, std::vector<int> fixed, NodalLoad load);
+  LoadedBody(Body& body, const std::vector<double>& mass, std::vector<int> fixed, NodalLoad load,
+             const Vec3& gravity = Vec3::Zero());
 
   /// Fixes other nodes from now on. Throws InputError for nodes that do not exist.
   void fix(std::vector<int> nodes);
@@ -88,6 +89,7 @@ class LoadedBody : public LayeredSystem {
     NodalLoad act;
   };
 
+  const Vec3 own_gravity_;  // [m/s^2]
   State state_;
   LumpedMasses<NodalMass> masses_;
   Elasticity elasticity_;

@@ -27,8 +27,6 @@ std::vector<double> lumped_masses(const Body& body, double density) {
 
 namespace {
 
-const Vec3 kNoGravity = Vec3::Zero();  // LoadedBody's load has it
-
 void check(const Motion& motion, const Body& body) {
   for (const auto& [name, value] : {std::pair{"density", motion.density}, std::pair{"dt", motion.dt}})
     if (!(value > 0 && std::isfinite(value)))
@@ -40,15 +38,6 @@ void check(const Motion& motion, const Body& body) {
     if (!(value >= 0 && std::isfinite(value)))
       throw InputError(fmt::format("{} = {}: must be a finite number not below 0", name, value));
   check_time_step(body.materials(), body.settings(), motion.dt);
-}
-
-/// The load and the weight of the nodes.
-NodalLoad with_gravity(const NodalLoad& load, const Vec3& gravity, const std::vector<double>& mass) {
-  if (gravity.isZero(0)) return load;
-  return [load, gravity, mass](double time, ConstPoints x, Points f) {
-    if (load) load(time, x, f);
-    for (std::size_t n = 0; n < mass.size(); ++n) f.row(static_cast<Eigen::Index>(n)) += mass[n] * gravity.transpose();
-  };
 }
 
 constexpr SavedKind kSavedForces{{'H', 'X', 'P', 'F', 'O', 'R', 'C', '\0'}, 2, "set of forces"};
@@ -83,8 +72,9 @@ enum Held : unsigned char {
 
 }  // namespace
 
-LoadedBody::LoadedBody(Body& body, const std::vector<double>& mass, std::vector<int> fixed, NodalLoad load)
-    : LayeredSystem(kNoGravity) {
+LoadedBody::LoadedBody(Body& body, const std::vector<double>& mass, std::vector<int> fixed, NodalLoad load,
+                       const Vec3& gravity)
+    : LayeredSystem(own_gravity_), own_gravity_(gravity) {
   const int num_nodes = body.mesh().num_nodes();
   require_count("LoadedBody", "mass", std::ssize(mass), num_nodes);
   state_.sized.resize(num_nodes, 3);
@@ -127,7 +117,7 @@ MovingBody::MovingBody(Body made, Motion motion, std::unique_ptr<LinearSolver> s
 
 void MovingBody::take_nodes() {
   mass_ = lumped_masses(body, density_);
-  system_ = std::make_unique<LoadedBody>(body, mass_, std::vector<int>{}, with_gravity(load_, gravity_, mass_));
+  system_ = std::make_unique<LoadedBody>(body, mass_, std::vector<int>{}, load_, gravity_);
   for (StepForces* forces : forces_) system_->add(*forces);
   tell_fixed();
 }
