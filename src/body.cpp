@@ -102,6 +102,7 @@ Body::Body(HexMesh mesh, std::vector<Material> materials, Settings settings)
     : state_(std::make_unique<State>(std::move(mesh), std::move(materials), settings)) {}
 Body::Body(const Body& other) : state_(std::make_unique<State>(other.state())) {
   state_->plain.follow(state_->model.mesh);
+  if (state_->device) state_->not_linearized_since = "the body was copied";
 }
 Body::Body(Body&& other) noexcept = default;
 Body& Body::operator=(Body other) noexcept {
@@ -378,7 +379,6 @@ std::vector<int> Body::open(std::span<const int> joints, std::span<const double>
         fmt::format("{} crossings for {} joints, must be as many, or none", crossings.size(), joints.size()));
   for (const double place : crossings)
     if (!is_crossing(place)) throw InputError(fmt::format("crossing {} must lie in [0, 1]", place));
-  state_->take_from_device();
   std::vector<int>& opened = state_->history.opened;
   std::vector<unsigned char> is_open(count, 0);
   for (const int joint : opened) is_open[joint] = 1;
@@ -386,6 +386,7 @@ std::vector<int> Body::open(std::span<const int> joints, std::span<const double>
   for (std::size_t k = 0; k < joints.size(); ++k)
     if (!std::exchange(is_open[joints[k]], 1)) added.emplace_back(joints[k], crossings.empty() ? 0.5 : crossings[k]);
   if (added.empty()) return {};
+  state_->take_from_device();
   std::ranges::sort(added);
   for (const auto& [joint, place] : added) {
     opened.push_back(joint);
@@ -402,6 +403,7 @@ std::vector<int> Body::open(std::span<const int> joints, std::span<const double>
 
 void Body::set_materials(std::vector<Material> materials) {
   Model changed(state_->model, std::move(materials));
+  state_->require_device(changed);
   state_->take_from_device();
   History history = state_->history;
   if (changed.tracks_plastic_stretch && history.plastic_stretch.empty())
@@ -433,9 +435,17 @@ void Body::State::take(Model changed, History changed_history, const char* call)
   renew(call);
 }
 
+void Body::State::require_device(const Model& changed) const {
+  if (!device) return;
+  if (const std::string why = not_on_device(changed); !why.empty())
+    throw InputError(fmt::format("device {}: {}", device->name(), why));
+}
+
 void Body::State::take_from_device() {
+  if (!device) return;
   download();
-  if (device) device->forget();
+  device->forget();
+  not_linearized_since = "the history on the device was taken";
 }
 
 Recovery Body::State::springs_at(ConstPoints x) {
@@ -473,6 +483,7 @@ std::pair<Model, History> Body::State::read(Archive& archive) const {
   validate_opened(read_model, read_history);
   read_model.open(read_history, 0);
   validate(read_model, read_history);
+  require_device(read_model);
   return {std::move(read_model), std::move(read_history)};
 }
 

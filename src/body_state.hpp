@@ -79,6 +79,9 @@ struct Body::State {
     if (device) device->download(history);
   }
 
+  /// Throws InputError where there is a device and it cannot compute this.
+  void require_device(const Model& changed) const;
+
   /// The same; and the device is to take all of it again.
   void take_from_device();
   /// The springs of `recovery` at x.

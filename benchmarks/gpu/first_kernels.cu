@@ -162,7 +162,8 @@ struct Body {
   void flow_to(const History& before, History& after) {
     launch(flow, blocks, kBricksOfBlock * kWidth, at, rest, FlowRule{.dt = 1}, x,
            Plastic<const double>{before.G, before.tau, before.strain}, before.mean,
-           Plastic<double>{after.G, after.tau, after.strain}, after.mean, status, value);
+           Plastic<double>{after.G, after.tau, after.strain}, status, value);
+    launch(find_mean, blocks, kBricksOfBlock * kWidth, at, after.G, after.mean);
   }
   void multiply_by(const Direction& d) {
     launch(multiply, blocks, kBricksOfBlock * kWidth, at, coef, weight, d, partial);

@@ -46,6 +46,18 @@ struct Openings {
   std::vector<int> ends;
 };
 
+/// What a device refuses is an error of the attribute.
+template <class Call>
+void for_device(const std::string& device, const Call& call) {
+  try {
+    call();
+  } catch (const InputError& error) {
+    const std::string text = error.what(), refused = fmt::format("device {}: ", device);
+    if (!text.starts_with(refused)) throw;
+    throw OptionError("device", fmt::format("= '{}': {}", device, text.substr(refused.size())));
+  }
+}
+
 bool are_same(const std::vector<Material>& some, const std::vector<Material>& others) {
   const auto is_same = [](const Material& one, const Material& other) {
     return std::ranges::all_of(material_rows(),
@@ -95,12 +107,7 @@ Body HexahedralBody::made(ConstPoints rest, const std::vector<Hexahedron>& hexah
   memory_ = grant_memory(fmt::format("a body of {:.10g} hexahedra", count),
                          count * bytes_per_hexahedron(options.materials, options.settings));
   Body body(HexMesh(rest, hexahedra), std::move(options.materials), options.settings);
-  try {
-    body.use_device(options.device);
-  } catch (const InputError& error) {
-    const std::string why = error.what();
-    throw OptionError("device", fmt::format("= '{}': {}", options.device, why.substr(why.find(": ") + 2)));
-  }
+  for_device(options.device, [&] { body.use_device(options.device); });
   return body;
 }
 
@@ -126,7 +133,8 @@ void HexahedralBody::set_options(HexahedralBodyOptions options, double dt) {
   if (options.device != body_.device()) errors.add({"device", "cannot change during a run"});
   errors.throw_all();
   check(options, dt);
-  if (!are_same(options.materials, body_.materials())) body_.set_materials(std::move(options.materials));
+  if (are_same(options.materials, body_.materials())) return;
+  for_device(body_.device(), [&] { body_.set_materials(std::move(options.materials)); });
 }
 
 std::vector<Remark> HexahedralBody::take_warnings() { return std::exchange(warnings_, {}); }

@@ -4,7 +4,6 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -20,8 +19,6 @@ namespace hexaplast {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int kMeanNumbers = 6;
 
 std::unique_ptr<DeviceKernels> load(const std::string& name) {
   if (name != "cuda" && name != "emulation")
@@ -93,19 +90,6 @@ std::size_t history_index(int num_bricks, int place, int k) {
   return (k < 10 * kCorners ? 9 : 10) * kCorners * lanes + Bricks::index(place, kCorners, k % kCorners);
 }
 
-/// The lower triangle of Gm by columns.                                                                        eq. P2
-void mean_plastic(const History& history, int e, float (&mean)[kMeanNumbers]) {
-  Mat3 sum = Mat3::Zero();
-  for (int i = 0; i < kCorners; ++i)
-    sum += history.plastic_inverse.empty()
-               ? Mat3(Mat3::Identity())
-               : Mat3(history.plastic_inverse[e][i] * history.plastic_inverse[e][i].transpose());
-  const Mat3 L = Mat3(sum / kCorners).llt().matrixL();
-  int k = 0;
-  for (int column = 0; column < 3; ++column)
-    for (int row = column; row < 3; ++row) mean[k++] = static_cast<float>(L(row, column));
-}
-
 }  // namespace
 
 std::string not_on_device(const Model& model) {
@@ -134,8 +118,6 @@ DeviceBody::DeviceBody(std::string name) : name_(std::move(name)), kernels_(load
 
 void DeviceBody::set_up(const Model& model, const History& history, ConstPoints x) {
   if (!is_set_up_) {
-    if (const std::string why = not_on_device(model); !why.empty())
-      throw InputError(fmt::format("device {}: {}", name_, why));
     bricks_ = Bricks(model, history);
     try {
       kernels_->set_bricks(bricks_.arrays());
@@ -144,16 +126,12 @@ void DeviceBody::set_up(const Model& model, const History& history, ConstPoints 
     }
     const int places = static_cast<int>(bricks_.element.size());
     numbers_.resize(static_cast<std::size_t>(places) * kHistoryNumbers);
-    std::vector<float> means(static_cast<std::size_t>(places) * kMeanNumbers);
     for (int place = 0; place < places; ++place) {
       const int first = place / kBrick * kBrick, e = bricks_.element[bricks_.element[place] < 0 ? first : place];
       visit_history(const_cast<History&>(history), e,
                     [&](int k, double& number) { numbers_[history_index(bricks_.num_bricks(), place, k)] = number; });
-      float mean[kMeanNumbers];
-      mean_plastic(history, e, mean);
-      for (int k = 0; k < kMeanNumbers; ++k) means[Bricks::index(place, kMeanNumbers, k)] = mean[k];
     }
-    kernels_->set_history(numbers_.data(), means.data());
+    kernels_->set_history(numbers_.data());
     is_set_up_ = true;
     has_newer_history_ = false;
   }
@@ -228,8 +206,10 @@ double DeviceBody::flow_left_over(const Model& model, ConstPoints x, double dt, 
     const int e = bricks_.element[place];
     if (!is_left[place] || e < 0 || !history.alive[e]) continue;
     double numbers[kHistoryNumbers];
-    kernels_->get_hexahedron(static_cast<int>(place), numbers);
-    visit_history(history, e, [&](int k, double& number) { number = numbers[k]; });
+    if (model.can_flow()) {
+      kernels_->get_hexahedron(static_cast<int>(place), numbers);
+      visit_history(history, e, [&](int k, double& number) { number = numbers[k]; });
+    }
     const Hexahedron& corners = model.mesh.hexahedra()[e];
     const ElementSamples samples = element_samples(gather(model.mesh.positions(), corners), gather(x, corners),
                                                    model.lame[e], model.settings, history.plastic_inverse_of(e));
@@ -243,9 +223,7 @@ double DeviceBody::flow_left_over(const Model& model, ConstPoints x, double dt, 
     if (!history.is_finite(e) || !std::isfinite(step.dissipated))
       throw NumericalError(fmt::format("the plastic history of hexahedron {} is not finite", e));
     visit_history(history, e, [&](int k, double& number) { numbers[k] = number; });
-    float mean[kMeanNumbers];
-    mean_plastic(history, e, mean);
-    kernels_->set_hexahedron(static_cast<int>(place), numbers, mean);
+    kernels_->set_hexahedron(static_cast<int>(place), numbers);
   }
   return dissipated;
 }

@@ -45,9 +45,8 @@ class DeviceKernels {
 
   /// Another body, in which nothing is known.
   virtual void set_bricks(const BrickArrays& bricks) = 0;
-  /// numbers: [brick][kHistoryNumbers][kBrick] as three arrays, one behind the other: G, tau, strain. mean_plastic:
-  /// [brick][6][kBrick], the lower triangle of Gm by columns.
-  virtual void set_history(const double* numbers, const float* mean_plastic) = 0;
+  /// numbers: three arrays, one behind the other: G, tau, strain, each [brick][number][kBrick].
+  virtual void set_history(const double* numbers) = 0;
   virtual void get_history(double* numbers) = 0;
 
   virtual void set_positions(const double* x) = 0;
@@ -62,7 +61,7 @@ class DeviceKernels {
   virtual void get_left(std::uint8_t* is_left) = 0;  ///< [brick][kBrick]
   /// One of those, by its place: before the step, and after it.
   virtual void get_hexahedron(int place, double (&numbers)[kHistoryNumbers]) = 0;
-  virtual void set_hexahedron(int place, const double (&numbers)[kHistoryNumbers], const float (&mean_plastic)[6]) = 0;
+  virtual void set_hexahedron(int place, const double (&numbers)[kHistoryNumbers]) = 0;
   virtual void take_flow() = 0;
 
   /// A = factor L + diagonal. rest: of the preconditioner beside the diagonal of L, infinite where fixed.

@@ -46,6 +46,7 @@ inline std::vector<EmulatedThread> emulated(256);
 inline jmp_buf turns;  ///< where its turn ends
 inline std::function<void()> emulated_kernel;
 inline bool goes_backwards = false;
+inline std::mutex one_at_a_time;  ///< of all kernels
 
 inline void end_turn() {
   if (_setjmp(emulated[threadIdx.x].place) == 0) _longjmp(turns, 1);
@@ -93,7 +94,6 @@ inline void emulate_block(int threads) {
 
 template <class... Parameters, class... Args>
 void emulate(void (*kernel)(Parameters...), int blocks, int threads, const Args&... args) {
-  static std::mutex one_at_a_time;
   const std::lock_guard lock(one_at_a_time);
   emulated_kernel = [&] { kernel(args...); };
   gridDim.x = blocks;

@@ -253,7 +253,7 @@ __device__ inline void place_hexahedron(const Layout& at, const Place& my, const
   const V none(0.0f);
   const Mat<V> Gm = {{{L(0), none, none}, {L(1), L(3), none}, {L(2), L(4), L(5)}}};
   const Mat<V> dual_plastic = to.dual * Gm, F_m = transposed_product(edges, dual_plastic);
-  polars<1>(&F_m, &to.mean);
+  safe_polars<1>(&F_m, &to.mean);
   to.j = product_transposed(dual_plastic, to.mean.R);
   AssumedLanes<V>(to.j, V(kWeight)).columns(to.modes.at + 3, to.a);
 }
@@ -309,7 +309,7 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 4)
     least = min(least, determinant(edges));
     const Mat<V> inverse = h.dual * history_at(G, my, i), F = transposed_product(columns, inverse);
     PolarLanes<V> polar;
-    polars<1>(&F, &polar);
+    safe_polars<1>(&F, &polar);
     const V theta = dilatation(ElasticLaw::kCorotated, polar.S);
     theta_sum += theta;
     const Mat<V> P = polar.R * matrix(stress(ElasticLaw::kCorotated, 0, polar.S, mu, free * theta));
@@ -407,12 +407,12 @@ struct FlowRule {
   bool is_true_stress = true;                   ///< YieldStressMeasure::kCauchy
 };
 
-/// History and Gm after a step at positions x. status: kLeft where a hexahedron is for the CPU, and keeps its history;
+/// History after a step at positions x. status: kLeft where a hexahedron is for the CPU, and keeps its history;
 /// kFlows. value: what it dissipates [J]. Three loops over samples find the stretches, what flows, and the new history.
 ///                                                                            eq. P6 to P12; plastic/flow_pass.cpp
 __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
     flow(Layout at, const float* rest, FlowRule rule, const double4_32a* x, Plastic<const double> before,
-         const float* mean_before, Plastic<double> after, float* mean_after, std::uint8_t* status, float* value) {
+         const float* mean_before, Plastic<double> after, std::uint8_t* status, float* value) {
   __shared__ KeptSamples shared[kBricksOfBlock];
   const Place my;
   if (my.brick >= at.num_bricks) return;
@@ -492,7 +492,6 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
   status[my.brick * kWidth + my.lane] = fails != 0 ? kLeft : flows ? kFlows : 0;
   value[my.brick * kWidth + my.lane] = flows ? float(eighth * volume * work) : 0.0f;
   const bool stays = fails != 0 || !(flowing > 0);
-  Sym<V> squares = {V(0.0f), V(0.0f), V(0.0f), V(0.0f), V(0.0f), V(0.0f)};  // of G G^T
 #pragma unroll 1
   for (int i = 0; i < kCorners; ++i) {
     Sym<V> M = kept.symmetric_at(my, i);
@@ -500,16 +499,11 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
     const Mat<V> log = matrix(M);
     const Mat<V> change = history_at(before.G, my, i) *
                           exponential_series(scaled(V(-1.0f), log), exponential_terms(dot(log, log), fails));
-    Mat<V> flowed;
     for (int k = 0; k < 9; ++k) {
       const std::size_t entry = place_of_sample(my, 9, k, i);
       const double old = before.G[entry], now = stays ? old : old + change.m[k / 3][k % 3];
       after.G[entry] = now;
-      flowed.m[k / 3][k % 3] = V(static_cast<float>(now));
     }
-    const Mat<V> GG = product_transposed(flowed, flowed);
-    squares.xx += GG(0, 0), squares.yy += GG(1, 1), squares.zz += GG(2, 2);
-    squares.yz += GG(1, 2), squares.zx += GG(2, 0), squares.xy += GG(0, 1);
     const std::size_t sample = place_of_sample(my, 1, 0, i);
     const double tau = before.tau[sample], harder = tau + hardening * kept.number_at(my, i, 6);
     const V mean = V(1.0f / 3) * trace(M);
@@ -517,11 +511,22 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
     after.tau[sample] = stays ? tau : harder > 0 ? harder : 0;
     after.strain[sample] = before.strain[sample] + (stays ? 0 : strain);
   }
-  const V L00 = sqrt(eighth * squares.xx), L10 = eighth * squares.xy / L00;  //                               eq. P2
-  const V L20 = eighth * squares.zx / L00, L11 = sqrt(eighth * squares.yy - L10 * L10);
-  const V L21 = (eighth * squares.yz - L20 * L10) / L11;
-  const V L[6] = {L00, L10, L20, L11, L21, sqrt(eighth * squares.zz - L20 * L20 - L21 * L21)};
-  for (int k = 0; k < 6; ++k) mean_after[(my.brick * 6 + k) * kWidth + my.lane] = L[k];
+}
+
+/// Gm: [brick][6][lane], its lower triangle by columns.                                                        eq. P2
+__global__ void __launch_bounds__(kWidth* kBricksOfBlock) find_mean(Layout at, const double* G, float* mean_plastic) {
+  const Place my;
+  if (my.brick >= at.num_bricks) return;
+  Mat<V> B = {};
+#pragma unroll 1
+  for (int i = 0; i < kCorners; ++i) {
+    const Mat<V> one = history_at(G, my, i), GG = product_transposed(one, one);
+    for (int k = 0; k < 9; ++k) B.m[k / 3][k % 3] += V(0.125f) * GG.m[k / 3][k % 3];
+  }
+  const V L00 = sqrt(B(0, 0)), L10 = B(1, 0) / L00, L20 = B(2, 0) / L00;
+  const V L11 = sqrt(B(1, 1) - L10 * L10), L21 = (B(2, 1) - L20 * L10) / L11;
+  const V L[6] = {L00, L10, L20, L11, L21, sqrt(B(2, 2) - L20 * L20 - L21 * L21)};
+  for (int k = 0; k < 6; ++k) mean_plastic[(my.brick * 6 + k) * kWidth + my.lane] = L[k];
 }
 
 /// value: elastic energy [J] at positions x; status: as of linearize. eq. 18, E5, P17
@@ -543,7 +548,7 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
     least = min(least, determinant(edges));
     const Mat<V> F = transposed_product(columns, h.dual * history_at(G, my, i));
     PolarLanes<V> polar;
-    polars<1>(&F, &polar);
+    safe_polars<1>(&F, &polar);
     const V theta = dilatation(ElasticLaw::kCorotated, polar.S);
     theta_sum += theta;
     sum += shape_energy(ElasticLaw::kCorotated, 0, polar.S, mu) + half * free * theta * theta;

@@ -23,6 +23,8 @@ class Kernels final : public DeviceKernels {
 
   void set_bricks(const BrickArrays& of) override {
     arrays_ = {};  // before the new ones need the room
+    before_ = {};
+    after_ = {};
     num_bricks_ = of.num_bricks, num_nodes_ = of.num_nodes, length_ = of.length;
     const std::size_t bricks = of.num_bricks, lanes = bricks * kWidth, nodes = of.num_nodes;
     Arrays& a = arrays_;
@@ -37,6 +39,7 @@ class Kernels final : public DeviceKernels {
     a.coef = Array<uint4>(lanes * kWords);
     a.weight = Array<float>(lanes * 2);
     a.value = Array<float>(lanes);
+    a.mean = Array<float>(lanes * 6);
     a.status = Array<std::uint8_t>(lanes);
     a.partial = Array<float4>(bricks * kNodes);
     a.x = Array<double4_32a>(nodes);
@@ -47,9 +50,9 @@ class Kernels final : public DeviceKernels {
     a.scalars = Array(&none, 1);
     for (History* history : {&before_, &after_}) *history = History(bricks);
   }
-  void set_history(const double* numbers, const float* mean_plastic) override {
+  void set_history(const double* numbers) override {
     before_.numbers.set(numbers);
-    before_.mean.set(mean_plastic);
+    find_mean_plastic();
   }
   void get_history(double* numbers) override { before_.numbers.get(numbers); }
 
@@ -58,7 +61,7 @@ class Kernels final : public DeviceKernels {
   int linearize(float thin_from) override {
     const Arrays& a = arrays_;
     launch(one_number::linearize, blocks(), kBricksOfBlock * kWidth, layout(), a.rest, length_, a.x,
-           before_.of(num_bricks_).G, before_.mean, a.coef, a.weight, a.partial, thin_from, a.status);
+           before_.of(num_bricks_).G, a.mean, a.coef, a.weight, a.partial, thin_from, a.status);
     launch(gather, node_blocks(), kNodesOfBlock, layout(), a.partial, 1.0f, a.force);
     return sums(nullptr, a.status).first;
   }
@@ -73,7 +76,7 @@ class Kernels final : public DeviceKernels {
   Sums energy(float thin_from) override {
     const Arrays& a = arrays_;
     launch(one_number::energy, blocks(), kBricksOfBlock * kWidth, layout(), a.rest, a.x, before_.of(num_bricks_).G,
-           before_.mean, a.value, thin_from, a.status);
+           a.mean, a.value, thin_from, a.status);
     return sums(a.value, a.status);
   }
 
@@ -82,8 +85,8 @@ class Kernels final : public DeviceKernels {
     const Plastic<double> before = before_.of(num_bricks_);
     launch(one_number::flow, blocks(), kBricksOfBlock * kWidth, layout(), a.rest,
            FlowRule{.dt = dt, .least_det = least_det, .is_true_stress = is_true_stress}, a.x,
-           Plastic<const double>{before.G, before.tau, before.strain}, before_.mean, after_.of(num_bricks_),
-           after_.mean, a.status, a.value);
+           Plastic<const double>{before.G, before.tau, before.strain}, a.mean, after_.of(num_bricks_), a.status,
+           a.value);
     return sums(a.value, a.status);
   }
   void get_left(std::uint8_t* is_left) override {
@@ -91,14 +94,19 @@ class Kernels final : public DeviceKernels {
     for (std::size_t e = 0; e < arrays_.status.size(); ++e) is_left[e] = (is_left[e] & kLeft) != 0;
   }
   void get_hexahedron(int place, double (&numbers)[kHistoryNumbers]) override {
-    for (int k = 0; k < kHistoryNumbers; ++k) device::copy(&numbers[k], before_.number(num_bricks_, place, k), 8);
+    for_each_array(place, [&](int first, int count, double* at) {
+      device::copy_rows(numbers + first, sizeof(double), before_.numbers + (at - after_.numbers), kLaneBytes, count);
+    });
   }
-  void set_hexahedron(int place, const double (&numbers)[kHistoryNumbers], const float (&mean)[6]) override {
-    for (int k = 0; k < kHistoryNumbers; ++k) device::copy(after_.number(num_bricks_, place, k), &numbers[k], 8);
-    for (int k = 0; k < 6; ++k)
-      device::copy(after_.mean + ((place / kWidth * 6 + k) * kWidth + place % kWidth), &mean[k], 4);
+  void set_hexahedron(int place, const double (&numbers)[kHistoryNumbers]) override {
+    for_each_array(place, [&](int first, int count, double* at) {
+      device::copy_rows(at, kLaneBytes, numbers + first, sizeof(double), count);
+    });
   }
-  void take_flow() override { std::swap(before_, after_); }
+  void take_flow() override {
+    std::swap(before_, after_);
+    find_mean_plastic();
+  }
 
   void set_system(float factor, const float* diagonal, const float* rest, bool is_scaled) override {
     const Arrays& a = arrays_;
@@ -147,29 +155,37 @@ class Kernels final : public DeviceKernels {
     Array<std::uint16_t> begin;
     Array<int> node, partial_begin, places;
     Array<std::uint32_t> present;
-    Array<float> rest, weight, value;
+    Array<float> rest, weight, value, mean;
     Array<uint4> coef;
     Array<double4_32a> x;
     Array<float4> partial, force, diagonal, inverse, others, p, Ap, r, solution;
     Array<double> block_sum;
     Array<Scalars> scalars;
   };
-  /// G, tau and strain, one behind the other, and Gm.
+  /// G, tau and strain, one behind the other.
   struct History {
     History() = default;
-    explicit History(std::size_t bricks) : numbers(bricks * kWidth * kHistoryNumbers), mean(bricks * kWidth * 6) {}
+    explicit History(std::size_t bricks) : numbers(bricks * kWidth * kHistoryNumbers) {}
     Plastic<double> of(std::size_t bricks) const {
       double* const tau = numbers + bricks * kWidth * 72;
       return {numbers, tau, tau + bricks * kWidth * kCorners};
     }
-    double* number(std::size_t bricks, int place, int k) const {
-      const int count = k < 72 ? 72 : kCorners, of_array = k < 72 ? k : k % kCorners;
-      const std::size_t array = k < 72 ? 0 : k < 80 ? 72 : 80;
-      return numbers + array * bricks * kWidth + (place / kWidth * count + of_array) * kWidth + place % kWidth;
-    }
     Array<double> numbers;
-    Array<float> mean;
   };
+  static constexpr std::size_t kLaneBytes = kWidth * sizeof(double);
+
+  /// visit(first number, how many, where the first one is in the history after a step) for G, tau and strain.
+  template <class Visit>
+  void for_each_array(int place, const Visit& visit) const {
+    const Plastic<double> all = after_.of(num_bricks_);
+    const std::size_t brick = place / kWidth, lane = place % kWidth;
+    visit(0, 72, all.G + brick * 72 * kWidth + lane);
+    visit(72, kCorners, all.tau + brick * kCorners * kWidth + lane);
+    visit(80, kCorners, all.strain + brick * kCorners * kWidth + lane);
+  }
+  void find_mean_plastic() {
+    launch(find_mean, blocks(), kBricksOfBlock * kWidth, layout(), before_.of(num_bricks_).G, arrays_.mean);
+  }
 
   int blocks() const { return (num_bricks_ + kBricksOfBlock - 1) / kBricksOfBlock; }
   int node_blocks() const { return (num_nodes_ + kNodesOfBlock - 1) / kNodesOfBlock; }

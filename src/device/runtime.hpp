@@ -33,6 +33,11 @@ inline void copy(void* to, const void* from, std::size_t bytes) {
   check(cudaStreamSynchronize(stream));
   check(cudaMemcpy(to, from, bytes, cudaMemcpyDefault));
 }
+/// Single numbers, so many bytes from one to the next.
+inline void copy_rows(double* to, std::size_t to_next, const double* from, std::size_t from_next, int count) {
+  check(cudaStreamSynchronize(stream));
+  check(cudaMemcpy2D(to, to_next, from, from_next, sizeof(double), count, cudaMemcpyDefault));
+}
 inline void copy_on_device(void* to, const void* from, std::size_t bytes) {
   check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, stream));
 }
@@ -50,6 +55,9 @@ inline void* allocate(std::size_t bytes) {
 }
 inline void release(void* at) { std::free(at); }
 inline void copy(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
+inline void copy_rows(double* to, std::size_t to_next, const double* from, std::size_t from_next, int count) {
+  for (int k = 0; k < count; ++k) to[k * to_next / sizeof(double)] = from[k * from_next / sizeof(double)];
+}
 inline void copy_on_device(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
 inline void clear(void* at, std::size_t bytes) { std::memset(at, 0, bytes); }
 void launch(auto* kernel, int blocks, int threads, const auto&... args) { emulate(kernel, blocks, threads, args...); }

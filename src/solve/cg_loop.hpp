@@ -27,12 +27,17 @@ inline bool rounds_products(const MatrixFreeSystem& system) {
          });
 }
 
+/// Throws InputError where something else is in the system of a body on a device.
+inline void require_device_alone(const MatrixFreeSystem& system) {
+  if (!system.has_one_body() && std::ranges::any_of(system.bodies, [](const KernelBody& body) { return body.device; }))
+    throw InputError("a body on a device (attribute device) needs a solver of its own, without other bodies or ties");
+}
+
 /// The vectors of a body on a device; null where none is. of_preconditioner: as of DeviceOperator::space.
 inline CgSpace* device_space(const MatrixFreeSystem& system, const PointArray* of_preconditioner) {
-  if (std::ranges::none_of(system.bodies, [](const KernelBody& body) { return body.device; })) return nullptr;
-  if (!system.has_one_body())
-    throw InputError("a body on a device (attribute device) needs a solver of its own, without other bodies or ties");
-  return &system.bodies.front().device->space(system, of_preconditioner);
+  require_device_alone(system);
+  const bool has_one = system.has_one_body() && system.bodies.front().device;
+  return has_one ? &system.bodies.front().device->space(system, of_preconditioner) : nullptr;
 }
 
 /// b.b; throws NumericalError where it is beyond all numbers, as products of directions would be.

@@ -135,6 +135,7 @@ struct PreconditionedConjugateGradients::Spaces {
       nodal.setup(A, true);
       return nodal;
     }
+    require_device_alone(system);
     const NodeGroup all{0, static_cast<int>(system.diagonal.rows())};
     const std::span<const NodeGroup> groups =
         system.has_one_body() ? std::span(&all, 1) : std::span<const NodeGroup>(several.find_groups(system));

@@ -2,6 +2,8 @@
 // Bodies on a device, by its emulation on the CPU, against the same bodies computed by the CPU's kernels.
 #include "device/device_body.hpp"
 
+#include <thread>
+
 #include "support/core.hpp"
 #include "support/yielding_bar.hpp"
 
@@ -12,9 +14,9 @@ const Settings kMixed{.precision = Precision::kMixed};
 const Material kFlowing{
     .young_modulus = 5000, .poisson_ratio = .45, .yield_stress = 300, .flow_rate = 4, .hardening = .2};
 
-/// Of 5 x 3 x 4 hexahedra of two materials, in bricks that are not full.
+/// Of 7 x 5 x 6 hexahedra of two materials, in bricks that are not full and more than one block of nodes.
 Body block(const Settings& settings = kMixed, double yield_stress = 300) {
-  const HexMesh mesh = regular_grid({5, 3, 4}, {0, 0, 0}, {.5, .24, .4});
+  const HexMesh mesh = regular_grid({7, 5, 6}, {0, 0, 0}, {.7, .4, .6});
   std::vector<Material> materials(mesh.num_elements(), kFlowing);
   for (std::size_t e = 0; e < materials.size(); ++e) {
     materials[e].yield_stress = yield_stress;
@@ -129,6 +131,80 @@ TEST(DeviceBody, HasTheSameBitsInEveryRun) {
     return moving.state_hash();
   };
   EXPECT_EQ(hash(), hash());
+}
+
+// As it is saved and loaded, copied, or taken up after nothing was opened.
+TEST(DeviceBody, GoesOnWithTheSameBits) {
+  const auto pulled = [] {
+    return MovingBody(on_device(yielding_bar(kMixed)), pulling(),
+                      std::make_unique<PreconditionedConjugateGradients>(1e-5, 1000));
+  };
+  MovingBody whole = pulled(), first = pulled(), second = pulled();
+  whole.run(25);
+  first.run(20);
+  std::stringstream saved;
+  first.save(saved);
+  second.load(saved);
+  second.run(5);
+  EXPECT_GT(whole.body.dissipated_energy(), 0);
+  EXPECT_EQ(second.state_hash(), whole.state_hash());
+
+  Body body = on_device(block()), copy = body;
+  const PointArray x = deformed(body);
+  body.linearize(x);
+  PointArray before = PointArray::Zero(x.rows(), 3), after = before;
+  body.add_force(before);
+  EXPECT_TRUE(body.open({}).empty());
+  body.energy(x);
+  body.add_force(after);
+  EXPECT_EQ(after, before);
+  copy = body;
+  EXPECT_THROW(copy.add_force(after), InputError) << "it is not linearized";
+  copy.linearize(x);
+  after.setZero();
+  copy.add_force(after);
+  EXPECT_EQ(after, before);
+}
+
+// Rotations of such samples are found by the singular value decomposition.
+TEST(DeviceBody, ComputesWhatIsInsideOutOrFlat) {
+  Settings settings = kMixed;
+  settings.recovery = RecoveryMode::kNone;
+  Body cpu = block(settings), device = on_device(block(settings));
+  const PointArray X = cpu.mesh().positions();
+  PointArray shapes[4] = {X, X, X, X};
+  shapes[0] *= Vec3(-.8, 1.1, 1.3).asDiagonal();
+  shapes[1].leftCols(2) *= 1e-12;
+  shapes[2] *= 1e-12;
+  shapes[3].row(100).array() += .25;
+  for (const PointArray& x : shapes) {
+    PointArray force[2];
+    int k = 0;
+    for (Body* body : {&cpu, &device}) {
+      body->linearize(x);
+      force[k].setZero(x.rows(), 3);
+      body->add_force(force[k++]);
+    }
+    // of a point any rotation is as good
+    EXPECT_LE(&x == &shapes[2] ? std::isfinite(force[1].sum()) - 1 : relative(force[1], force[0]), 1e-4) << &x - shapes;
+    EXPECT_NEAR(device.energy(x), cpu.energy(x), 1e-5 * cpu.energy(x));
+  }
+}
+
+TEST(DeviceBody, MovesInTwoThreads) {
+  const auto run = [](std::string* hash) {
+    MovingBody moving(on_device(yielding_bar(kMixed)), pulling(),
+                      std::make_unique<PreconditionedConjugateGradients>(1e-4, 100));
+    moving.run(10);
+    *hash = moving.state_hash();
+  };
+  std::string alone, one, other;
+  run(&alone);
+  std::thread beside([&] { run(&other); });
+  run(&one);
+  beside.join();
+  EXPECT_EQ(one, alone);
+  EXPECT_EQ(other, alone);
 }
 
 TEST(DeviceBody, LeavesFoldedHexahedraToTheCpu) {
@@ -247,6 +323,10 @@ TEST(DeviceBody, RefusesByName) {
   EXPECT_EQ(refusal(yielding_bar(kMixed), "vulkan"), "device vulkan: must be cpu, cuda or emulation");
   Body device = on_device(block());
   device.linearize(device.mesh().positions());
+  EXPECT_THROW(device.set_materials({breaking}), InputError);
+  device.linearize(device.mesh().positions());
+  const std::string of_card = refusal(yielding_bar(kMixed), "cuda");
+  EXPECT_TRUE(of_card == "nothing" || of_card.starts_with("device cuda: ")) << of_card;
   BlockMatrix K(device.mesh().num_nodes());
   EXPECT_THROW(device.add_stiffness_blocks(1, K), InputError);
 }
