@@ -47,7 +47,7 @@ class DeviceCgSpace final : public CgSpace {
 };
 
 /// A body on a device: its history lies there, and what is asked for on the host is copied.       docs/gpu.md
-class DeviceBody final : public DeviceOperator {
+class DeviceBody final : public DeviceVectors {
  public:
   /// name: "cuda" or "emulation". Throws InputError where the library or the device is missing.
   explicit DeviceBody(std::string name);

@@ -33,11 +33,12 @@ inline void require_device_alone(const MatrixFreeSystem& system) {
     throw InputError("a body on a device (attribute device) needs a solver of its own, without other bodies or ties");
 }
 
-/// The vectors of a body on a device; null where none is. of_preconditioner: as of DeviceOperator::space.
+/// The vectors of a body on a device; null where none is. of_preconditioner: as of DeviceVectors::space.
 inline CgSpace* device_space(const MatrixFreeSystem& system, const PointArray* of_preconditioner) {
   require_device_alone(system);
   const bool has_one = system.has_one_body() && system.bodies.front().device;
-  return has_one ? &system.bodies.front().device->space(system, of_preconditioner) : nullptr;
+  if (!has_one) return nullptr;
+  return &static_cast<DeviceVectors&>(*system.bodies.front().device).space(system, of_preconditioner);
 }
 
 /// b.b; throws NumericalError where it is beyond all numbers, as products of directions would be.

@@ -59,6 +59,14 @@ class CgSpace {
   }
 };
 
+/// What every KernelBody::device is: L on a device, where the vectors of conjugate gradients are too.
+class DeviceVectors : public DeviceOperator {
+ public:
+  /// Those of a system of this body and other terms. of_preconditioner: num_nodes x 3, its diagonal without that of L;
+  /// null: there is none.
+  virtual CgSpace& space(const MatrixFreeSystem& system, const PointArray* of_preconditioner) = 0;
+};
+
 /// A power of two that brings a number of this size near 1: to scale by it changes no bit, and keeps what is squared in
 /// single precision away from its limits.
 inline double scale_to_one(double size) {

@@ -57,16 +57,10 @@ struct Constraints {
   void pin(BlockMatrix& A) const;
 };
 
-class CgSpace;
-struct MatrixFreeSystem;
-
-/// L on a device, where the vectors of conjugate gradients are too.
+/// L on a device; what else solvers know of it, says DeviceVectors (solve/cg_space.hpp).
 class DeviceOperator {
  public:
   virtual ~DeviceOperator() = default;
-  /// Those of a system of this body and other terms. of_preconditioner: num_nodes x 3, its diagonal without that of L;
-  /// null: there is none.
-  virtual CgSpace& space(const MatrixFreeSystem& system, const PointArray* of_preconditioner) = 0;
 };
 
 /// One body's part of a linear system: factor L, L applied chunk by chunk on slots.
