@@ -3,20 +3,17 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "base/require.hpp"
 #include "body_state.hpp"
-#include "element/samples.hpp"
+#include "device/device_body.hpp"
 #include "hexaplast/base/error.hpp"
-#include "hexaplast/base/parallel.hpp"
 #include "hexaplast/base/saved_stream.hpp"
 #include "hexaplast/material/rows.hpp"
 #include "mesh/trilinear.hpp"
-#include "plastic/isolated_flow.hpp"
+#include "plain/plain.hpp"
 
 namespace hexaplast {
 
@@ -85,25 +82,29 @@ std::size_t greatest_saved_size(const Model& model, const History& history) {
 
 }  // namespace
 
-PreconditionedConjugateGradients averaging_solver(const Model& model) {
-  constexpr int kMaxIterations = 10000;
-  return {model.settings.averaging_tolerance, kMaxIterations, Preconditioner::kDiagonal};
-}
-
 Body::State::State(HexMesh mesh, std::vector<Material> materials, Settings settings)
-    : model(std::move(mesh), std::move(materials), settings),
-      history(model),
-      at(model),
-      averaging_solver(hexaplast::averaging_solver(model)) {
-  make_flow();
+    : model(std::move(mesh), std::move(materials), settings), history(model), backend(make_backend("cpu")) {}
+
+Body::State::State(const State& other)
+    : model(other.model),
+      history(other.history),
+      time_step(other.time_step),
+      branches(other.branches),
+      checked_dt(other.checked_dt),
+      revision(other.revision),
+      released(other.released),
+      backend(make_backend(other.backend->device())),
+      not_linearized_since("the body was copied") {}
+
+std::unique_ptr<Backend> Body::State::make_backend(const std::string& device) {
+  if (device != "cpu") return std::make_unique<DeviceBody>(model, history, branches, device);
+  if (model.is_plain) return plain::make_backend(model, history, branches);
+  return std::make_unique<KernelBackend>(model, history, branches);
 }
 
 Body::Body(HexMesh mesh, std::vector<Material> materials, Settings settings)
     : state_(std::make_unique<State>(std::move(mesh), std::move(materials), settings)) {}
-Body::Body(const Body& other) : state_(std::make_unique<State>(other.state())) {
-  state_->plain.follow(state_->model.mesh);
-  if (state_->device) state_->not_linearized_since = "the body was copied";
-}
+Body::Body(const Body& other) : state_(std::make_unique<State>(other.state())) {}
 Body::Body(Body&& other) noexcept = default;
 Body& Body::operator=(Body other) noexcept {
   state_.swap(other.state_);
@@ -112,28 +113,25 @@ Body& Body::operator=(Body other) noexcept {
 Body::~Body() = default;
 
 Body::State& Body::state() {
-  state_->take_from_device();
+  if (state_->is_on_device()) state_->begin_change("the history on the device was taken");
   return *state_;
 }
 const Body::State& Body::state() const {
-  state_->download();
+  state_->backend->download();
   return *state_;
 }
 
 void Body::use_device(const std::string& name) {
   if (name == device()) return;
-  OnDevice device;
-  if (name != "cpu") {
+  if (name != "cpu")
     if (const std::string why = not_on_device(state_->model); !why.empty())
       throw InputError(fmt::format("device {}: {}", name, why));
-    device = OnDevice(name);
-  }
-  state_->download();
-  if (device) device->set_up(state_->model, state_->history, state_->model.mesh.positions());
-  state_->renew("use_device");
-  state_->device = std::move(device);
+  state_->backend->download();
+  std::unique_ptr<Backend> made = state_->make_backend(name);
+  if (name != "cpu") made->linearize(state_->model.mesh.positions());  // throws where there is no room
+  state_->renew(std::move(made), "use_device");
 }
-std::string Body::device() const { return state_->device ? state_->device->name() : "cpu"; }
+std::string Body::device() const { return state_->backend->device(); }
 
 const HexMesh& Body::mesh() const { return state_->model.mesh; }
 const std::vector<Material>& Body::materials() const { return state_->model.materials; }
@@ -200,111 +198,51 @@ void Body::set_time_step(double dt) {
   state_->time_step = dt;
   if (settings().num_branches() == 0) return;
   state_->branches = branch_steps(settings(), dt);
-  state_->at.forget();
-  state_->product.version = -1;
-  state_->not_linearized_since = "set_time_step";
+  state_->begin_change("set_time_step");
 }
 
 void Body::linearize(ConstPoints x) {
   state_->require_field("linearize", "x", x);
   state_->require_relaxing_step("linearize");
-  state_->terms.clear();  // which described the system before
-  if (state_->is_plain())
-    state_->plain.linearize(state_->model, state_->history, x, state_->branches);
-  else if (state_->device)
-    state_->at.recovery =
-        state_->device->linearize(state_->model, state_->history, x) ? state_->springs_at(x) : Recovery();
-  else
-    hexaplast::linearize(state_->model, state_->history, x, state_->at,
-                         !state_->skip_screening && state_->branches.empty(), state_->branches);
+  state_->backend->linearize(x);
   state_->not_linearized_since = nullptr;
 }
 
 void Body::add_force(Points f) const {
   state_->require_linearized("add_force");
   state_->require_field("add_force", "f", f);
-  if (state_->is_plain()) return state_->plain.add_force(f);
-  if (state_->device) {
-    state_->device->add_force(f);
-    return state_->at.recovery.add_force(f);
-  }
-  hexaplast::add_force(state_->model, state_->at, f);
+  state_->backend->add_force(f);
 }
 
 void Body::add_stiffness_product(double factor, ConstPoints dx, Points df) const {
   state_->require_linearized("add_stiffness_product");
   state_->require_field("add_stiffness_product", "dx", dx);
   state_->require_field("add_stiffness_product", "df", df);
-  if (state_->is_plain()) return state_->plain.add_stiffness_product(factor, dx, df);
-  if (state_->device) {
-    state_->device->add_stiffness_product(factor, dx, df);
-    return state_->at.recovery.add_product(-factor, dx, df);
-  }
-  hexaplast::add_stiffness_product(state_->model, state_->at, factor, dx, state_->slots, state_->product, df);
+  state_->backend->add_product(factor, dx, df);
 }
 
 void Body::add_stiffness_blocks(double factor, BlockMatrix& K) const {
   state_->require_linearized("add_stiffness_blocks");
   require_count("add_stiffness_blocks", "K", K.num_nodes(), state_->model.mesh.num_nodes());
-  if (state_->is_plain()) return state_->plain.add_stiffness_blocks(factor, K);
-  if (state_->device)
-    throw InputError(
-        "a body on a device (attribute device) has no matrix: its solver must be one of conjugate gradients");
-  hexaplast::add_stiffness_blocks(state_->model, state_->history, state_->at, factor, K);
+  state_->backend->add_stiffness_blocks(factor, K);
 }
 
 void Body::add_operator(double factor, MatrixFreeSystem& system) const {
   state_->require_linearized("add_operator");
-  if (state_->is_plain() || state_->at.recovery.acts()) {
-    auto term = std::ranges::find(state_->terms, factor, &BodyTerm::factor);
-    if (term == state_->terms.end()) term = state_->terms.emplace(term);
-    term->elasticity = state_->is_plain() ? &state_->plain : nullptr;
-    term->recovery = &state_->at.recovery;
-    term->factor = factor;
-    system.others.push_back(&*term);
-  }
-  if (state_->is_plain()) return;
-  KernelBody& body = system.bodies.emplace_back();
-  body.factor = -factor;  // L = - df/dx
-  body.device = state_->device.get();
-  if (!body.device) {
-    body.double_operator = std::get_if<ElementOperator<double, double>>(&state_->at.op);
-    if (const auto* half = std::get_if<ElementOperator<float, Half>>(&state_->at.op)) body.single_operator = half;
-    if (const auto* single = std::get_if<ElementOperator<float, float>>(&state_->at.op)) body.single_operator = single;
-    if (body.single_operator) {
-      state_->exact.setup(state_->model, state_->history, state_->at);
-      body.exact_operator = &state_->exact;
-    }
-    body.scratch = &state_->slots;
-  }
-  if (!system.wants_levels || body.device) return;
-  if (!state_->hierarchy) state_->hierarchy.emplace(state_->model);
-  body.levels = state_->hierarchy->update(state_->model, state_->at);
+  state_->backend->add_operator(factor, system);
 }
 
 double Body::recovery_work(ConstPoints x) const {
-  if (state_->model.settings.recovery == RecoveryMode::kNone) return 0;
+  if (settings().recovery == RecoveryMode::kNone) return 0;
   state_->require_linearized("recovery_work");
-  if (state_->is_plain())
-    return plain::find_recovery(state_->model, state_->history, x).spring_energy() -
-           state_->plain.recovery().spring_energy_at(state_->history.plastic_rest_positions, x);
-  energy(x);  // finds the springs
-  return state_->product.recovery.spring_energy() -
-         state_->at.recovery.spring_energy_at(state_->history.plastic_rest_positions, x);
+  return state_->backend->find_recovery(x).spring_energy() -
+         state_->backend->recovery().spring_energy_at(state_->history.plastic_rest_positions, x);
 }
 
 double Body::energy(ConstPoints x) const {
   state_->require_field("energy", "x", x);
   state_->require_relaxing_step("energy");
-  if (state_->is_plain()) return plain::energy(state_->model, state_->history, x, state_->branches);
-  if (state_->device) {
-    if (const std::optional<double> sum = state_->device->energy(state_->model, state_->history, x)) {
-      state_->product = {};
-      return *sum;
-    }
-    state_->download();  // springs act, which the kernels find
-  }
-  return hexaplast::energy(state_->model, state_->history, x, state_->slots, state_->product, state_->branches);
+  return state_->backend->energy(x);
 }
 
 FlowReport Body::flow(ConstPoints x, double dt) {
@@ -320,53 +258,19 @@ FlowReport Body::flow(ConstPoints x, double dt) {
         fmt::format("flow: dt = {} s: must be the time step of set_time_step, {} s", dt, state_->time_step));
   require_finite(x, "position");
   state_->not_linearized_since = "flow";
-  if (state_->is_plain()) {
-    const FlowReport report =
-        plain::flow(state_->model, x, dt, state_->averaging_solver, state_->history, state_->branches);
-    state_->revision += report.removed > 0;
-    return report;
-  }
-  if (state_->device) return state_->device->flow(state_->model, x, dt, state_->history);
-  if (state_->branches.empty() &&
-      !(state_->skip_screening && state_->at.plastic_rest_version == state_->history.version)) {
-    hexaplast::linearize(state_->model, state_->history, x, state_->at);
-  } else {
-    update_material(state_->model, state_->history, state_->at);
-    set_positions(state_->model, x, state_->at);
-  }
-  if (!state_->flow) return count_inverted(state_->model, state_->at);
-  FlowReport report = hexaplast::flow(state_->model, state_->at, dt, state_->history, *state_->flow, state_->branches);
-  if (report.yielded > 0 && report.removed == 0 && state_->branches.empty())
-    take_flow(state_->model, state_->history, state_->flow->differs, state_->at);
-  state_->skip_screening = 2 * report.yielded > state_->model.mesh.num_elements();
+  const FlowReport report = state_->backend->flow(x, dt);
   state_->revision += report.removed > 0;
-  if (state_->flow->tear) report.torn = state_->torn_faces(x);
   return report;
-}
-
-std::vector<int> Body::State::torn_faces(ConstPoints x) {
-  if (flow->tear->broken.empty()) return {};
-  const std::vector<BranchStep> now = branch_steps(model.settings, 0);  // stress is that of the moment
-  const auto forces = [&](int e) -> ElementPoints {
-    if (!history.alive[e]) return ElementPoints::Zero();
-    const Hexahedron& corners = model.mesh.hexahedra()[e];
-    return plain::Element(gather(history.plastic_rest_positions, corners), gather(x, corners), model.lame[e],
-                          model.settings, history.plastic_inverse_of(e), history.branches(now).of(e))
-        .force();
-  };
-  return flow->tear->faces(model, history, x, now, std::ref(forces));
 }
 
 void Body::remove(std::span<const int> elements) {
   for (const int e : elements) state_->require_hexahedron(e);
-  state_->take_from_device();
-  state_->not_linearized_since = "remove";
+  state_->begin_change("remove");
   for (const int e : elements) {
     if (!state_->history.alive[e]) continue;
     state_->history.alive[e] = 0;
     state_->history.removed.push_back(e);
   }
-  ++state_->history.version;
   ++state_->revision;
 }
 
@@ -386,7 +290,7 @@ std::vector<int> Body::open(std::span<const int> joints, std::span<const double>
   for (std::size_t k = 0; k < joints.size(); ++k)
     if (!std::exchange(is_open[joints[k]], 1)) added.emplace_back(joints[k], crossings.empty() ? 0.5 : crossings[k]);
   if (added.empty()) return {};
-  state_->take_from_device();
+  state_->begin_change("open");
   std::ranges::sort(added);
   for (const auto& [joint, place] : added) {
     opened.push_back(joint);
@@ -396,16 +300,14 @@ std::vector<int> Body::open(std::span<const int> joints, std::span<const double>
   ends.push_back(static_cast<int>(opened.size()));
   std::vector<int> parents = state_->model.open(state_->history, static_cast<int>(ends.size()) - 1);
   state_->history.add_nodes(parents);
-  ++state_->history.version;
-  state_->renew("open");
+  state_->renew(state_->make_backend(device()), "open");
   return parents;
 }
 
 void Body::set_materials(std::vector<Material> materials) {
   Model changed(state_->model, std::move(materials));
   state_->require_device(changed);
-  state_->take_from_device();
-  History history = state_->history;
+  History history = state().history;
   if (changed.tracks_plastic_stretch && history.plastic_stretch.empty())
     history.plastic_stretch = History(changed).plastic_stretch;
   else if (!changed.tracks_plastic_stretch)
@@ -432,45 +334,33 @@ void Body::State::take(Model changed, History changed_history, const char* call)
   model = std::move(changed);
   history = std::move(changed_history);
   history.version = version + 1;
-  renew(call);
+  renew(make_backend(backend->device()), call);
 }
 
 void Body::State::require_device(const Model& changed) const {
-  if (!device) return;
+  if (!is_on_device()) return;
   if (const std::string why = not_on_device(changed); !why.empty())
-    throw InputError(fmt::format("device {}: {}", device->name(), why));
+    throw InputError(fmt::format("device {}: {}", backend->device(), why));
 }
 
-void Body::State::take_from_device() {
-  if (!device) return;
-  download();
-  device->forget();
-  not_linearized_since = "the history on the device was taken";
-}
-
-Recovery Body::State::springs_at(ConstPoints x) {
-  download();
-  hexaplast::energy(model, history, x, slots, product);
-  return product.recovery;
-}
-
-void Body::State::renew(const char* call) {
-  ++revision;
-  if (device) device->forget();
-  at = Linearization(model);
+void Body::State::begin_change(const char* call) {
+  backend->download();
+  backend->forget();
+  ++history.version;
   not_linearized_since = call;
-  make_flow();
-  skip_screening = false;
-  checked_dt = kNone;
-  hierarchy.reset();
-  slots = {};
-  product = {};
 }
 
-void Body::State::write(Archive& archive) const {
+void Body::State::renew(std::unique_ptr<Backend> changed, const char* call) {
+  backend = std::move(changed);
+  ++revision;
+  not_linearized_since = call;
+  checked_dt = kNone;
+}
+
+void Body::State::write(Archive& archive) {
   std::vector<Material> materials = model.materials;
   serialize_materials(archive, materials);
-  const_cast<History&>(history).serialize(archive);  // which writes, and changes nothing
+  history.serialize(archive);  // which writes, and changes nothing
 }
 
 std::pair<Model, History> Body::State::read(Archive& archive) const {
@@ -488,14 +378,14 @@ std::pair<Model, History> Body::State::read(Archive& archive) const {
 }
 
 void Body::serialize(Archive& archive) {
-  state_->download();
+  state_->backend->download();
   if (!archive.reads()) return state_->write(archive);
   auto [model, history] = state_->read(archive);
   state_->take(std::move(model), std::move(history), "serialize");
 }
 
 void Body::save(std::ostream& out) const {
-  state_->download();
+  state_->backend->download();
   write_saved(out, kSavedBody, identity_of(state_->model), [&](Archive& archive) { state_->write(archive); });
 }
 
@@ -509,55 +399,22 @@ void Body::load(std::istream& in) {
 }
 
 void Body::reset() {
-  if (state_->model.copies.is_split()) {
-    Model initial = state_->model;
-    initial.close();
-    History history(initial);
-    return state_->take(std::move(initial), std::move(history), "reset");
-  }
-  ++state_->revision;
-  if (state_->device) state_->device->forget();
-  const long version = state_->history.version;
-  state_->history = History(state_->model);
-  state_->history.version = version + 1;  // what was derived from the old history is old
-  state_->not_linearized_since = "reset";
-  state_->skip_screening = false;
-  if (state_->flow) state_->flow.emplace(state_->model, state_->history);
+  Model initial = state_->model;
+  initial.close();
+  History history(initial);
+  state_->take(std::move(initial), std::move(history), "reset");
 }
 
 ElementFields Body::fields(ConstPoints x) const {
   state_->require_field("fields", "x", x);
-  state_->download();
-  const int num_elements = state_->model.mesh.num_elements();
-  const std::vector<BranchStep> branches = branch_steps(settings(), 0);  // stress is that of the moment
+  state_->backend->download();
   ElementFields out;
   out.plastic_strain = plastic_strains(*this);
   out.yield_stress = present_yield_stresses(*this);
-  for (auto* field : {&out.volume_ratio, &out.stress_norm, &out.strain}) field->resize(num_elements);
-
-  parallel_for(num_elements, [&](int e) {
-    if (!state_->history.alive[e] || !state_->is_plain()) return;
-
-    const Hexahedron& corners = state_->model.mesh.hexahedra()[e];
-    const Settings& settings = state_->model.settings;
-    const ElementPoints plastic_rest = gather(state_->history.plastic_rest_positions, corners),
-                        current = gather(x, corners);
-    const Lame& k = state_->model.lame[e];
-    const CornerTensors* G = state_->history.plastic_inverse_of(e);
-    const Branches of_element = state_->history.branches(branches).of(e);
-    ElementSamples samples = plain::Element(plastic_rest, current, k, settings, G, of_element).samples();
-    if (G) samples.stress = isolated_stress(plastic_rest, *G, samples, settings.yield_stress_measure).relieved;
-    out.volume_ratio[e] = samples.volume / state_->model.volume[e];
-    for (int i = 0; i < kCorners; ++i) {
-      out.stress_norm[e] = std::max(out.stress_norm[e], stress_norm(samples.stress[i], settings.yield_norm));
-      const Vec3 stretch =
-          Eigen::SelfAdjointEigenSolver<Mat3>(samples.polar[i].S, Eigen::EigenvaluesOnly).eigenvalues();
-      out.strain[e] = std::max(out.strain[e], (stretch.array() - 1).abs().maxCoeff());
-    }
-  });
-  if (!state_->is_plain())
-    find_fields(state_->model, state_->history, x, branches, state_->slots,
-                {out.volume_ratio.data(), out.stress_norm.data(), out.strain.data()});
+  for (auto* field : {&out.volume_ratio, &out.stress_norm, &out.strain})
+    field->resize(state_->model.mesh.num_elements());
+  const std::vector<BranchStep> now = branch_steps(settings(), 0);  // stress is that of the moment
+  state_->backend->find_fields(x, now, {out.volume_ratio.data(), out.stress_norm.data(), out.strain.data()});
   return out;
 }
 
@@ -582,7 +439,7 @@ double Body::initial_volume(int hexahedron) const {
 }
 
 void Body::add_to(StateHash& hash) const {
-  state_->download();
+  state_->backend->download();
   add_array(hash, state_->history.rest_shape);
   add_array(hash, state_->history.rotation_map);
   add_array(hash, state_->history.yield_stress);

@@ -56,9 +56,10 @@ HexahedronState initial_hexahedron(const ElementPoints& initial, const Material&
 HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Material& material,
                                         const Settings& settings) {
   const Model model(mesh_of(state.initial), {material}, plainly(settings));
-  const History history = history_of(model, state);
-  plain::Elasticity elasticity;
-  elasticity.linearize(model, history, state.current);
+  History history = history_of(model, state);
+  const std::vector<BranchStep> branches;
+  const std::unique_ptr<Backend> elasticity = plain::make_backend(model, history, branches);
+  elasticity->linearize(state.current);
   const plain::Element element(state.plastic_rest, state.current, model.lame[0], model.settings,
                                history.plastic_inverse_of(0));
 
@@ -72,12 +73,12 @@ HexahedronElasticity inspect_elasticity(const HexahedronState& state, const Mate
   found.sample_volume = found.volume / kCorners;
   found.mean_gradient = element.mean_gradient();
 
-  found.energy = plain::energy(model, history, state.current);
+  found.energy = elasticity->energy(state.current);
   PointArray force = PointArray::Zero(kCorners, 3);
-  elasticity.add_force(force);
+  elasticity->add_force(force);
   found.force = force;
   BlockMatrix blocks(kCorners);
-  elasticity.add_stiffness_blocks(-1, blocks);
+  elasticity->add_stiffness_blocks(-1, blocks);
   found.stiffness.setZero();
   for (int a = 0; a < kCorners; ++a)
     for (const auto& [b, block] : blocks.row(a)) found.stiffness.block<3, 3>(3 * a, 3 * b) = block;
@@ -123,7 +124,7 @@ HexahedronStep inspect_step(const HexahedronState& state, const Material& materi
 
   // the step as a body takes it
   History after = before;
-  PreconditionedConjugateGradients solver = averaging_solver(model);
+  PreconditionedConjugateGradients solver = plain::averaging_solver(model);
   found.skipped = plain::flow(model, state.current, dt, solver, after).skipped > 0;
 
   // and what flows, corner by corner

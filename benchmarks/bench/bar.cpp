@@ -144,8 +144,7 @@ bool Bar::add_operator(const OperatorFactors& factors, MatrixFreeSystem& system)
   body_.add_operator(factors.stiffness, system);
   if (plate_ && plate_->num_touching() > 0) {
     terms_.terms = &plate_->terms();
-    terms_.factor = factors.stiffness;
-    system.others.emplace_back(&terms_);
+    system.others.emplace_back(&terms_, factors.stiffness);
   }
   return true;
 }

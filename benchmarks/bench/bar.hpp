@@ -84,9 +84,10 @@ class Bar final : public MechanicalSystem {
  private:
   class Terms final : public NodalOperator {
    public:
-    void add_product(ConstPoints p, Points Fp) const override { terms->add_stiffness_product(factor, p, Fp); }
+    void add_product(double factor, ConstPoints p, Points Fp) const override {
+      terms->add_stiffness_product(factor, p, Fp);
+    }
     const ContactTerms* terms = nullptr;
-    double factor = 0;
   };
 
   Body body_;

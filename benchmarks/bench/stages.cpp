@@ -10,6 +10,8 @@
 
 #include "body_state.hpp"
 #include "hexaplast/base/parallel.hpp"
+#include "hexaplast/solve/conjugate_gradients.hpp"
+#include "kernel_backend.hpp"
 
 namespace hexaplast::bench {
 
@@ -50,14 +52,13 @@ double time_iteration(Bar& bar, int repetitions) {
 /// On copies of the history, so that every repetition starts from the same one [s].
 double time_flow(Bar& bar, int repetitions) {
   const Body::State& body = bar.body().state();
-  const Model& model = body.model;
-  Linearization at = body.at;
-  FlowWorkspace work(model, body.history);
+  History history = body.history;
+  KernelBackend kernels(body.model, history, body.branches);
   double seconds = std::numeric_limits<double>::infinity();
   for (int repetition = 0; repetition < repetitions; ++repetition) {
-    History history = body.history;
-    linearize(model, history, bar.positions(), at);
-    seconds = std::min(seconds, min_seconds(1, [&](int) { flow(model, at, kBarDt, history, work); }));
+    history = body.history;
+    kernels.linearize(bar.positions());
+    seconds = std::min(seconds, min_seconds(1, [&](int) { kernels.flow(bar.positions(), kBarDt); }));
   }
   return seconds;
 }
@@ -73,11 +74,12 @@ Stages measure_stages(Bar& bar, int repetitions) {
   stages.linearize_ns = ns * min_seconds(2 * repetitions, [&](int repetition) {
                           bar.body().linearize(repetition % 2 == 0 ? nudged : bar.positions());
                         });
-  if (bar.body().state().is_plain()) return stages;  // the rest is of the kernels
+  auto* const kernels = dynamic_cast<KernelBackend*>(bar.body().state().backend.get());
+  if (!kernels) return stages;
 
   bar.body().linearize(bar.positions());
   stages.operator_ns =
-      ns * std::visit([&](const auto& op) { return time_product(op, 5 * repetitions); }, bar.body().state().at.op);
+      ns * std::visit([&](const auto& op) { return time_product(op, 5 * repetitions); }, kernels->at.op);
   stages.vectors_ns = std::max(0.0, ns * time_iteration(bar, repetitions) - stages.operator_ns);
   if (bar.body().can_flow()) stages.flow_ns = ns * time_flow(bar, repetitions);
   return stages;

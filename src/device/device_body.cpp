@@ -114,9 +114,19 @@ std::string not_on_device(const Model& model) {
   return {};
 }
 
-DeviceBody::DeviceBody(std::string name) : name_(std::move(name)), kernels_(load(name_)), space_(*kernels_, bricks_) {}
+DeviceBody::DeviceBody(const Model& of, History& its_history, const std::vector<BranchStep>& its_branches,
+                       std::string name)
+    : KernelBackend(of, its_history, its_branches),
+      name_(std::move(name)),
+      kernels_(load(name_)),
+      space_(*kernels_, bricks_) {}
 
-void DeviceBody::set_up(const Model& model, const History& history, ConstPoints x) {
+void DeviceBody::forget() {
+  KernelBackend::forget();
+  is_set_up_ = has_newer_history_ = false;
+}
+
+void DeviceBody::set_up(ConstPoints x) {
   if (!is_set_up_) {
     bricks_ = Bricks(model, history);
     try {
@@ -128,7 +138,7 @@ void DeviceBody::set_up(const Model& model, const History& history, ConstPoints 
     numbers_.resize(static_cast<std::size_t>(places) * kHistoryNumbers);
     for (int place = 0; place < places; ++place) {
       const int first = place / kBrick * kBrick, e = bricks_.element[bricks_.element[place] < 0 ? first : place];
-      visit_history(const_cast<History&>(history), e,
+      visit_history(history, e,
                     [&](int k, double& number) { numbers_[history_index(bricks_.num_bricks(), place, k)] = number; });
     }
     kernels_->set_history(numbers_.data());
@@ -139,7 +149,7 @@ void DeviceBody::set_up(const Model& model, const History& history, ConstPoints 
   kernels_->set_positions(positions_.data());
 }
 
-void DeviceBody::download(History& history) {
+void DeviceBody::download() {
   if (!has_newer_history_) return;
   kernels_->get_history(numbers_.data());
   parallel_for(static_cast<int>(bricks_.element.size()), [&](int place) {
@@ -152,33 +162,60 @@ void DeviceBody::download(History& history) {
   has_newer_history_ = false;
 }
 
-bool DeviceBody::linearize(const Model& model, const History& history, ConstPoints x) {
-  set_up(model, history, x);
-  return kernels_->linearize(thin_from(model)) > 0;
+void DeviceBody::linearize(ConstPoints x) {
+  set_up(x);
+  at.recovery = Recovery();
+  if (kernels_->linearize(thin_from(model)) == 0) return;
+  download();
+  at.recovery = KernelBackend::find_recovery(x);
 }
 
 void DeviceBody::add_force(Points f) const {
   product_.resize(4 * static_cast<std::size_t>(bricks_.num_nodes()));
   kernels_->get_force(product_.data());
   from_nodes(bricks_, product_, f, [](double& entry, double number) { entry += number; });
+  at.recovery.add_force(f);
 }
 
-void DeviceBody::add_stiffness_product(double factor, ConstPoints dx, Points df) const {
+void DeviceBody::add_product(double factor, ConstPoints dx, Points df) const {
   const double scale = scale_to_one(std::sqrt(dot(dx, dx)));
   to_nodes(bricks_, dx, scale, field_);
   product_.resize(field_.size());
   kernels_->multiply(1, field_.data(), product_.data());
   from_nodes(bricks_, product_, df, [&](double& entry, double number) { entry -= factor / scale * number; });
+  at.recovery.add_product(-factor, dx, df);
 }
 
-std::optional<double> DeviceBody::energy(const Model& model, const History& history, ConstPoints x) {
-  set_up(model, history, x);
+void DeviceBody::add_stiffness_blocks(double, BlockMatrix&) const {
+  throw InputError(
+      "a body on a device (attribute device) has no matrix: its solver must be one of conjugate gradients");
+}
+
+void DeviceBody::add_operator(double factor, MatrixFreeSystem& system) {
+  if (at.recovery.acts()) system.others.emplace_back(&at.recovery, -factor);
+  KernelBody& body = system.bodies.emplace_back();
+  body.factor = -factor;
+  body.device = this;
+}
+
+double DeviceBody::energy(ConstPoints x) {
+  set_up(x);
   const DeviceKernels::Sums sums = kernels_->energy(thin_from(model));
-  return sums.first == 0 ? std::optional(sums.value) : std::nullopt;
+  if (sums.first == 0) return sums.value;
+  download();
+  return KernelBackend::energy(x);
 }
 
-FlowReport DeviceBody::flow(const Model& model, ConstPoints x, double dt, History& history) {
-  set_up(model, history, x);
+const Recovery& DeviceBody::find_recovery(ConstPoints x) {
+  static const Recovery none;
+  set_up(x);
+  if (kernels_->energy(thin_from(model)).first == 0) return none;
+  download();
+  return KernelBackend::find_recovery(x);
+}
+
+FlowReport DeviceBody::flow(ConstPoints x, double dt) {
+  set_up(x);
   FlowReport report;
   const Settings& settings = model.settings;
   const DeviceKernels::Sums sums =
@@ -186,7 +223,7 @@ FlowReport DeviceBody::flow(const Model& model, ConstPoints x, double dt, Histor
                      settings.yield_stress_measure == YieldStressMeasure::kCauchy);
   report.yielded = sums.second;
   double dissipated = sums.value;
-  if (sums.first > 0) dissipated += flow_left_over(model, x, dt, history, report);
+  if (sums.first > 0) dissipated += flow_left_over(x, dt, report);
   if (report.yielded == 0) return report;
   kernels_->take_flow();
   has_newer_history_ = true;
@@ -197,7 +234,7 @@ FlowReport DeviceBody::flow(const Model& model, ConstPoints x, double dt, Histor
 
 /// What the kernels leave over: inverted hexahedra, nearly inverted ones, and those of more flow than their series
 /// reaches.
-double DeviceBody::flow_left_over(const Model& model, ConstPoints x, double dt, History& history, FlowReport& report) {
+double DeviceBody::flow_left_over(ConstPoints x, double dt, FlowReport& report) {
   std::vector<std::uint8_t> is_left(bricks_.element.size());
   kernels_->get_left(is_left.data());
   has_newer_history_ = true;  // what the host has of these is written over

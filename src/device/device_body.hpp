@@ -2,12 +2,11 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "device/bricks.hpp"
-#include "hexaplast/plastic/flow_report.hpp"
+#include "kernel_backend.hpp"
 #include "solve/cg_space.hpp"
 
 namespace hexaplast {
@@ -46,34 +45,33 @@ class DeviceCgSpace final : public CgSpace {
   mutable std::vector<float> first_, second_;
 };
 
-/// A body on a device: its history lies there, and what is asked for on the host is copied.       docs/gpu.md
-class DeviceBody final : public DeviceVectors {
+/// A device: the history lies there, and what is asked for on the host is copied. What it cannot do, the kernels of the
+/// CPU do: fields, and the springs of thin hexahedra.                                                     docs/gpu.md
+class DeviceBody final : public KernelBackend, public DeviceVectors {
  public:
   /// name: "cuda" or "emulation". Throws InputError where the library or the device is missing.
-  explicit DeviceBody(std::string name);
+  DeviceBody(const Model& of, History& its_history, const std::vector<BranchStep>& its_branches, std::string name);
 
-  const std::string& name() const { return name_; }
+  /// Throws InputError where the device has no room.
+  void linearize(ConstPoints x) override;
+  void add_force(Points f) const override;
+  void add_product(double factor, ConstPoints dx, Points df) const override;
+  void add_stiffness_blocks(double factor, BlockMatrix& K) const override;
+  void add_operator(double factor, MatrixFreeSystem& system) override;
+  double energy(ConstPoints x) override;
+  FlowReport flow(ConstPoints x, double dt) override;
+  const Recovery& find_recovery(ConstPoints x) override;
+  std::string device() const override { return name_; }
+  void download() override;
+  void forget() override;
 
-  /// Model or history on the host are others than before.
-  void forget() { is_set_up_ = has_newer_history_ = false; }
-  /// Brings them to the device, unless they are there, and positions x. Throws InputError where it has no room.
-  void set_up(const Model& model, const History& history, ConstPoints x);
-  /// What has flowed on the device becomes the host's history.
-  void download(History& history);
-
-  /// The verbs of Body. linearize returns whether some hexahedron has a corner so thin that springs may act (Recovery).
-  bool linearize(const Model& model, const History& history, ConstPoints x);
-  void add_force(Points f) const;
-  void add_stiffness_product(double factor, ConstPoints dx, Points df) const;
-  /// Nothing where such springs may act.
-  std::optional<double> energy(const Model& model, const History& history, ConstPoints x);
-  FlowReport flow(const Model& model, ConstPoints x, double dt, History& history);
   CgSpace& space(const MatrixFreeSystem& system, const PointArray* of_preconditioner) override;
 
  private:
-  double flow_left_over(const Model& model, ConstPoints x, double dt, History& history, FlowReport& report);
+  void set_up(ConstPoints x);
+  double flow_left_over(ConstPoints x, double dt, FlowReport& report);
 
-  std::string name_;
+  const std::string name_;
   std::unique_ptr<DeviceKernels> kernels_;
   Bricks bricks_;
   DeviceCgSpace space_;

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
 
 namespace hexaplast {
 
@@ -41,7 +40,6 @@ class DeviceKernels {
   };
 
   virtual ~DeviceKernels() = default;
-  virtual std::string name() const = 0;  ///< of the device
 
   /// Another body, in which nothing is known.
   virtual void set_bricks(const BrickArrays& bricks) = 0;
@@ -75,7 +73,7 @@ class DeviceKernels {
   virtual void get_residual(float* r) = 0;
 };
 
-inline constexpr int kDeviceVersion = 1;                   ///< of the class above
+inline constexpr int kDeviceVersion = 2;                   ///< of the class above
 #define HEXAPLAST_DEVICE_ENTRY "hexaplast_device_kernels"  // DeviceKernels* (int version); null: another version
 
 }  // namespace hexaplast

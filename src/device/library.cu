@@ -11,15 +11,9 @@ using device::launch;
 
 class Kernels final : public DeviceKernels {
  public:
-  Kernels() {
 #ifdef __CUDACC__
-    device::check(cudaSetDevice(0));
-    cudaDeviceProp properties;
-    device::check(cudaGetDeviceProperties(&properties, 0));
-    name_ = properties.name;
+  Kernels() { device::check(cudaSetDevice(0)); }
 #endif
-  }
-  std::string name() const override { return name_; }
 
   void set_bricks(const BrickArrays& of) override {
     arrays_ = {};  // before the new ones need the room
@@ -210,7 +204,6 @@ class Kernels final : public DeviceKernels {
     return now;
   }
 
-  std::string name_ = "emulation on the CPU";
   int num_bricks_ = 0, num_nodes_ = 0;
   float length_ = 1, factor_ = 1;
   Arrays arrays_;

@@ -154,6 +154,11 @@ class Joining final : public LinearSystem {
 
 }  // namespace
 
+PreconditionedConjugateGradients averaging_solver(const Model& model) {
+  constexpr int kMaxIterations = 10000;
+  return {model.settings.averaging_tolerance, kMaxIterations, Preconditioner::kDiagonal};
+}
+
 AveragingReport join_rest_shapes(const Model& model, const std::vector<unsigned char>& changed, LinearSolver& solver,
                                  History& history) {
   AveragingReport report;

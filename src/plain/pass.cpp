@@ -144,8 +144,6 @@ void find_energies(const Model& model, const History& history, ConstPoints x, co
 
 class PlacedElements final : public plain::PlacedElements {
  public:
-  std::unique_ptr<plain::PlacedElements> clone() const override { return std::make_unique<PlacedElements>(*this); }
-
   void place(const Model& model, const History& history, ConstPoints x, const Branches& branches) override {
     const int count = num_groups(model.mesh.num_elements());
     elements_.resize(count);

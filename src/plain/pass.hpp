@@ -34,7 +34,6 @@ void find_energies(const Model& model, const History& history, ConstPoints x, co
 class PlacedElements {
  public:
   virtual ~PlacedElements() = default;
-  virtual std::unique_ptr<PlacedElements> clone() const = 0;
 
   virtual void place(const Model& model, const History& history, ConstPoints x, const Branches& branches) = 0;
   /// [N] per element; those that are gone keep what stands there.                eq. 15, E3, E6, E13, E15, P14

@@ -6,12 +6,11 @@
 #include <span>
 #include <vector>
 
+#include "backend.hpp"
 #include "element/samples.hpp"
-#include "hexaplast/layout/linear_system.hpp"
-#include "hexaplast/plastic/flow_report.hpp"
+#include "hexaplast/solve/conjugate_gradients.hpp"
 #include "plain/pass.hpp"
 #include "state/history.hpp"
-#include "state/recovery.hpp"
 
 /// The method for a whole body, to be read beside the paper (R. Gao, J. Peters, "Improving hexahedral-FEM-based
 /// plasticity in surgery simulation") and docs/theory.md, in double precision: what an element does is one text,
@@ -44,42 +43,8 @@ class Element {
   ElementSamples samples_;
 };
 
-/// [J] of a body at current positions x (num_nodes x 3) [m].                                          eq. 18, E25
-double energy(const Model& model, const History& history, ConstPoints x, std::span<const BranchStep> branches = {});
-
-/// What unfolds folded elements.                                                                  theory.md section 3.3
-Recovery find_recovery(const Model& model, const History& history, ConstPoints x);
-
-/// Elasticity of a body at one set of current positions.
-class Elasticity {
- public:
-  Elasticity() = default;
-  Elasticity(const Elasticity& other)
-      : mesh_(other.mesh_),
-        alive_(other.alive_),
-        elements_(other.elements_->clone()),
-        of_elements_(other.of_elements_),
-        recovery_(other.recovery_) {}
-
-  /// x: num_nodes x 3 [m]. The mesh of the model is to stay.
-  void linearize(const Model& model, const History& history, ConstPoints x, std::span<const BranchStep> branches = {});
-
-  /// Goes over to a copy of the mesh.
-  void follow(const HexMesh& mesh) { mesh_ = &mesh; }
-
-  void add_force(Points f) const;                                              ///< f += [N]        eq. 15, E25
-  void add_stiffness_product(double factor, ConstPoints dx, Points df) const;  ///< df += factor df/dx dx eq. 16
-  void add_stiffness_blocks(double factor, BlockMatrix& K) const;              ///< K += factor df/dx     eq. 17
-  void add_stiffness_diagonal(double factor, Points diagonal) const;           ///< of the same
-  const Recovery& recovery() const { return recovery_; }
-
- private:
-  const HexMesh* mesh_ = nullptr;
-  std::vector<unsigned char> alive_;  // per element
-  std::unique_ptr<PlacedElements> elements_ = make_placed_elements();
-  mutable std::vector<ElementPoints> of_elements_;  // scratch
-  Recovery recovery_;
-};
+/// The method for a body. Its matrices and its diagonal are those of df/dx, rotations fixed.      eq. 15 to 18, 30, E25
+std::unique_ptr<Backend> make_backend(const Model& model, History& history, const std::vector<BranchStep>& branches);
 
 /// One plastic step of one element before the averaging, with what flows.            theory.md sections 5.1 to 5.4
 struct ElementStep {
@@ -97,6 +62,9 @@ struct ElementStep {
 /// plastic_rest, current: corners [m]; frame: B, what the paper's rotation modes are measured against.
 ElementStep flow_element(const Model& model, int element, const ElementPoints& plastic_rest,
                          const ElementPoints& current, const Mat3& frame, const ElementHistory& before, double dt);
+
+/// What averaging is solved with.
+PreconditionedConjugateGradients averaging_solver(const Model& model);
 
 /// Moves history.plastic_rest_positions towards the positions that fit the isolated rest shapes best, by
 /// settings.averaging_steps steps, and finds the rotation maps of the elements.                  theory.md 5.5, eq. 30

@@ -226,8 +226,9 @@ void LayeredSystem::add_load_product(const OperatorFactors& factors, ConstPoints
   add_product(Over::kLoads, factors, dx, df);
 }
 
-void LayeredSystem::Others::add_product(ConstPoints p, Points Fp) const {
-  system_->add_product(Over::kOthers, factors, p, Fp);
+void LayeredSystem::Others::add_product(double factor, ConstPoints p, Points Fp) const {
+  system_->add_product(Over::kOthers, {factor * factors.mass, factor * factors.damping, factor * factors.stiffness}, p,
+                       Fp);
 }
 
 // Factors of 0 are common where energies are measured, and a product of a body costs as much with them.

@@ -126,7 +126,7 @@ class LayeredSystem : public MechanicalSystem, private Projector {
   class Others final : public NodalOperator {
    public:
     explicit Others(const LayeredSystem& system) : system_(&system) {}
-    void add_product(ConstPoints p, Points Fp) const override;
+    void add_product(double factor, ConstPoints p, Points Fp) const override;
     OperatorFactors factors;
 
    private:

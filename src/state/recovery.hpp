@@ -23,7 +23,7 @@ namespace hexaplast {
 /// cluster of elements with s > 0. Forces and moments of a cluster sum to zero. Nothing happens while all d_e >= d1. s
 /// is held in the gradient, so that the sum of E_C and the elastic energy is not kept while s changes. Of isolated rest
 /// shapes that have flowed, d1 is -.5 at most.
-class Recovery {
+class Recovery final : public NodalOperator {
  public:
   /// nodes x 3 [m]. thin: per block, bits of the elements that may have a corner below `from(settings)`.
   void find(const Model& model, const History& history, std::span<const std::uint16_t> thin, ConstPoints current);
@@ -41,11 +41,10 @@ class Recovery {
   /// f += forces [N].
   void add_force(Points f) const;
 
-  /// Fp += factor W (p less its rigid part): minus the slope of the forces, placements turning with the nodes. eq. E26
-  void add_product(double factor, ConstPoints p, Points Fp) const;
-
-  /// diagonal += factor diag(W).
-  void add_diagonal(double factor, Points diagonal) const;
+  /// F p = W (p less its rigid part): minus the slope of the forces, placements turning with the nodes.        eq. E26
+  void add_product(double factor, ConstPoints p, Points Fp) const override;
+  bool has_diagonal() const override { return true; }
+  void add_diagonal(double factor, Points diagonal) const override;  ///< of W
 
   /// K += the same operator: W as blocks, and what is rigid in p as blocks of small clusters; large ones leave it out.
   void add_blocks(double factor, BlockMatrix& K) const;

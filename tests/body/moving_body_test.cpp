@@ -15,7 +15,7 @@ TEST(MovingBody, FallsFreelyWhileItUnfolds) {
     MovingBody falling(Body(mesh, {Material{}}), {.density = 500, .dt = 0.02, .gravity = {0, 0, -9.81}});
     falling.positions += Random(202).field(mesh.num_nodes(), 0.08);
     falling.body.linearize(falling.positions);
-    ASSERT_TRUE(falling.body.state().recovery().acts());
+    ASSERT_TRUE(falling.body.state().backend->recovery().acts());
     falling.run(5);
     const Eigen::Map<const Eigen::VectorXd> mass(falling.mass().data(), mesh.num_nodes());
     const Vec3 momentum = falling.velocities.transpose() * mass;

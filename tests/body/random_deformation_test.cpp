@@ -229,7 +229,7 @@ TEST_P(Recovers, FromAThrow) {
       bar.fix(held);
       const auto springs_act = [&] {
         bar.body.linearize(bar.positions);
-        return bar.body.state().recovery().acts();
+        return bar.body.state().backend->recovery().acts();
       };
       EXPECT_TRUE(springs_act()) << name << ", seed " << seed;
 

@@ -219,7 +219,7 @@ TEST(DeviceBody, LeavesFoldedHexahedraToTheCpu) {
   EXPECT_EQ(of_device.inverted, of_cpu.inverted);
   EXPECT_EQ(of_device.yielded, of_cpu.yielded);
   const PointArray force = force_at(cpu, x), found = force_at(device, x);
-  EXPECT_TRUE(std::as_const(device).state().recovery().acts());
+  EXPECT_TRUE(std::as_const(device).state().backend->recovery().acts());
   EXPECT_LE(relative(found, force), 1e-4);
   EXPECT_NEAR(device.energy(x), cpu.energy(x), 1e-4 * cpu.energy(x));
   for (std::size_t e = 0; e < cpu.plastic_strain().size(); ++e)

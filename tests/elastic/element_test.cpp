@@ -387,7 +387,7 @@ TEST(Recovery, ActsAsSoonAsACornerIsThin) {
     for (const double fraction : {0.05 * thick, 0.3 * thick, 0.6 * thick, 0.9 * thick, thick, thin, 2 * thin}) {
       const PointArray x = mesh.positions() + fraction * way;
       force_at(body, x);
-      EXPECT_EQ(body.state().recovery().acts(), min_corner_ratio(mesh, x) < settings.recovery_from)
+      EXPECT_EQ(body.state().backend->recovery().acts(), min_corner_ratio(mesh, x) < settings.recovery_from)
           << round << " " << fraction;
     }
   }

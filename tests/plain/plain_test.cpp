@@ -144,20 +144,20 @@ Body in_mixed_precision(const Body& body) {
 
 /// Forces, energy, products and blocks of a body that is at a time step, and plainly.
 void compare_elasticity(Body& body, const PointArray& x, const PointArray& dx, double tolerance) {
-  const Body::State& state = body.state();
-  plain::Elasticity plainly;
-  plainly.linearize(state.model, state.history, x, state.branches);
+  Body::State& state = body.state();
+  const std::unique_ptr<Backend> plainly = plain::make_backend(state.model, state.history, state.branches);
+  plainly->linearize(x);
   PointArray force = PointArray::Zero(x.rows(), 3), expected = force, product = force;
-  plainly.add_force(force);
+  plainly->add_force(force);
   EXPECT_TRUE(agrees(force_at(body, x), force, tolerance));
-  const double energy = plain::energy(state.model, state.history, x, state.branches);
+  const double energy = plainly->energy(x);
   EXPECT_NEAR(body.energy(x), energy, tolerance * energy);
 
-  plainly.add_stiffness_product(-2, dx, expected);
+  plainly->add_product(-2, dx, expected);
   body.add_stiffness_product(-2, dx, product);
   EXPECT_TRUE(agrees(product, expected, tolerance));
   BlockMatrix K(body.mesh().num_nodes()), blocks(body.mesh().num_nodes());
-  plainly.add_stiffness_blocks(3, K);
+  plainly->add_stiffness_blocks(3, K);
   body.add_stiffness_blocks(3, blocks);
   EXPECT_TRUE(agrees(support::dense(blocks), support::dense(K), tolerance));
 
@@ -224,7 +224,7 @@ class EveryPlainOption : public testing::TestWithParam<Options> {
 INSTANTIATE_TEST_SUITE_P(Plain, EveryPlainOption, testing::ValuesIn(options_of_paper()));
 
 /// What every element gives, one after the other.
-void compare_elasticity_with_elements(const Model& model, const History& history, ConstPoints x, ConstPoints dx) {
+void compare_elasticity_with_elements(const Model& model, History history, ConstPoints x, ConstPoints dx) {
   PointArray force = PointArray::Zero(x.rows(), 3), product = force, found = force;
   double energy = 0;
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
@@ -236,19 +236,20 @@ void compare_elasticity_with_elements(const Model& model, const History& history
     energy += element.energy();
     for (int a = 0; a < kCorners; ++a) force.row(corners[a]) += f.row(a), product.row(corners[a]) += df.row(a);
   }
-  plain::Elasticity elasticity;
-  elasticity.linearize(model, history, x);
-  elasticity.add_force(found);
+  const std::vector<BranchStep> branches;
+  const std::unique_ptr<Backend> elasticity = plain::make_backend(model, history, branches);
+  elasticity->linearize(x);
+  elasticity->add_force(found);
   EXPECT_TRUE(agrees(found, force, kRounding));
-  EXPECT_NEAR(plain::energy(model, history, x), energy, kRounding * energy);
+  EXPECT_NEAR(elasticity->energy(x), energy, kRounding * energy);
   found.setZero();
-  elasticity.add_stiffness_product(2, dx, found);
+  elasticity->add_product(2, dx, found);
   EXPECT_TRUE(agrees(found, 2 * product, kRounding));
 
   BlockMatrix K(model.mesh.num_nodes());
-  elasticity.add_stiffness_blocks(2, K);
+  elasticity->add_stiffness_blocks(2, K);
   PointArray diagonal = PointArray::Zero(x.rows(), 3);
-  elasticity.add_stiffness_diagonal(2, diagonal);
+  elasticity->add_diagonal(2, diagonal);
   const Eigen::MatrixXd dense = support::dense(K);
   EXPECT_TRUE(agrees(dense * Eigen::Map<const Eigen::VectorXd>(dx.data(), dx.size()),
                      Eigen::Map<const Eigen::VectorXd>(found.data(), found.size()), kRounding));
@@ -358,15 +359,15 @@ TEST(Plain, IsTheKernelsForThrownBodiesToo) {
     take_flowed(body);
     const PointArray x = mesh.positions() + random.field(mesh.num_nodes(), random.uniform(0.2, 0.9) * kEdge);
 
-    const Body::State& state = body.state();
-    plain::Elasticity plainly;
-    plainly.linearize(state.model, state.history, x, state.branches);
+    Body::State& state = body.state();
+    const std::unique_ptr<Backend> plainly = plain::make_backend(state.model, state.history, state.branches);
+    plainly->linearize(x);
     PointArray force = PointArray::Zero(x.rows(), 3);
-    plainly.add_force(force);
+    plainly->add_force(force);
     EXPECT_TRUE(agrees(force_at(body, x), force, 1e-9)) << round;  // some samples are nearly singular
-    const double energy = plain::energy(state.model, state.history, x, state.branches);
+    const double energy = plainly->energy(x);
     EXPECT_NEAR(body.energy(x), energy, 1e-9 * energy) << round;
-    num_recovering += body.state().recovery().acts();
+    num_recovering += body.state().backend->recovery().acts();
 
     const FlowReport report = flow_both(body, x);
     sum.yielded += report.yielded;

@@ -70,7 +70,7 @@ TEST(Averaging, JoinsPiecesOfATwistedBarWhateverTheSize) {
     const Model model(block({3 * refine, 2 * refine, 8 * refine}, kEdge / refine), {Material{}},
                       {.rest_shape = RestShape::kJoined, .implementation = Implementation::kPlain});
     History history = cut_from(model, stretched_and_twisted(model.mesh, 1.2, 1.0));
-    PreconditionedConjugateGradients solver = averaging_solver(model);
+    PreconditionedConjugateGradients solver = plain::averaging_solver(model);
     for (int k = 0; k < 12; ++k) EXPECT_TRUE(join(model, solver, history).converged);
     const EndSections ends = end_sections(model.mesh);
     EXPECT_NEAR(elongation(ends, history.plastic_rest_positions), 0.2, 1e-6);

@@ -10,6 +10,7 @@
 #include "hexaplast/solve/cholesky.hpp"
 #include "hexaplast/solve/newton_raphson.hpp"
 #include "loaded_body.hpp"
+#include "plain/plain.hpp"
 #include "support/dense.hpp"
 #include "support/shapes.hpp"
 #include "support/simulation.hpp"

@@ -15,8 +15,8 @@ inline const Vec3 kSlabSize(0.16, 0.16, 0.04);
 /// Blocks between nodes, which the kernels do not know.
 class Ties final : public NodalOperator {
  public:
-  void add_product(ConstPoints p, Points Fp) const override {
-    for (const auto& [a, b, block] : blocks) Fp.row(a) += p.row(b) * block.transpose();
+  void add_product(double factor, ConstPoints p, Points Fp) const override {
+    for (const auto& [a, b, block] : blocks) Fp.row(a) += factor * p.row(b) * block.transpose();
   }
   void add(int a, int b, const Mat3& block) { blocks.push_back({a, b, block}); }
 
@@ -46,7 +46,7 @@ class Slab final : public LinearSystem, public Projector {
   void apply(ConstPoints p, Points Ap) const override {
     Ap = diagonal.cwiseProduct(p);
     for (const Body& body : bodies) body.add_stiffness_product(-kSlabStep * kSlabStep, p, Ap);
-    ties.add_product(p, Ap);
+    ties.add_product(1, p, Ap);
     project(Ap);
   }
 
@@ -64,7 +64,7 @@ class Slab final : public LinearSystem, public Projector {
     for (const int n : held) system.constraints.free.row(n).setZero();
     if (slides) system.constraints.projector = this;
     for (const Body& body : bodies) body.add_operator(-kSlabStep * kSlabStep, system);
-    if (!ties.blocks.empty()) system.others.push_back(&ties);
+    if (!ties.blocks.empty()) system.others.emplace_back(&ties);
     return true;
   }
 

@@ -89,24 +89,25 @@ class NodalOperator {
  public:
   virtual ~NodalOperator() = default;
 
-  /// Fp += F p. Allocates nothing when it was called before; the same bits for any number of threads.
-  virtual void add_product(ConstPoints p, Points Fp) const = 0;
+  /// Fp += factor F p. Allocates nothing when it was called before; the same bits for any number of threads.
+  virtual void add_product(double factor, ConstPoints p, Points Fp) const = 0;
 
   /// Whether F gives its diagonal to preconditioners; they find out what else does to constant fields.
   virtual bool has_diagonal() const { return false; }
-  /// diagonal += diag(F), num_nodes x 3.
-  virtual void add_diagonal(Points /*diagonal*/) const {}
+  /// diagonal += factor diag(F), num_nodes x 3.
+  virtual void add_diagonal(double /*factor*/, Points /*diagonal*/) const {}
 };
 
-/// The same of num_nodes nodes from `first_node` on; num_nodes -1: of all.
+/// factor F, of num_nodes nodes from `first_node` on; num_nodes -1: of all.
 struct NodalTerm {
-  NodalTerm(const NodalOperator* of, int first = 0, int count = -1) : op(of), first_node(first), num_nodes(count) {}
+  explicit NodalTerm(const NodalOperator* of, double times = 1) : op(of), factor(times) {}
 
   const NodalOperator* op;
-  int first_node, num_nodes;
+  double factor;
+  int first_node = 0, num_nodes = -1;
 
-  void add_product(ConstPoints p, Points Fp) const { op->add_product(part(p), part(Fp)); }
-  void add_diagonal(Points diagonal) const { op->add_diagonal(part(diagonal)); }
+  void add_product(ConstPoints p, Points Fp) const { op->add_product(factor, part(p), part(Fp)); }
+  void add_diagonal(Points diagonal) const { op->add_diagonal(factor, part(diagonal)); }
 
  private:
   template <class Field>
@@ -160,9 +161,11 @@ struct MatrixFreeSystem {
       body.first_node += first_node;
       bodies.push_back(body);
     }
-    for (const NodalTerm& term : part.others)
-      others.emplace_back(term.op, term.first_node + first_node,
-                          term.num_nodes < 0 ? static_cast<int>(num_nodes) : term.num_nodes);
+    for (NodalTerm term : part.others) {
+      term.first_node += first_node;
+      if (term.num_nodes < 0) term.num_nodes = static_cast<int>(num_nodes);
+      others.push_back(term);
+    }
   }
 };
 

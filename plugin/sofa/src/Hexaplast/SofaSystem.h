@@ -308,12 +308,12 @@ private:
                 ours.isInKernels = ours.forces->addOperator(m_A.mparams.bFactor(), m_A.mparams.kFactor(), system);
     }
 
-    /// Fp += F p of what the kernels do not know.
-    void add_product(ConstPoints p, Points Fp) const override
+    /// F: what the kernels do not know.
+    void add_product(double factor, ConstPoints p, Points Fp) const override
     {
         write(p, m_in);
         const LeftOut leftOut(*this);
-        multiply(m_massOfOthers, m_A.mparams.bFactor(), m_A.mparams.kFactor());
+        multiply(factor * m_massOfOthers, factor * m_A.mparams.bFactor(), factor * m_A.mparams.kFactor());
         for (const States::Entry& entry : m_states.entries())
             States::rows(Fp, entry) += view(entry.state->read(m_out.id().getId(entry.state))->getValue());
     }
@@ -323,7 +323,7 @@ private:
     bool othersAct() const
     {
         PointArray product = PointArray::Zero(num_nodes(), 3);
-        add_product(irregular_numbers(num_nodes()), product);
+        add_product(1, irregular_numbers(num_nodes()), product);
         return !product.isZero(0);
     }
 
@@ -359,9 +359,9 @@ private:
     /// What the kernels do not know of ours, without the detour through SOFA's vectors.
     struct Products final : NodalOperator
     {
-        void add_product(ConstPoints p, Points Fp) const override
+        void add_product(double factor, ConstPoints p, Points Fp) const override
         {
-            for (const Ours& ours : of) ours.forces->addOwnProduct(b, k, ours.rows(p), ours.rows(Fp));
+            for (const Ours& ours : of) ours.forces->addOwnProduct(factor * b, factor * k, ours.rows(p), ours.rows(Fp));
         }
         std::vector<Ours> of;
         double b = 0, k = 0;  // factors of df/dv, df/dx

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "elastic/operators.hpp"
+#include "kernel_backend.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
-#include <span>
 
-#include "elastic/exact_product.hpp"
 #include "elastic/linearize_pass.hpp"
 #include "hexaplast/base/parallel.hpp"
+#include "mesh/trilinear.hpp"
+#include "plain/plain.hpp"
 
 namespace hexaplast {
 
@@ -52,17 +53,6 @@ const CornerTensors* flowed_at(const Partition& partition, const History& histor
   return nullptr;
 }
 
-/// What a block of the history has to say to the next linearization.
-void take_history(const Model& model, const History& history, int block, Linearization& at) {
-  const Partition& partition = *model.partition;
-  if (!at.has_flowed.empty()) at.has_flowed[block] = flowed_at(partition, history, block) != nullptr;
-  double& least = at.least_yield[block];
-  least = std::numeric_limits<double>::infinity();
-  for (int place = 0; place < kBlock; ++place)
-    if (const int e = partition.element(block, place); e >= 0 && model.material(e).flow_rate > 0)
-      least = std::min(least, std::ranges::min(history.yield_stress[e]));
-}
-
 template <class T, class Coef>
 void add_product(const ElementOperator<T, Coef>& op, double factor, ConstPoints dx, AlignedVector<T>& argument,
                  AlignedVector<T>& product, Points df) {
@@ -77,29 +67,36 @@ void add_product(const ElementOperator<T, Coef>& op, double factor, ConstPoints 
   add_slots(partition, -factor, product, df);
 }
 
-/// Calls visit(EvaluatedBlock) for all blocks at x, in parallel.
-template <class Visit>
-void for_each_block_at(const Model& model, const History& history, ConstPoints x, std::span<const BranchStep> steps,
-                       SlotScratch& slots, const Visit& visit) {
-  const Partition& partition = *model.partition;
-  slots.resize(partition);
-  to_slots(partition, history.plastic_rest_positions, slots.first);
-  to_slots(partition, x, slots.second);
-  const Branches branches = history.branches(steps);
-  parallel_for(partition.num_blocks, [&](int block) {
-    visit(EvaluatedBlock{.model = model,
-                         .plastic_inverse = flowed_at(partition, history, block),
-                         .branches = branches,
-                         .plastic_rest = slots.first.data(),
-                         .current = slots.second.data(),
-                         .present = present(partition, history, block),
-                         .block = block});
-  });
-}
-
 }  // namespace
 
-void update_material(const Model& model, const History& history, Linearization& at) {
+KernelBackend::KernelBackend(const Model& of, History& its_history, const std::vector<BranchStep>& its_branches)
+    : Backend(of, its_history, its_branches), at(model) {
+  if (model.can_flow() || model.settings.num_branches() > 0) flow_.emplace(model, history);
+}
+
+void KernelBackend::forget() {
+  at.plastic_rest_version = -1;
+  at.forget();
+  evaluated_.version = -1;
+  if (flow_) flow_->version = -1;
+}
+
+// --------------------------------------------------------------------------------------------------------
+// linearization
+
+/// What a block of the history has to say to the next linearization.
+void KernelBackend::take_history(int block) {
+  const Partition& partition = *model.partition;
+  if (!at.has_flowed.empty()) at.has_flowed[block] = flowed_at(partition, history, block) != nullptr;
+  double& least = at.least_yield[block];
+  least = std::numeric_limits<double>::infinity();
+  for (int place = 0; place < kBlock; ++place)
+    if (const int e = partition.element(block, place); e >= 0 && model.material(e).flow_rate > 0)
+      least = std::min(least, std::ranges::min(history.yield_stress[e]));
+}
+
+/// Brings what `at` holds of the plastic rest shape up to date with the history.
+void KernelBackend::update_material() {
   if (at.plastic_rest_version == history.version) return;
   const Partition& partition = *model.partition;
   to_slots(partition, history.plastic_rest_positions, at.plastic_rest);
@@ -115,24 +112,26 @@ void update_material(const Model& model, const History& history, Linearization& 
         op.resize(at.is_general);
       },
       at.op);
-  for (int block = 0; block < partition.num_blocks; ++block) take_history(model, history, block, at);
+  for (int block = 0; block < partition.num_blocks; ++block) take_history(block);
   at.plastic_rest_version = history.version;
   at.forget();
 }
 
-void take_flow(const Model& model, const History& history, std::span<const unsigned char> blocks, Linearization& at) {
+/// After a plastic step that has removed nothing, at the positions of `at`: of the plastic rest shape the rest stays.
+void KernelBackend::take_flow() {
   const Partition& partition = *model.partition;
   for (int chunk = 0; chunk < partition.num_chunks; ++chunk)
     for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
-      if (!blocks[block]) continue;
-      take_history(model, history, block, at);
+      if (!flow_->differs[block]) continue;
+      take_history(block);
       at.is_stale[chunk] = 1;
       at.is_current = false;
     }
   at.plastic_rest_version = history.version;
 }
 
-void set_positions(const Model& model, ConstPoints x, Linearization& at) {
+/// All that the plastic step needs besides the plastic rest shape.
+void KernelBackend::set_positions(ConstPoints x) {
   if (at.x.rows() == x.rows() && at.x == x) return;
   at.forget();
   at.x = x;
@@ -140,24 +139,24 @@ void set_positions(const Model& model, ConstPoints x, Linearization& at) {
 }
 
 //   f_a = - sum_i V/8 P_i g~_ia,   P = R sigma(S)                                                             eq. 15
-void linearize(const Model& model, const History& history, ConstPoints x, Linearization& at, bool screens,
-               std::span<const BranchStep> steps) {
-  update_material(model, history, at);
-  set_positions(model, x, at);
+void KernelBackend::linearize(ConstPoints x, bool screens) {
+  update_material();
+  set_positions(x);
   if (screens && !at.is_screened) at.forget();
   if (at.is_current) return;
   ++at.revision;
   const Partition& partition = *model.partition;
-  const Branches branches = history.branches(steps);
+  const Branches of_elements = history.branches(branches);
   const auto clear = [&](const std::vector<int>& first, int chunk) {
     std::fill(at.of_chunks.begin() + 4 * static_cast<std::ptrdiff_t>(first[chunk]),
               at.of_chunks.begin() + 4 * static_cast<std::ptrdiff_t>(first[chunk + 1]), 0.0);
   };
   const double thin_from = Recovery::from(model.settings);
-  std::visit([&](auto& op) { op.kind.branches = {.sum = branches.moduli(), .in_step = branches.modulus()}; }, at.op);
+  std::visit([&](auto& op) { op.kind.branches = {.sum = of_elements.moduli(), .in_step = of_elements.modulus()}; },
+             at.op);
   const LinearizePass pass{.model = model,
                            .history = history,
-                           .branches = branches,
+                           .branches = of_elements,
                            .screens = screens && model.can_flow(),
                            .thin_from = thin_from,
                            .safe_strain = 1 - std::cbrt(std::max(thin_from, 0.0)),
@@ -176,26 +175,24 @@ void linearize(const Model& model, const History& history, ConstPoints x, Linear
   at.is_screened = screens;
 }
 
-void add_force(const Model& model, const Linearization& at, Points f) {
+void KernelBackend::add_force(Points f) const {
   add_slots(*model.partition, 1, at.force, f);
   at.recovery.add_force(f);
 }
 
-void add_stiffness_product(const Model&, const Linearization& at, double factor, ConstPoints dx, SlotScratch& slots,
-                           ProductWorkspace& work, Points df) {
+void KernelBackend::add_product(double factor, ConstPoints dx, Points df) const {
   std::visit(
       [&]<class T, class Coef>(const ElementOperator<T, Coef>& op) {
         if constexpr (std::is_same_v<T, double>)
-          add_product(op, factor, dx, slots.first, slots.second, df);
+          hexaplast::add_product(op, factor, dx, slots_.first, slots_.second, df);
         else
-          add_product(op, factor, dx, work.argument, work.product, df);
+          hexaplast::add_product(op, factor, dx, argument_, product_, df);
       },
       at.op);
   at.recovery.add_product(-factor, dx, df);
 }
 
-void add_stiffness_blocks(const Model& model, const History& history, const Linearization& at, double factor,
-                          BlockMatrix& K) {
+void KernelBackend::add_stiffness_blocks(double factor, BlockMatrix& K) const {
   const Partition& partition = *model.partition;
   std::array<ElementMatrix, kBlock> matrices;
   for (int block = 0; block < partition.num_blocks; ++block) {
@@ -213,25 +210,95 @@ void add_stiffness_blocks(const Model& model, const History& history, const Line
   at.recovery.add_blocks(-factor, K);
 }
 
-double energy(const Model& model, const History& history, ConstPoints x, SlotScratch& slots, ProductWorkspace& work,
-              std::span<const BranchStep> steps) {
-  if (work.version == history.version && work.x == x) return work.sum;
-  work.energy.resize(model.partition->num_blocks);
-  work.thin.resize(model.partition->num_blocks);
-  for_each_block_at(model, history, x, steps, slots,
-                    [&](const EvaluatedBlock& at) { work.energy[at.block] = block_energy(at, &work.thin[at.block]); });
-  work.recovery.find(model, history, work.thin, x);
-  work.sum = std::accumulate(work.energy.begin(), work.energy.end(), 0.0) + work.recovery.energy();
-  work.x = x;
-  work.version = history.version;
-  return work.sum;
+void KernelBackend::add_operator(double factor, MatrixFreeSystem& system) {
+  if (at.recovery.acts()) system.others.emplace_back(&at.recovery, -factor);
+  KernelBody& body = system.bodies.emplace_back();
+  body.factor = -factor;  // L = - df/dx
+  body.double_operator = std::get_if<ElementOperator<double, double>>(&at.op);
+  if (const auto* half = std::get_if<ElementOperator<float, Half>>(&at.op)) body.single_operator = half;
+  if (const auto* single = std::get_if<ElementOperator<float, float>>(&at.op)) body.single_operator = single;
+  if (body.single_operator) {
+    exact_.setup(model, history, at);
+    body.exact_operator = &exact_;
+  }
+  body.scratch = &slots_;
+  if (!system.wants_levels) return;
+  if (!hierarchy_) hierarchy_.emplace(model);
+  body.levels = hierarchy_->update(model, at);
 }
 
-void find_fields(const Model& model, const History& history, ConstPoints x, std::span<const BranchStep> steps,
-                 SlotScratch& slots, const EvaluatedFields& fields) {
+// ----------------------------------------------------------------------------------------- any positions; plastic step
+
+/// Calls visit(EvaluatedBlock) for all blocks at x, in parallel.
+template <class Visit>
+void KernelBackend::for_each_block_at(ConstPoints x, std::span<const BranchStep> steps, const Visit& visit) {
+  const Partition& partition = *model.partition;
+  slots_.resize(partition);
+  to_slots(partition, history.plastic_rest_positions, slots_.first);
+  to_slots(partition, x, slots_.second);
+  const Branches of_elements = history.branches(steps);
+  parallel_for(partition.num_blocks, [&](int block) {
+    visit(EvaluatedBlock{.model = model,
+                         .plastic_inverse = flowed_at(partition, history, block),
+                         .branches = of_elements,
+                         .plastic_rest = slots_.first.data(),
+                         .current = slots_.second.data(),
+                         .present = present(partition, history, block),
+                         .block = block});
+  });
+}
+
+double KernelBackend::energy(ConstPoints x) {
+  Evaluated& e = evaluated_;
+  if (e.version == history.version && e.x == x) return e.sum;
+  e.energy.resize(model.partition->num_blocks);
+  e.thin.resize(model.partition->num_blocks);
+  for_each_block_at(x, branches, [&](const EvaluatedBlock& block) {
+    e.energy[block.block] = block_energy(block, &e.thin[block.block]);
+  });
+  e.recovery.find(model, history, e.thin, x);
+  e.sum = std::accumulate(e.energy.begin(), e.energy.end(), 0.0) + e.recovery.energy();
+  e.x = x;
+  e.version = history.version;
+  return e.sum;
+}
+
+const Recovery& KernelBackend::find_recovery(ConstPoints x) {
+  KernelBackend::energy(x);
+  return evaluated_.recovery;
+}
+
+void KernelBackend::find_fields(ConstPoints x, std::span<const BranchStep> now, const EvaluatedFields& fields) {
   const bool yields = !history.plastic_inverse.empty();
-  for_each_block_at(model, history, x, steps, slots,
-                    [&](const EvaluatedBlock& at) { block_fields(at, yields, fields); });
+  for_each_block_at(x, now, [&](const EvaluatedBlock& block) { block_fields(block, yields, fields); });
+}
+
+FlowReport KernelBackend::flow(ConstPoints x, double dt) {
+  if (branches.empty() && !(skips_screening && at.plastic_rest_version == history.version)) {
+    linearize(x, true);
+  } else {
+    update_material();
+    set_positions(x);
+  }
+  if (!flow_) return count_inverted(model, at);
+  FlowReport report = hexaplast::flow(model, at, dt, history, *flow_, branches);
+  if (report.yielded > 0 && report.removed == 0 && branches.empty()) take_flow();
+  skips_screening = 2 * report.yielded > model.mesh.num_elements();
+  if (flow_->tear) report.torn = torn_faces(x);
+  return report;
+}
+
+std::vector<int> KernelBackend::torn_faces(ConstPoints x) {
+  if (flow_->tear->broken.empty()) return {};
+  const std::vector<BranchStep> now = branch_steps(model.settings, 0);  // stress is that of the moment
+  const auto forces = [&](int e) -> ElementPoints {
+    if (!history.alive[e]) return ElementPoints::Zero();
+    const Hexahedron& corners = model.mesh.hexahedra()[e];
+    return plain::Element(gather(history.plastic_rest_positions, corners), gather(x, corners), model.lame[e],
+                          model.settings, history.plastic_inverse_of(e), history.branches(now).of(e))
+        .force();
+  };
+  return flow_->tear->faces(model, history, x, now, std::ref(forces));
 }
 
 }  // namespace hexaplast
