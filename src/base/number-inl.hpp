@@ -123,20 +123,27 @@ HEXAPLAST_INLINE void store_as(T a, T* to) {
 struct StoredHalf {
   std::uint16_t bits;
 };
+#ifndef __CUDA_ARCH__
+#if defined(__clang__) && __clang_major__ < 15
+using NativeHalf = __fp16;
+#else
+using NativeHalf = _Float16;
+#endif
+#endif
 HEXAPLAST_INLINE float load_as(const StoredHalf* from) {
 #ifdef __CUDA_ARCH__
   float a;
   asm("cvt.f32.f16 %0, %1;" : "=f"(a) : "h"(from->bits));
   return a;
 #else
-  return static_cast<float>(__builtin_bit_cast(_Float16, from->bits));
+  return static_cast<float>(__builtin_bit_cast(NativeHalf, from->bits));
 #endif
 }
 HEXAPLAST_INLINE void store_as(float a, StoredHalf* to) {
 #ifdef __CUDA_ARCH__
   asm("cvt.rn.f16.f32 %0, %1;" : "=h"(to->bits) : "f"(a));
 #else
-  to->bits = __builtin_bit_cast(std::uint16_t, static_cast<_Float16>(a));
+  to->bits = __builtin_bit_cast(std::uint16_t, static_cast<NativeHalf>(a));
 #endif
 }
 #endif

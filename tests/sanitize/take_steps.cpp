@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// hexaplast_take_steps THREADS STEPS SCENE...: takes time steps of scenes and goes on from a state that was put down
-// half way, which must end alike. For sanitizers: it needs no more of the program than the library and the components.
+// hexaplast_take_steps THREADS STEPS [PATH.ATTRIBUTE=VALUE...] SCENE...: takes time steps of scenes and goes on from a
+// state that was put down half way, which must end alike. For sanitizers: it needs no more of the program than the
+// library and the components.
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
+#include <string>
 #include <vector>
 
 #include "hexaplast/base/parallel.hpp"
@@ -12,8 +15,9 @@ using namespace hexaplast;
 
 namespace {
 
-scene::Scene ready(const char* file) {
+scene::Scene ready(const char* file, const std::vector<std::string>& assignments) {
   scene::Scene scene = scene::read_scene(file, support::factory(), support::plugins());
+  for (const std::string& assignment : assignments) scene::override_attribute(scene, assignment);
   scene.init();
   return scene;
 }
@@ -36,18 +40,23 @@ std::vector<std::byte> put_down(scene::Scene& scene) {
 
 int main(int argc, char** argv) {
   if (argc < 4) {
-    std::fprintf(stderr, "usage: %s THREADS STEPS SCENE...\n", argv[0]);
+    std::fprintf(stderr, "usage: %s THREADS STEPS [PATH.ATTRIBUTE=VALUE...] SCENE...\n", argv[0]);
     return 2;
   }
   set_num_threads(std::atoi(argv[1]));
   const int num_steps = std::atoi(argv[2]), half = num_steps / 2;
+  std::vector<std::string> assignments;
   for (int i = 3; i < argc; ++i) {
-    scene::Scene straight = ready(argv[i]);
+    if (std::strchr(argv[i], '=')) {
+      assignments.emplace_back(argv[i]);
+      continue;
+    }
+    scene::Scene straight = ready(argv[i], assignments);
     take_steps(straight, half);
     const std::vector<std::byte> half_way = put_down(straight);
     take_steps(straight, num_steps - half);
 
-    scene::Scene resumed = ready(argv[i]);
+    scene::Scene resumed = ready(argv[i], assignments);
     Archive archive{std::span<const std::byte>(half_way)};
     resumed.serialize(archive);
     take_steps(resumed, num_steps - half);
