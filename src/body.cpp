@@ -129,7 +129,9 @@ void Body::use_device(const std::string& name) {
   state_->backend->download();
   std::unique_ptr<Backend> made = state_->make_backend(name);
   if (name != "cpu") made->linearize(state_->model.mesh.positions());  // throws where there is no room
-  state_->renew(std::move(made), "use_device");
+  state_->backend = std::move(made);
+  ++state_->revision;
+  state_->not_linearized_since = "use_device";
 }
 std::string Body::device() const { return state_->backend->device(); }
 
@@ -198,7 +200,8 @@ void Body::set_time_step(double dt) {
   state_->time_step = dt;
   if (settings().num_branches() == 0) return;
   state_->branches = branch_steps(settings(), dt);
-  state_->begin_change("set_time_step");
+  state_->backend->forget();
+  state_->not_linearized_since = "set_time_step";
 }
 
 void Body::linearize(ConstPoints x) {
@@ -235,6 +238,7 @@ void Body::add_operator(double factor, MatrixFreeSystem& system) const {
 double Body::recovery_work(ConstPoints x) const {
   if (settings().recovery == RecoveryMode::kNone) return 0;
   state_->require_linearized("recovery_work");
+  state_->require_field("recovery_work", "x", x);
   return state_->backend->find_recovery(x).spring_energy() -
          state_->backend->recovery().spring_energy_at(state_->history.plastic_rest_positions, x);
 }
@@ -300,7 +304,7 @@ std::vector<int> Body::open(std::span<const int> joints, std::span<const double>
   ends.push_back(static_cast<int>(opened.size()));
   std::vector<int> parents = state_->model.open(state_->history, static_cast<int>(ends.size()) - 1);
   state_->history.add_nodes(parents);
-  state_->renew(state_->make_backend(device()), "open");
+  state_->renew("open");
   return parents;
 }
 
@@ -334,7 +338,7 @@ void Body::State::take(Model changed, History changed_history, const char* call)
   model = std::move(changed);
   history = std::move(changed_history);
   history.version = version + 1;
-  renew(make_backend(backend->device()), call);
+  renew(call);
 }
 
 void Body::State::require_device(const Model& changed) const {
@@ -350,8 +354,11 @@ void Body::State::begin_change(const char* call) {
   not_linearized_since = call;
 }
 
-void Body::State::renew(std::unique_ptr<Backend> changed, const char* call) {
-  backend = std::move(changed);
+void Body::State::renew(const char* call) {
+  if (model.is_plain == backend->is_plain())
+    backend->renew();
+  else
+    backend = make_backend("cpu");
   ++revision;
   not_linearized_since = call;
   checked_dt = kNone;
@@ -399,10 +406,17 @@ void Body::load(std::istream& in) {
 }
 
 void Body::reset() {
-  Model initial = state_->model;
-  initial.close();
-  History history(initial);
-  state_->take(std::move(initial), std::move(history), "reset");
+  if (state_->model.copies.is_split()) {
+    Model initial = state_->model;
+    initial.close();
+    History history(initial);
+    return state_->take(std::move(initial), std::move(history), "reset");
+  }
+  state_->begin_change("reset");
+  const long version = state_->history.version;
+  state_->history = History(state_->model);
+  state_->history.version = version;
+  ++state_->revision;
 }
 
 ElementFields Body::fields(ConstPoints x) const {
@@ -413,8 +427,7 @@ ElementFields Body::fields(ConstPoints x) const {
   out.yield_stress = present_yield_stresses(*this);
   for (auto* field : {&out.volume_ratio, &out.stress_norm, &out.strain})
     field->resize(state_->model.mesh.num_elements());
-  const std::vector<BranchStep> now = branch_steps(settings(), 0);  // stress is that of the moment
-  state_->backend->find_fields(x, now, {out.volume_ratio.data(), out.stress_norm.data(), out.strain.data()});
+  state_->backend->find_fields(x, {out.volume_ratio.data(), out.stress_norm.data(), out.strain.data()});
   return out;
 }
 

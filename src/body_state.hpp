@@ -24,10 +24,10 @@ struct Body::State {
   /// Puts these in place of the present ones. call: which has done so, for messages.
   void take(Model changed, History changed_history, const char* call);
 
-  /// Everything derived from mesh and history before is old.
-  void renew(std::unique_ptr<Backend> changed, const char* call);
+  /// Everything derived from model and history before is old.
+  void renew(const char* call);
 
-  /// Before the history changes other than by flow.
+  /// Before somebody changes the history on the host.
   void begin_change(const char* call);
 
   void write(Archive& archive);

@@ -71,14 +71,27 @@ void add_product(const ElementOperator<T, Coef>& op, double factor, ConstPoints 
 
 KernelBackend::KernelBackend(const Model& of, History& its_history, const std::vector<BranchStep>& its_branches)
     : Backend(of, its_history, its_branches), at(model) {
+  make_flow();
+}
+
+void KernelBackend::make_flow() {
+  flow_.reset();
   if (model.can_flow() || model.settings.num_branches() > 0) flow_.emplace(model, history);
 }
 
 void KernelBackend::forget() {
-  at.plastic_rest_version = -1;
   at.forget();
   evaluated_.version = -1;
-  if (flow_) flow_->version = -1;
+}
+
+void KernelBackend::renew() {
+  at = Linearization(model);
+  make_flow();
+  skips_screening = false;
+  hierarchy_.reset();
+  slots_ = {};
+  argument_ = product_ = {};
+  evaluated_ = {};
 }
 
 // --------------------------------------------------------------------------------------------------------
@@ -268,7 +281,8 @@ const Recovery& KernelBackend::find_recovery(ConstPoints x) {
   return evaluated_.recovery;
 }
 
-void KernelBackend::find_fields(ConstPoints x, std::span<const BranchStep> now, const EvaluatedFields& fields) {
+void KernelBackend::find_fields(ConstPoints x, const EvaluatedFields& fields) {
+  const std::vector<BranchStep> now = branch_steps(model.settings, 0);
   const bool yields = !history.plastic_inverse.empty();
   for_each_block_at(x, now, [&](const EvaluatedBlock& block) { block_fields(block, yields, fields); });
 }

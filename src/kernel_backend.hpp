@@ -22,10 +22,11 @@ class KernelBackend : public Backend {
   void add_operator(double factor, MatrixFreeSystem& system) override;
   double energy(ConstPoints x) override;
   FlowReport flow(ConstPoints x, double dt) override;
-  void find_fields(ConstPoints x, std::span<const BranchStep> now, const EvaluatedFields& fields) override;
+  void find_fields(ConstPoints x, const EvaluatedFields& fields) override;
   const Recovery& recovery() const override { return at.recovery; }
   const Recovery& find_recovery(ConstPoints x) override;
   void forget() override;
+  void renew() override;
 
   Linearization at;
   bool skips_screening = false;  ///< most elements flowed in the latest plastic step: screening first would be in vain
@@ -41,6 +42,7 @@ class KernelBackend : public Backend {
     long version = -1;  // History::version that it belongs to
   };
 
+  void make_flow();
   void linearize(ConstPoints x, bool screens);
   void update_material();
   void set_positions(ConstPoints x);

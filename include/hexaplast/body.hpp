@@ -28,9 +28,9 @@ struct ElementFields {
   std::vector<double> strain;          ///< [-] largest |D - 1| of the corners
 };
 
-/// A deformable, plastically flowing body: Model, History and Linearization behind a few verbs. The one place that
-/// knows the order of the stages (docs/architecture.md). A copy goes on by itself; a body that has been moved from may
-/// only be assigned to or destroyed.
+/// A deformable, plastically flowing body: Model, History and Backend behind a few verbs. The one place that
+/// knows the order of the stages (docs/architecture.md). A copy goes on by itself, without linearization; a body that
+/// has been moved from may only be assigned to or destroyed.
 ///
 /// linearize, add_*, energy and fields evaluate: they never change the plastic history, and may be called at any
 /// positions, any number of times. flow is called once per accepted time step.
@@ -39,7 +39,7 @@ struct ElementFields {
 ///   linearize, energy, flow of Settings::relaxation       | set_time_step
 ///   add_force, add_stiffness_*, add_operator              | linearize, and none of the calls below since then
 ///   flow, remove, open, set_materials, reset, load,       | nothing; they end the linearization
-///   serialize                                             |
+///   serialize, use_device                                 |
 ///   energy, fields, volume, save                          | nothing; they leave the linearization alone
 ///
 /// Nodal arguments are num_nodes x 3 [m, N]. Every build throws InputError where the linearization is missing or an
@@ -172,7 +172,7 @@ class Body {
   /// Adds every History array, in declaration order, as raw little-endian bytes.
   void add_to(StateHash& hash) const;
 
-  /// Model, History and Linearization themselves, for the library's own tests and measurements (src/body_state.hpp).
+  /// Model, History and Backend themselves, for the library's own tests and measurements (src/body_state.hpp).
   struct State;
   State& state();
   const State& state() const;

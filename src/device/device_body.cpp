@@ -121,9 +121,9 @@ DeviceBody::DeviceBody(const Model& of, History& its_history, const std::vector<
       kernels_(load(name_)),
       space_(*kernels_, bricks_) {}
 
-void DeviceBody::forget() {
-  KernelBackend::forget();
-  is_set_up_ = has_newer_history_ = false;
+void DeviceBody::renew() {
+  KernelBackend::renew();
+  forget();
 }
 
 void DeviceBody::set_up(ConstPoints x) {

@@ -63,7 +63,8 @@ class DeviceBody final : public KernelBackend, public DeviceVectors {
   const Recovery& find_recovery(ConstPoints x) override;
   std::string device() const override { return name_; }
   void download() override;
-  void forget() override;
+  void forget() override { is_set_up_ = has_newer_history_ = false; }
+  void renew() override;
 
   CgSpace& space(const MatrixFreeSystem& system, const PointArray* of_preconditioner) override;
 

@@ -15,12 +15,11 @@ namespace {
 class PlainBackend final : public Backend {
  public:
   PlainBackend(const Model& of, History& its_history, const std::vector<BranchStep>& its_branches)
-      : Backend(of, its_history, its_branches),
-        averaging_solver_(averaging_solver(model)),
-        of_elements_(model.mesh.num_elements()) {}
+      : Backend(of, its_history, its_branches), averaging_solver_(averaging_solver(model)) {}
 
   void linearize(ConstPoints x) override {
     alive_ = history.alive;
+    of_elements_.resize(alive_.size());
     elements_->place(model, history, x, history.branches(branches));
     recovery_ = find_recovery(x);
   }
@@ -64,16 +63,15 @@ class PlainBackend final : public Backend {
     return plain::flow(model, x, dt, averaging_solver_, history, branches);
   }
 
-  void find_fields(ConstPoints x, std::span<const BranchStep> now, const EvaluatedFields& fields) override;
+  void find_fields(ConstPoints x, const EvaluatedFields& fields) override;
 
   const Recovery& recovery() const override { return recovery_; }
   const Recovery& find_recovery(ConstPoints x) override {
     const std::vector<std::uint16_t> any(model.partition->num_blocks, 0xffff);
-    found_ = Recovery();
     if (model.settings.recovery != RecoveryMode::kNone) found_.find(model, history, any, x);
     return found_;
   }
-  void forget() override {}
+  bool is_plain() const override { return true; }
 
  private:
   PreconditionedConjugateGradients averaging_solver_;
@@ -105,7 +103,8 @@ void PlainBackend::add_stiffness_blocks(double factor, BlockMatrix& K) const {
   recovery_.add_blocks(-factor, K);
 }
 
-void PlainBackend::find_fields(ConstPoints x, std::span<const BranchStep> now, const EvaluatedFields& fields) {
+void PlainBackend::find_fields(ConstPoints x, const EvaluatedFields& fields) {
+  const std::vector<BranchStep> now = branch_steps(model.settings, 0);
   const Settings& settings = model.settings;
   parallel_for(model.mesh.num_elements(), [&](int e) {
     if (!history.alive[e]) return;

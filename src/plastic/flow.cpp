@@ -161,7 +161,7 @@ FlowWorkspace::FlowWorkspace(const Model& model, const History& history)
   trial.rest_shape = {};
   trial.rotation_map = {};
   trial.plastic_rest_positions = trial.averaging_increment = PointArray(0, 3);
-  if (may_tear(model.materials, model.settings)) tear.emplace(model, history);
+  if (may_tear(model.materials, model.settings)) tear.emplace(model);
 }
 
 FlowReport count_inverted(const Model& model, const Linearization& at) {

@@ -53,11 +53,10 @@ double stretch_ratio(const Material& material, const History& history, int e, in
 
 }  // namespace
 
-Tear::Tear(const Model& model, const History& history)
+Tear::Tear(const Model& model)
     : joints_(model.joints().count(), kClosed),
       is_listed_(model.mesh.num_elements(), 0),
       sides_(model.mesh.num_elements()) {
-  for (const int joint : history.opened) joints_[joint] = kOpen;
   broken.reserve(model.mesh.num_elements());
   hexahedra_.reserve(model.mesh.num_elements());
   for (std::vector<int>* list : {&faces_, &staying_}) list->reserve(model.joints().num_faces());
@@ -66,6 +65,8 @@ Tear::Tear(const Model& model, const History& history)
 std::vector<int> Tear::faces(const Model& model, const History& history, ConstPoints x,
                              std::span<const BranchStep> steps, const CornerForces& forces) {
   if (broken.empty()) return {};
+  std::ranges::fill(joints_, kClosed);
+  for (const int joint : history.opened) joints_[joint] = kOpen;
   find_candidates(model, history);
   find_sides(model, history, x, steps);
   std::erase_if(faces_,
@@ -189,7 +190,6 @@ void Tear::keep_advancing(const Model& model, ConstPoints x, const CornerForces&
     for (const int joint : staying_) joints_[joint] = kClosed;
     std::erase_if(faces_, [&](int joint) { return joints_[joint] == kClosed; });
   }
-  for (const int joint : faces_) joints_[joint] = kClosed;  // it is not this that opens them
 }
 
 /// Within two hexahedra of a crack only its front tears, and sets free what that takes.

@@ -19,7 +19,7 @@ class Tear {
   using CornerForces = std::function<ElementPoints(int element)>;
 
   /// Makes room: steps in which nothing breaks allocate nothing.
-  Tear(const Model& model, const History& history);
+  explicit Tear(const Model& model);
 
   std::vector<int> broken;  ///< hexahedra that have passed their limits in the latest step, ascending
 

@@ -83,6 +83,7 @@ TEST(OrderOfCalls, WhatRefersToTheLinearizationNamesWhatIsMissing) {
             << ending.name;
       }
       Body copy = body;
+      EXPECT_TRUE(refuses<InputError>([&] { verb.call(copy); }, {verb.name, "since the body was copied"}));
       copy.linearize(called_world());
       EXPECT_NO_THROW(verb.call(copy)) << verb.name;
       EXPECT_THROW(verb.call(body), InputError) << verb.name;
@@ -171,6 +172,12 @@ TEST_F(SizesOfCalls, OfABody) {
          body.add_stiffness_blocks(1, K);
        }},
       {"energy", "x", kRows, [&](PointArray& wrong) { body.energy(wrong); }},
+      {"recovery_work", "x", kRows,
+       [&](PointArray& wrong) {
+         Body recovering(kCalled, {Material{}}, {.recovery = RecoveryMode::kCluster});
+         recovering.linearize(x);
+         recovering.recovery_work(wrong);
+       }},
       {"fields", "x", kRows, [&](PointArray& wrong) { body.fields(wrong); }},
       {"volume", "x", kRows, [&](PointArray& wrong) { body.volume(wrong); }},
       {"flow", "x", kRows,
