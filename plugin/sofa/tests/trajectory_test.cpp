@@ -7,6 +7,7 @@
 #include <optional>
 #include <sstream>
 
+#include "block_scene.h"
 #include "hexaplast/body.hpp"
 #include "messages.h"
 #include "scene/plugin.hpp"
@@ -115,6 +116,37 @@ TEST_P(ShippedSceneInSofa, MovesAndFlowsAsInTheEmbeddedHost)
         std::cout << "; in the embedded host by rounding of one number: " << ofRounding.positions / size << ", "
                   << ofRounding.material / size;
     std::cout << "\n";
+}
+
+// By products that a solver of SOFA asks for, and by conjugate gradients there.
+TEST(DeviceInSofa, MovesAndFlowsABodyAsTheProcessorDoes)
+{
+    const std::string before = required({"Constraint.Projective", "Engine.Select", "LinearSolver.Iterative", "Mass",
+                                         "MechanicalLoad", "ODESolver.Backward"}) +
+                               "<EulerImplicitSolver rayleighMass='1'/>";
+    const std::string behind =
+        R"(<DiagonalMass massDensity="1000"/><BoxROI name="bottom" box="-1 -1 -0.001  1 1 0.001"/>
+        <BoxROI name="top" box="-1 -1 0.299  1 1 1"/><FixedProjectiveConstraint indices="@bottom.indices"/>
+        <ConstantForceField indices="@top.indices" totalForce="0 0 10"/>)";
+    for (const std::string solver :
+         {"<CGLinearSolver template='GraphScattered' iterations='500' tolerance='1e-7' threshold='1e-14'/>",
+          "<MultigridCGLinearSolver tolerance='1e-6'/>"})
+    {
+        const auto scene = [&](const std::string& device)
+        {
+            SofaScene made = SofaScene::from_text(
+                block(kPlastic + " precision='mixed' device='" + device + "'", kGrid, before + solver, behind));
+            for (int step = 0; step < 40; ++step) made.step();
+            EXPECT_EQ(made.body().device(), device);
+            return std::pair(made.positions(), made.body().dissipated_energy());
+        };
+        const auto [x, dissipated] = scene("cpu");
+        const auto [of_device, dissipated_there] = scene("emulation");
+        EXPECT_GT(x.col(2).maxCoeff(), 0.32) << solver;
+        EXPECT_LE((of_device - x).cwiseAbs().maxCoeff(), 1e-5) << solver;
+        EXPECT_GT(dissipated, 0) << solver;
+        EXPECT_NEAR(dissipated_there, dissipated, 1e-4 * dissipated) << solver;
+    }
 }
 
 // Direct solvers; conjugate gradients, which stop at the tolerances of their scenes, take the differences of rounding
