@@ -86,8 +86,8 @@ constexpr double kOfInitial = 2;
 
 constexpr int kMaxIterationsPerRow = 200;
 /// Of the energy norm of a solution, that it may err by: its square beside the tolerance asked for. A fifth serves
-/// 1e-3, and more leaves W wrong by over a hundredth; 3e-5 leaves as much as kRegularised.
-constexpr double kSquareOfEnergyError = 40, kMostEnergyError = 0.2, kLeastEnergyError = 3e-5;
+/// 1e-3, and more leaves W wrong by over a hundredth; 1e-4 leaves as much as kRegularised.
+constexpr double kSquareOfEnergyError = 40, kMostEnergyError = 0.2, kLeastEnergyError = 1e-4;
 /// Of the mean of the diagonal, for rows that depend on one another.
 constexpr double kRegularised = 1e-8;
 /// Of the energy norm of a start, that a solution adds to it.
