@@ -21,7 +21,7 @@ class Backend : public NodalOperator {
   Backend& operator=(const Backend&) = delete;
 
   virtual void linearize(ConstPoints x) = 0;
-  virtual void add_force(Points f) const = 0;  ///<                      eq. 15, P14, E25
+  virtual void add_force(Points f) const = 0;                                  ///< f += [N]       eq. 15, P14, E25
   virtual void add_stiffness_blocks(double factor, BlockMatrix& K) const = 0;  ///< K += factor df/dx            eq. 17
   virtual void add_operator(double factor, MatrixFreeSystem& system) = 0;
   virtual double energy(ConstPoints x) = 0;  ///< [J]                                                eq. 18, P17, E25

@@ -94,8 +94,7 @@ void KernelBackend::renew() {
   evaluated_ = {};
 }
 
-// --------------------------------------------------------------------------------------------------------
-// linearization
+// ------------------------------------------------------------------------------------------------------- linearization
 
 /// What a block of the history has to say to the next linearization.
 void KernelBackend::take_history(int block) {
