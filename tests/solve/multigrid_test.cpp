@@ -155,7 +155,9 @@ TEST(CellOperator, HasNothingWhereACellIsInsideOut) {
   X.row(corners[0]) = 2 * X.row(corners[6]) - X.row(corners[0]);
   CellOperator op(partition);
   for (int e = 0; e < mesh.num_elements(); ++e)
-    for (int i = 0; i < kCorners; ++i) op.modulus(partition->place_of_element[e], i, CellOperator::kMu) = 1;
+    for (int i = 0; i < kCorners; ++i)
+      for (const auto which : {CellOperator::kMu, CellOperator::kLambda})
+        op.modulus(partition->place_of_element[e], i, which) = 1;
   AlignedVector<double> rest = slot_vector<double>(*partition), current = rest;
   to_slots(*partition, X, rest);
   to_slots(*partition, mesh.positions(), current);
