@@ -129,11 +129,14 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
       reset();
       std::rethrow_exception(failure);
     }
+  if (tolerance_ < kSingleSuffices)
+    for (int j = 0; j < num_rows; ++j)
+      solvers_.front().refine_residual(field_of(b_, j), field_of(x_, j), field_of(r_, j));
   iterations_ = 0;
   for (const int count : iterations) iterations_ += count;
 
   // W = G^T K^-1 G, G = X^T B, K = X^T A X = X^T (B - R)                                                     eq. W1
-  Eigen::MatrixXd G(num_rows, num_rows), K = Eigen::MatrixXd::Zero(num_rows, num_rows);
+  Eigen::MatrixXd G(num_rows, num_rows), K(num_rows, num_rows);
   parallel_for(num_rows, [&](int i) {
     for (int j = 0; j < num_rows; ++j) {
       G(i, j) = 0;
@@ -142,11 +145,11 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
   });
   parallel_for((num_rows + kColumns - 1) / kColumns, [&](int part) {
     const int first = kColumns * part, count = std::min(kColumns, num_rows - first);
-    // K is symmetric: its lower half
-    K.block(first, first, num_rows - first, count).noalias() =
-        x_.rightCols(num_rows - first).transpose() * r_.middleCols(first, count);
+    K.middleCols(first, count).noalias() = x_.transpose() * r_.middleCols(first, count);
   });
   K = G - K;
+  // rounding makes it unsymmetric: a half alone would not be definite where rows depend on one another
+  K = (0.5 * (K + K.transpose())).eval();
   factorise(K);
   const auto lower = factor_.matrixL();
   lower.solveInPlace(G);

@@ -327,6 +327,12 @@ int PreconditionedConjugateGradients::approximate(ConstPoints b, double error, b
   return iterations;
 }
 
+void PreconditionedConjugateGradients::refine_residual(ConstPoints b, ConstPoints x, Points r) {
+  if (!spaces_->refines()) return;
+  exact_residual(spaces_->system, b, x, spaces_->correction);
+  r = spaces_->correction;
+}
+
 // What radii of an earlier step are too small for is solved again with those of the present one: the cells of a sheet
 // that turns fast.
 SolveReport PreconditionedConjugateGradients::iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start,

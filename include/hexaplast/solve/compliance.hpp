@@ -30,7 +30,7 @@ void add_constraint_force(std::span<const ConstraintRow> rows, std::span<const d
 /// that stay cost one iteration.
 class Compliance {
  public:
-  /// tolerance: |r| / |b| of the solver beside it; W is as exact, to 1e-8 at best.
+  /// tolerance: |r| / |b| of the solver beside it; W is as exact, to 1e-8 at best, 5e-8 with mixed precision.
   explicit Compliance(Preconditioner preconditioner = Preconditioner::kAuto, double tolerance = 1e-3);
 
   /// W [1/(unit of A)] for these rows, symmetric; the same bits for any number of threads. Throws InputError for a node

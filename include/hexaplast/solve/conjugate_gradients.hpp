@@ -68,6 +68,8 @@ class PreconditionedConjugateGradients final : public LinearSolver {
   /// of |x| in the energy norm. has_start: x is near the solution already. Returns the number of iterations. Throws
   /// NumericalError where A is not positive definite.
   int approximate(ConstPoints b, double error, bool has_start, Points x, Points r);
+  /// r = b - A x in double precision, where products of `approximate` are in single; elsewhere r stays.
+  void refine_residual(ConstPoints b, ConstPoints x, Points r);
 
  private:
   SolveReport iterate(const LinearSystem& A, ConstPoints b, const ConstPoints* start, Points x);
