@@ -4,7 +4,9 @@
 
 #include <thread>
 
+#include "hexaplast/solve/compliance.hpp"
 #include "support/core.hpp"
+#include "support/slab.hpp"
 #include "support/yielding_bar.hpp"
 
 namespace hexaplast {
@@ -324,6 +326,28 @@ TEST(DeviceBody, RefusesByName) {
   EXPECT_TRUE(of_card == "nothing" || of_card.starts_with("device cuda: ")) << of_card;
   BlockMatrix K(device.mesh().num_nodes());
   EXPECT_THROW(device.add_stiffness_blocks(1, K), InputError);
+}
+
+/// A body has one set of vectors there: the solves of several threads take turns.
+TEST(DeviceBody, HasTheComplianceOfConstraintsForAnyThreads) {
+  Slab slab(regular_grid({6, 6, 3}, Vec3::Zero(), {.06, .06, .03}));
+  slab.add_body(0, slab.mesh.num_elements(), 2e5, Precision::kMixed);
+  const int top = slab.num_nodes() - 1;
+  const std::vector<ConstraintRow> rows = {{{top, Vec3::UnitZ()}},
+                                           {{top - 3, Vec3::UnitX()}, {top - 10, Vec3::UnitX()}},
+                                           {{top - 17, Vec3::UnitY()}},
+                                           {{top - 22, Vec3(1, 0, 1)}}};
+  Eigen::MatrixXd W[3];
+  W[0] = Compliance(Preconditioner::kAuto, 1e-10).find(slab, rows);
+  slab.bodies.front().use_device("emulation");
+  slab.bodies.front().linearize(slab.mesh.positions());
+  for (int k = 1; k < 3; ++k) {
+    set_num_threads(k == 1 ? 1 : 4);
+    W[k] = Compliance().find(slab, rows);
+  }
+  set_num_threads(1);
+  EXPECT_LE((W[1] - W[0]).norm(), 2e-2 * W[0].norm());
+  EXPECT_EQ(W[2], W[1]);
 }
 
 }  // namespace
