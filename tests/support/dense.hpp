@@ -33,6 +33,9 @@ inline PointArray unstacked(const Eigen::VectorXd& values) {
   return Eigen::Map<const PointArray>(values.data(), values.size() / 3, 3);
 }
 
+/// Of a symmetric matrix, ascending; compiled once, as it takes six seconds.
+Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& A);
+
 /// What the constraints of a system leave free.
 inline Constraints constraints_of(const MechanicalSystem& system) {
   Constraints constraints;
