@@ -17,9 +17,10 @@ if(HEXAPLAST_HARDENING)
   target_compile_options(hexaplast_flags INTERFACE -fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2)
 endif()
 if(HEXAPLAST_SANITIZE)
-  # a null pointer that is used ends the program by itself: to ask before each use takes a fifth of the compile time
+  # a null pointer that is used ends the program by itself, and the address sanitizer sees what an address beyond its object
+  # reads or writes: to ask before each use takes half of the compile time
   target_compile_options(hexaplast_flags INTERFACE -fsanitize=${HEXAPLAST_SANITIZE} -fno-omit-frame-pointer
-                         -fno-sanitize-recover=all -fno-sanitize=null
+                         -fno-sanitize-recover=all -fno-sanitize=null,object-size,pointer-overflow
                          $<$<CXX_COMPILER_ID:Clang>:-fsanitize-ignorelist=${CMAKE_CURRENT_LIST_DIR}/sanitize_ignore.txt>)
   # Clang puts the sanitizer into programs alone: libraries find it when they are loaded, not when they are linked.
   target_link_options(hexaplast_flags INTERFACE -fsanitize=${HEXAPLAST_SANITIZE} -Wl,-z,undefs)
