@@ -382,9 +382,9 @@ void compare_repeats(const Size& size, int repeats) {
 double time_of(int calls, const std::function<void()>& call) {
   cudaGraph_t graph;
   cudaGraphExec_t ready;
-  device::check(cudaStreamBeginCapture(stream, cudaStreamCaptureModeGlobal));
+  device::check(cudaStreamBeginCapture(device::stream, cudaStreamCaptureModeGlobal));
   for (int k = 0; k < calls; ++k) call();
-  device::check(cudaStreamEndCapture(stream, &graph));
+  device::check(cudaStreamEndCapture(device::stream, &graph));
   device::check(cudaGraphInstantiate(&ready, graph, 0));
   cudaEvent_t from, to;
   device::check(cudaEventCreate(&from));
@@ -392,9 +392,9 @@ double time_of(int calls, const std::function<void()>& call) {
   Numbers times;
   for (int k = -5; k < 60; ++k) {
     float ms;
-    device::check(cudaEventRecord(from, stream));
-    device::check(cudaGraphLaunch(ready, stream));
-    device::check(cudaEventRecord(to, stream));
+    device::check(cudaEventRecord(from, device::stream));
+    device::check(cudaGraphLaunch(ready, device::stream));
+    device::check(cudaEventRecord(to, device::stream));
     device::check(cudaEventSynchronize(to));
     device::check(cudaEventElapsedTime(&ms, from, to));
     if (k >= 0) times.push_back(1e3 * ms / calls);
