@@ -297,6 +297,7 @@ PreparedSystem PreconditionedConjugateGradients::prepare(const LinearSystem& A, 
   const MatrixFreeSystem& system = spaces_->system;
   if (system.constraints.projector) prepared.ties = &system.constraints;
   prepared.is_near_inverse = preconditioner == PreconditionedBy::kMultigrid && system.is_one_body();
+  // a device has one set of vectors for all solvers
   prepared.is_concurrent =
       preconditioner != PreconditionedBy::kNothing && system.is_one_body() && !system.bodies.front().device;
   return prepared;

@@ -64,15 +64,20 @@ struct SystemCase {
   Precision precision;
   Preconditioner preconditioner;
   double spring;
+  int num_bodies = 1;
 };
 
 class ComplianceOf : public testing::TestWithParam<SystemCase> {};
 
 TEST_P(ComplianceOf, ContactsIsThatOfAFactorisation) {
-  Slab slab = slab_of_one_body(GetParam().young_modulus, GetParam().precision);
+  Slab slab(slab_mesh());
+  const int num_elements = slab.mesh.num_elements(), of_first = num_elements / GetParam().num_bodies;
+  slab.add_body(0, of_first, GetParam().young_modulus, GetParam().precision);
+  if (of_first < num_elements)  // of other hexahedra on the same nodes
+    slab.add_body(of_first, num_elements, GetParam().young_modulus / 100, GetParam().precision);
   // deformed: coefficients of a body at rest are exact even in half precision
-  Random random(11);
-  slab.bodies.front().linearize(slab.mesh.positions() + 1e-3 * random.matrix(slab.num_nodes(), 3));
+  const PointArray x = slab.mesh.positions() + Random(11).field(slab.num_nodes(), 1e-3);
+  for (Body& body : slab.bodies) body.linearize(x);
   if (GetParam().spring > 0) slab.ties.add(200, 200, GetParam().spring * Mat3::Identity());
   const std::vector<ConstraintRow> rows = contacts(slab, 20, 0.2);
   Compliance compliance(GetParam().preconditioner);
@@ -101,7 +106,8 @@ INSTANTIATE_TEST_SUITE_P(Systems, ComplianceOf,
                                          SystemCase{"mixed", 2e5, Precision::kMixed, Preconditioner::kAuto, 0},
                                          SystemCase{"soft", 500, Precision::kDouble, Preconditioner::kAuto, 0},
                                          SystemCase{"diagonal", 2e4, Precision::kDouble, Preconditioner::kDiagonal, 0},
-                                         SystemCase{"spring", 2e5, Precision::kMixed, Preconditioner::kAuto, 5}),
+                                         SystemCase{"spring", 2e5, Precision::kMixed, Preconditioner::kAuto, 5},
+                                         SystemCase{"two_bodies", 2e5, Precision::kMixed, Preconditioner::kAuto, 0, 2}),
                          [](const auto& each) { return std::string(each.param.name); });
 
 TEST(Compliance, ForcesOfMultipliersAreThoseOfTheTransposedJacobian) {
