@@ -134,11 +134,6 @@ HEXAPLAST_INLINE Lanes<float> load_as(const StoredHalf* from) {
   return hn::PromoteTo(Lanes<float>::Tag(), hn::Load(half, from));
 }
 
-HEXAPLAST_INLINE Lanes<double> load_wide(const float* from) {
-  const hn::Rebind<float, Lanes<double>::Tag> single;
-  return hn::PromoteTo(Lanes<double>::Tag(), hn::Load(single, from));
-}
-
 template <class T>
 HEXAPLAST_INLINE void store_as(Lanes<T> a, T* to) {
   store(a, to);
@@ -151,6 +146,10 @@ HEXAPLAST_INLINE void store_as(Lanes<double> a, StoredHalf* to) {
   const hn::Rebind<float, Lanes<double>::Tag> single;
   const hn::Rebind<StoredHalf, Lanes<double>::Tag> half;
   hn::Store(hn::DemoteTo(half, hn::DemoteTo(single, Lanes<double>::Register(a))), half, to);
+}
+HEXAPLAST_INLINE void store_as(Lanes<float> a, StoredHalf* to) {
+  const hn::Rebind<StoredHalf, Lanes<float>::Tag> half;
+  hn::Store(hn::DemoteTo(half, a.raw()), half, to);
 }
 // Lanes of doubles beside lanes of T: a register of T has the elements of kParts<T> registers of doubles.
 template <class T>
@@ -169,6 +168,14 @@ HEXAPLAST_INLINE Lanes<float> narrow_as(const Lanes<double>* parts, float) {
 template <class T>
 HEXAPLAST_INLINE Lanes<T> narrow(const Lanes<double>* parts) {
   return narrow_as(parts, T());
+}
+
+/// Stored numbers, rounded to T.
+template <class T>
+HEXAPLAST_INLINE Lanes<T> load_narrow(const double* from) {
+  Lanes<double> parts[kParts<T>];
+  for (int part = 0; part < kParts<T>; ++part) parts[part] = load(from + part * Lanes<double>::kCount);
+  return narrow<T>(parts);
 }
 
 /// The elements of one of the parts.

@@ -30,17 +30,17 @@ struct ModeGradients {
 HEXAPLAST_NOINLINE std::uint32_t find_gradients(const Partition& partition, const double* plastic_rest,
                                                 const double* current, const float* mean_plastic, double length,
                                                 int block, int lane, ModeGradients& rho) {
-  using V = Lanes<double>;
+  using V = Lanes<float>;
   std::uint32_t present = 0;
   for (int k = 0; k < V::kCount; ++k) present |= (partition.element(block, lane + k) >= 0 ? 1u : 0u) << k;
   CornerLanes<V> x, u;
-  gather(partition, block, lane, plastic_rest, x);
-  gather(partition, block, lane, current, u);
+  gather_about_corner<float>(partition, block, lane, plastic_rest, x);
+  gather_about_corner<float>(partition, block, lane, current, u);
   // corners beyond the mesh may lie anywhere: cells that they invert do not help
   replace_absent(present, x);
   RestLanes<true, V> rest;
   rest_operator(x, kOfCells, rest);
-  present &= bits<double>(rest.min_jacobian > V(0.0));
+  present &= bits<float>(rest.min_jacobian > V(0.0f));
   replace_absent(present, x);
   replace_absent(present, u);
   rest_operator(x, kOfCells, rest);
@@ -61,18 +61,18 @@ HEXAPLAST_NOINLINE std::uint32_t find_gradients(const Partition& partition, cons
       for (auto& mode : gradients[i].at) {
         const V before[3] = {mode[0], mode[1], mode[2]};
         for (int c = 0; c < 3; ++c) {
-          mode[c] = V(0.0);
-          for (int r = c; r < 3; ++r) mode[c] += before[r] * load_wide(Gm + of_mean_plastic(r, c) * kBlock);
+          mode[c] = V(0.0f);
+          for (int r = c; r < 3; ++r) mode[c] += before[r] * load(Gm + of_mean_plastic(r, c) * kBlock);
         }
       }
     }
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) {
-        F[i](r, c) = V(0.0);
+        F[i](r, c) = V(0.0f);
         for (int m = 0; m < kModes; ++m) F[i](r, c) += at.at[m][r] * gradients[i].at[m][c];
       }
   }
-  const V scale(length / kCorners);
+  const V scale(static_cast<float>(length / kCorners));
   for (int first = 0; first < kCorners; first += kAtOnce) {
     PolarLanes<V> polar[kAtOnce];
     safe_polars<kAtOnce>(F + first, polar);  // of 8 F_i
@@ -81,7 +81,7 @@ HEXAPLAST_NOINLINE std::uint32_t find_gradients(const Partition& partition, cons
         const V* const g = gradients[first + k].at[m];
         const Mat<V>& R = polar[k].R;
         for (int c = 0; c < 3; ++c)
-          store_as(scale * (R(c, 0) * g[0] + R(c, 1) * g[1] + R(c, 2) * g[2]), rho.at[first + k][m][c] + lane);
+          store(scale * (R(c, 0) * g[0] + R(c, 1) * g[1] + R(c, 2) * g[2]), rho.at[first + k][m][c] + lane);
       }
   }
   return present;
@@ -128,15 +128,14 @@ void update_cells(const Partition& partition, const double* plastic_rest, const 
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block) {
     ModeGradients rho;
     float* const of_block = moduli + static_cast<std::size_t>(block) * kCorners * 2 * kBlock;
-    for (int lane = 0; lane < kBlock; lane += Lanes<double>::kCount) {
+    for (int lane = 0; lane < kBlock; lane += Lanes<float>::kCount) {
       const std::uint32_t present =
           find_gradients(partition, plastic_rest, current, mean_plastic, length, block, lane, rho);
-      for (int k = 0; k < Lanes<double>::kCount; ++k)
+      for (int k = 0; k < Lanes<float>::kCount; ++k)
         for (int n = 0; n < 2 * kCorners && !(present >> k & 1); ++n) of_block[n * kBlock + lane + k] = 0;
-    }
-    for (int lane = 0; lane < kBlock; lane += Lanes<float>::kCount)
       find_matrices(rho, of_block + lane, lane,
                     matrices + static_cast<std::size_t>(block) * CellOperator::kEntries * kBlock + lane);
+    }
   }
 }
 

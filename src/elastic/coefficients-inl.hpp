@@ -39,7 +39,7 @@ HEXAPLAST_INLINE const auto* coefficients(const ElementOperator<T, Coef>& op, in
 template <class V, class T, class Coef>
 HEXAPLAST_INLINE void store_weights(ElementOperator<T, Coef>& op, V volume, double length, V mu, V lambda, int block,
                                     int lane) {
-  const V per_sample = V(1 / (kCorners * length * length)) * volume;
+  const V per_sample = V(static_cast<ScalarOf<V>>(1 / (kCorners * length * length))) * volume;
   const auto weight = op.weights(block, lane);
   store_as(per_sample * mu, weight[0]);
   store_as(per_sample * lambda, weight[1]);
@@ -72,7 +72,7 @@ HEXAPLAST_INLINE void store_mat(const Mat<V>& M, V scale, StoredNumbers<9, kStri
 template <class Coef, class V>
 HEXAPLAST_INLINE V bounded(V a) {
   if constexpr (!std::is_same_v<Coef, StoredHalf>) return a;
-  constexpr double kLargest = 3e4;
+  constexpr ScalarOf<V> kLargest(3e4);
   return min(max(a, V(-kLargest)), V(kLargest));
 }
 

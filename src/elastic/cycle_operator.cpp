@@ -6,33 +6,37 @@
 //
 #include <algorithm>
 
-#include "elastic/body_elements-inl.hpp"
 #include "elastic/cycle_operator.hpp"
 #include "elastic/one_rotation-inl.hpp"
 #include "hexaplast/base/parallel.hpp"
+#include "layout/corners-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
 
-HEXAPLAST_INLINE Mat<Lanes<double>> load_mean_plastic(const float* from) {
-  using V = Lanes<double>;
+HEXAPLAST_INLINE Mat<Lanes<float>> load_mean_plastic(const float* from) {
+  using V = Lanes<float>;
   Mat<V> Gm;
   for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) Gm(r, c) = c > r ? V(0.0) : load_wide(from + of_mean_plastic(r, c) * kBlock);
+    for (int c = 0; c < 3; ++c) Gm(r, c) = c > r ? V(0.0f) : load(from + of_mean_plastic(r, c) * kBlock);
   return Gm;
 }
 
 /// Coefficients with one rotation, as if elements were parallelepipeds, of the blocks of a chunk whose entry in
-/// `blocks` is not 0. `op` is of that kind.
+/// `blocks` is not 0. `op` is of that kind. In single precision: they are stored in half.
 void linearize_as_simple(const Model& model, const Linearization& at, const unsigned char* blocks, int chunk,
                          ElementOperator<float, Half>& op) {
-  using V = Lanes<double>;
+  using V = Lanes<float>;
   const Partition& partition = *model.partition;
+  const V length(static_cast<float>(model.length));
   for (int block = partition.first_block[chunk]; block < partition.first_block[chunk + 1]; ++block)
     for (int lane = 0; lane < kBlock && blocks[block]; lane += V::kCount) {
       const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
       CornerLanes<V> x, u;
-      gather_shapes(partition, block, lane, present, at.plastic_rest.data(), at.current.data(), x, u);
+      gather_about_corner<float>(partition, block, lane, at.plastic_rest.data(), x);
+      gather_about_corner<float>(partition, block, lane, at.current.data(), u);
+      replace_absent(present, x);
+      replace_absent(present, u);
       ElementLanes<false, V> element;
       const float* const stored_mean = at.mean_plastic_of(block);
       Mat<V> mean_plastic;
@@ -41,13 +45,14 @@ void linearize_as_simple(const Model& model, const Linearization& at, const unsi
       ModeLanes<V> current, of_volume;
       modes(u, current);
       volume_of(current, of_volume);
-      const MaterialLanes<V> material = material_of(model, block, lane);
-      store_weights(op, load(at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane), model.length,
-                    material.mu, material.lambda, block, lane);
-      const Mat<V> j = scaled(V(model.length), element.j);
-      const ElementModuli<V> of(op.kind, false, material.mu, material.lambda);
+      const double* const lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
+      const V mu = load_narrow<float>(lame), lambda = load_narrow<float>(lame + kBlock);
+      store_weights(op, load_narrow<float>(at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane),
+                    model.length, mu, lambda, block, lane);
+      const Mat<V> j = scaled(length, element.j);
+      const ElementModuli<V> of(op.kind, false, mu, lambda);
       ModeStiffness<V> stiffness(j, op.kind.sampling.corner_weight, of.mu, of.free);
-      store_one_rotation(element.rest, j, stiffness, of_volume, V(model.length),
+      store_one_rotation(element.rest, j, stiffness, of_volume, length,
                          StoredOneRotation(coefficients(op, block, lane)));
     }
 }

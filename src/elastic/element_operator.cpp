@@ -45,20 +45,12 @@ HEXAPLAST_INLINE void corner_gradients(Element element, int i, V corner_weight, 
   }
 }
 
-/// Diagonal of factor L at corner a: sum_i mu |r_ia|^2 + (mu + lambda_f) r_ia,c^2 and the part of the element as a
-/// whole.                                                                                               eq. 17, E4, E7
-template <bool kHasLaw, class Element, class T, class Coef>
-HEXAPLAST_NOINLINE void add_diagonal_of(const ElementOperator<T, Coef>& op, Element element, int block, int lane,
-                                        T factor, T* diagonal) {
-  using V = Lanes<T>;
-  const StiffnessKind& kind = op.kind;
-  const auto weight = op.weights(block, lane);
-  const V corner_weight(static_cast<T>(kind.sampling.corner_weight)),
-      quarter(static_cast<T>((1 - kind.sampling.corner_weight) / 4)), f(factor);
-  const ElementModuli<V> of(kind, kHasLaw, f * load(weight[0]), f * load(weight[1]));
-  CornerLanes<V> sum, mean;
-  set_zero(sum);
-  set_zero(mean);
+/// sum, mean += what the samples have in the diagonal, and t_ia over all of them.
+template <bool kHasLaw, class V, class Element>
+HEXAPLAST_INLINE void add_samples(Element element, const ElementModuli<V>& of, double weight, CornerLanes<V>& sum,
+                                  CornerLanes<V>& mean) {
+  using T = ScalarOf<V>;
+  const V corner_weight(static_cast<T>(weight)), quarter(static_cast<T>((1 - weight) / 4));
   for (int i = 0; i < kCorners; ++i) {
     V r[kCorners][3];
     corner_gradients(element, i, corner_weight, quarter, r);
@@ -77,6 +69,46 @@ HEXAPLAST_NOINLINE void add_diagonal_of(const ElementOperator<T, Coef>& op, Elem
       }
     }
   }
+}
+/// The same where all samples have one C, with M_a = sum_d s_d(a) C_d: r_ia is (1 + 3 w) / 4 M_a of the sample at the
+/// corner, (1 - w) / 4 M_a + w s_d C_d of its neighbour along d, and (1 - w) / 4 M_a of the four others.
+///
+///   sum_i r_ia^2 = (1 + w^2) / 2 M_a^2 + w^2 sum_d C_d^2,   sum_i r_ia = 2 M_a
+template <bool kHasLaw, class V, class Coef, int kStride>
+HEXAPLAST_INLINE void add_samples(StoredOneRotation<Coef, kStride> element, const ElementModuli<V>& of, double weight,
+                                  CornerLanes<V>& sum, CornerLanes<V>& mean) {
+  using T = ScalarOf<V>;
+  const Mat<V> C = load_mat<V>(element.directions());
+  const V of_corner(static_cast<T>((1 + weight * weight) / 2)), of_all(static_cast<T>(weight * weight));
+  V shared[3];
+  for (int c = 0; c < 3; ++c) shared[c] = of_all * (C(0, c) * C(0, c) + C(1, c) * C(1, c) + C(2, c) * C(2, c));
+  for (int a = 0; a < kCorners; ++a) {
+    V squares[3];
+    for (int c = 0; c < 3; ++c) {
+      V M(T(0));
+      for (int d = 0; d < 3; ++d) M = kCornerSign[a][d] < 0 ? M - C(d, c) : M + C(d, c);
+      squares[c] = of_corner * M * M + shared[c];
+      mean.at[a][c] += M + M;
+    }
+    const V squared = of.mu * (squares[0] + squares[1] + squares[2]);
+    for (int c = 0; c < 3; ++c) sum.at[a][c] += squared + (of.mu + of.free) * squares[c];
+  }
+}
+
+/// Diagonal of factor L at corner a: sum_i mu |r_ia|^2 + (mu + lambda_f) r_ia,c^2 and the part of the element as a
+/// whole.                                                                                               eq. 17, E4, E7
+template <bool kHasLaw, class Element, class T, class Coef>
+HEXAPLAST_NOINLINE void add_diagonal_of(const ElementOperator<T, Coef>& op, Element element, int block, int lane,
+                                        T factor, T* diagonal) {
+  using V = Lanes<T>;
+  const StiffnessKind& kind = op.kind;
+  const auto weight = op.weights(block, lane);
+  const V f(factor);
+  const ElementModuli<V> of(kind, kHasLaw, f * load(weight[0]), f * load(weight[1]));
+  CornerLanes<V> sum, mean;
+  set_zero(sum);
+  set_zero(mean);
+  add_samples<kHasLaw>(element, of, kind.sampling.corner_weight, sum, mean);
   const V of_ratio = V(T(kCorners)) * of.of_ratio;
   const V of_mean = (kHasLaw ? V(T(0)) : of.of_mean()) * V(T(1.0 / kCorners));
   ModeLanes<V> volume_gradient;

@@ -30,7 +30,7 @@ HEXAPLAST_INLINE void factorize(LowerLanes<kSize, N>& A) {
   unrolled<kSize>([&](auto c) __attribute__((always_inline)) {
     N column[kSize - c];
     for (int n = 0; n < kSize - c; ++n) column[n] = A(c + n, c);
-    const N lowest = max(N(T(1e-14)) * column[0], N(T(1e-200)));  // also of elements that are not there
+    const N lowest = max(N(T(1e-6)) * column[0], N(T(1e-30)));  // also of elements that are not there
     unrolled<c>([&](auto k) __attribute__((always_inline)) {
       const N factor = A(c, k);
       for (int n = 0; n < kSize - c; ++n) column[n] -= A(c + n, k) * factor;
@@ -69,7 +69,7 @@ struct ModeStiffness {
 
   HEXAPLAST_NOINLINE ModeStiffness(const Mat<N>& j, double corner_weight, N mu, N free) {
     using T = ScalarOf<N>;
-    const N one(T(1)), whole = one / max(mu + free, N(T(1e-200)));  // nothing where nothing is
+    const N one(T(1)), whole = one / max(mu + free, N(T(1e-30)));  // nothing where nothing is
     const N squared = N(T(corner_weight)) * N(T(corner_weight)) * whole, of_mu = squared * mu, of_free = squared * free;
     N lengths(T(0));
     unrolled<3>([&](auto n) __attribute__((always_inline)) {
@@ -118,7 +118,7 @@ HEXAPLAST_NOINLINE void store_one_rotation(const RestLanes<false, V>& rest, cons
                                            StoredOneRotation<Coef, kStride> to) {
   factorize(stiffness.of_two);
   factorize(stiffness.of_three);
-  store_mat(j, V(1.0), to.directions());
+  store_mat(j, V(ScalarOf<V>(1)), to.directions());
   for (int k = 0; k < stiffness.of_two.kCount; ++k) store_as(stiffness.of_two.at[k], to.of_two()[k]);
   for (int k = 0; k < stiffness.of_three.kCount; ++k) store_as(stiffness.of_three.at[k], to.of_three()[k]);
   store_gradient(of_volume, length / rest.volume, to.volume_gradient());

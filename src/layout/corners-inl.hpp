@@ -192,6 +192,24 @@ HEXAPLAST_INLINE void gather(const Partition& partition, int block, int lane, co
     gather_corners<false>(field, slots, corners);
 }
 
+/// The same in double precision about the first corner, rounded to T.
+template <class T>
+HEXAPLAST_INLINE void gather_about_corner(const Partition& partition, int block, int lane, const double* field,
+                                          CornerLanes<Lanes<T>>& corners) {
+  CornerLanes<Lanes<double>> parts[kParts<T>];
+  for (int part = 0; part < kParts<T>; ++part) {
+    gather(partition, block, lane + part * Lanes<double>::kCount, field, parts[part]);
+    for (int a = kCorners - 1; a >= 0; --a)
+      for (int i = 0; i < 3; ++i) parts[part].at[a][i] -= parts[part].at[0][i];
+  }
+  for (int a = 0; a < kCorners; ++a)
+    for (int i = 0; i < 3; ++i) {
+      Lanes<double> numbers[kParts<T>];
+      for (int part = 0; part < kParts<T>; ++part) numbers[part] = parts[part].at[a][i];
+      corners.at[a][i] = narrow<T>(numbers);
+    }
+}
+
 /// field += corner values of these elements.
 template <class T>
 HEXAPLAST_INLINE void scatter_add(const CornerLanes<Lanes<T>>& corners, const Partition& partition, int block, int lane,

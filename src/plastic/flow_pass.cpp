@@ -18,24 +18,6 @@ namespace hexaplast::HWY_NAMESPACE {
 
 using D = Lanes<double>;
 
-/// Corners from their first one, of which the differences are taken before they are rounded.
-template <class T>
-HEXAPLAST_INLINE void gather_about_corner(const Model& model, int block, int lane, const double* field,
-                                          CornerLanes<Lanes<T>>& corners) {
-  CornerLanes<D> parts[kParts<T>];
-  for (int part = 0; part < kParts<T>; ++part) {
-    gather(*model.partition, block, lane + part * D::kCount, field, parts[part]);
-    for (int a = kCorners - 1; a >= 0; --a)
-      for (int i = 0; i < 3; ++i) parts[part].at[a][i] -= parts[part].at[0][i];
-  }
-  for (int a = 0; a < kCorners; ++a)
-    for (int i = 0; i < 3; ++i) {
-      D numbers[kParts<T>];
-      for (int part = 0; part < kParts<T>; ++part) numbers[part] = parts[part].at[a][i];
-      corners.at[a][i] = narrow<T>(numbers);
-    }
-}
-
 /// kNumbers of each element from a history, in double precision, and rounded to T.
 template <class T, int kNumbers>
 struct HistoryLanes {
@@ -68,8 +50,8 @@ template <class T>
 HEXAPLAST_INLINE std::uint32_t gather_elements(const Model& model, const Linearization& at, int block, int lane,
                                                CornerLanes<Lanes<T>>& x, CornerLanes<Lanes<T>>& u) {
   const std::uint32_t present = static_cast<std::uint32_t>(at.present[block]) >> lane;
-  gather_about_corner<T>(model, block, lane, at.plastic_rest.data(), x);
-  gather_about_corner<T>(model, block, lane, at.current.data(), u);
+  gather_about_corner<T>(*model.partition, block, lane, at.plastic_rest.data(), x);
+  gather_about_corner<T>(*model.partition, block, lane, at.current.data(), u);
   replace_absent(present, x);
   replace_absent(present, u);
   return present;
@@ -79,12 +61,7 @@ HEXAPLAST_INLINE std::uint32_t gather_elements(const Model& model, const Lineari
 template <class T>
 HEXAPLAST_INLINE MaterialLanes<Lanes<T>> material_lanes(const Model& model, int block, int lane) {
   const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
-  D mu[kParts<T>], lambda[kParts<T>];
-  for (int part = 0; part < kParts<T>; ++part) {
-    mu[part] = load(lame + part * D::kCount);
-    lambda[part] = load(lame + kBlock + part * D::kCount);
-  }
-  return {model.settings, narrow<T>(mu), narrow<T>(lambda)};
+  return {model.settings, load_narrow<T>(lame), load_narrow<T>(lame + kBlock)};
 }
 
 /// A rate of the materials times dt.

@@ -235,18 +235,25 @@ void Multigrid::descend(const MultigridLevel& finer, MultigridLevel& level) cons
   level.mark_fixed();
   // the diagonal part goes down lumped; a fixed node between coarse ones ties them by its fraction of the stiffness
   parallel_for(partition.num_nodes, [&](int slot) {
-    for (int axis = 0; axis < 3; ++axis) {
-      double sum = 0;
-      for (int n = mesh.restriction.first[slot]; n < mesh.restriction.first[slot + 1]; ++n) {
-        const double weight = static_cast<double>(mesh.restriction.weight[n]);
-        const std::size_t at = 4 * static_cast<std::size_t>(mesh.restriction.column[n]) + axis;
-        if (finer.is_fixed[at])
-          sum += finer.inverse[at] > 0 ? weight * weight / static_cast<double>(finer.inverse[at]) : 0;
-        else
-          sum += weight * static_cast<double>(finer.diagonal[at]);
+    Eigen::Array4d sum = Eigen::Array4d::Zero();
+    for (int n = mesh.restriction.first[slot]; n < mesh.restriction.first[slot + 1]; ++n) {
+      const int from = mesh.restriction.column[n];
+      const double weight = static_cast<double>(mesh.restriction.weight[n]);
+      const Eigen::Array4d diagonal = numbers_at(finer.diagonal.data(), from).cast<double>();
+      const auto is_fixed = numbers_at(finer.is_fixed.data(), from);
+      if ((is_fixed == 0).all()) [[likely]] {
+        sum += weight * diagonal;
+        continue;
       }
-      level.diagonal[4 * static_cast<std::size_t>(slot) + axis] = static_cast<float>(sum);
+      const Eigen::Array4d inverse = numbers_at(finer.inverse.data(), from).cast<double>();
+      for (int axis = 0; axis < 3; ++axis) {
+        if (is_fixed[axis])
+          sum[axis] += inverse[axis] > 0 ? weight * weight / inverse[axis] : 0;
+        else
+          sum[axis] += weight * diagonal[axis];
+      }
     }
+    numbers_at(level.diagonal.data(), slot) = sum.cast<float>();
   });
   invert_sum(partition, level.factor, level.of.diagonal, level.diagonal, level.inverse);
 }

@@ -105,7 +105,6 @@ class StoredOneRotation {
   constexpr explicit StoredOneRotation(Coef* first) : first_(first) {}
 
   constexpr Numbers<9> directions() const { return {at(0)}; }         ///< rows R_m Gm^T J^n / 2
-  constexpr Numbers<9> C(int) const { return directions(); }          ///< of all samples
   constexpr Numbers<45> of_two() const { return {at(9)}; }            ///< ModeStiffness::of_two, as its factor
   constexpr Numbers<6> of_three() const { return {at(54)}; }          ///< ModeStiffness::of_three, the same
   constexpr Numbers<21> volume_gradient() const { return {at(60)}; }  ///< of the volume ratio, by modes

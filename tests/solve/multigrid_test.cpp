@@ -171,6 +171,26 @@ TEST(CellOperator, HasNothingWhereACellIsInsideOut) {
   for (const float entry : product) EXPECT_EQ(entry, 0);
 }
 
+// Where the samples of an element have one gradient: as they have by themselves.
+TEST(CycleOperator, HasTheDiagonalOfElements) {
+  PointArray X = regular_grid({8, 6, 12}, Vec3::Zero(), {0.04, 0.03, 0.06}).positions();
+  X.col(0) += 0.3 * X.col(1) - 0.2 * X.col(2);
+  Body body(HexMesh(X, regular_grid({8, 6, 12}, Vec3::Zero(), Vec3::Ones()).hexahedra()), {Material{}},
+            {.precision = Precision::kMixed});
+  const Mat3 F = Eigen::AngleAxisd(2, Vec3(1, -2, 3).normalized()) * Vec3(1.3, 0.8, 1.1).asDiagonal();
+  body.linearize(X.matrix() * F.transpose());
+  MatrixFreeSystem system;
+  system.wants_levels = true;
+  body.add_operator(1, system);
+  const KernelBody& kernels = system.bodies.front();
+  const Partition& partition = kernels.single_operator->partition();
+  AlignedVector<float> of_elements = slot_vector<float>(partition);
+  find_diagonal(*kernels.single_operator, 1.0f, of_elements);
+  const std::span<const float> of_cycle = kernels.levels.front().diagonal;
+  for (int k = 0; k < 4 * partition.num_nodes; ++k)
+    EXPECT_NEAR(of_cycle[k], of_elements[k], 2e-3 * of_elements[k]) << k;
+}
+
 MovingBody flowing_bar() {
   return MovingBody(Body(regular_grid({4, 4, 16}, Vec3::Zero(), {0.04, 0.04, 0.16}),
                          {{.young_modulus = 5000, .poisson_ratio = 0.45, .yield_stress = 20, .flow_rate = 4}},
