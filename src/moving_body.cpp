@@ -111,6 +111,7 @@ MovingBody::MovingBody(Body made, Motion motion, std::unique_ptr<LinearSolver> s
       identity_(identity_of(motion)),
       held_(static_cast<std::size_t>(positions.rows()), kFree) {
   check(motion, body);
+  body.set_time_step(dt_);
   take_nodes();
   fix(motion.fixed);
 }
@@ -174,8 +175,8 @@ FlowReport MovingBody::step() {
     const Step beginning{.time = time(), .dt = dt_, .rayleigh_stiffness = settings_.rayleigh_stiffness};
     for (StepForces* forces : forces_) forces->begin_step(beginning, positions, velocities);
     const SolveReport solved = euler_.step(*system_, *solver_, time(), dt_, positions, velocities);
-    flowed = body.flow(positions, dt_);
     for (StepForces* forces : forces_) forces->end_step(positions);
+    flowed = body.flow(positions, dt_);  // last: it is not taken back
     latest = solved;
     ++steps_;
     arrive();

@@ -26,6 +26,8 @@ class Solid::Shape {
 
 namespace {
 
+constexpr double kOnSurface = 1e-9;  // of the size of a closed surface
+
 void require_size(double size, const char* what) {
   if (!(size > 0) || !std::isfinite(size))
     throw InputError(fmt::format("Solid: {} = {} must be positive and finite", what, size));
@@ -130,7 +132,8 @@ class SurfaceShape final : public Solid::Shape {
     const Vec3 gap = point - best.place;
     const Vec3& normal = facet.normals[best.feature];
     const double side = gap.dot(normal) < 0 ? -1 : 1, length = gap.norm();
-    return {side * length, direction(Vec3(side * gap), length, normal)};
+    // on the surface but for rounding the gap tells no direction
+    return {side * length, length > kOnSurface * reach_ ? Vec3(side * gap / length) : normal};
   }
   double smallest_radius() const override { return smallest_radius_; }
   double reach() const override { return reach_; }

@@ -276,14 +276,15 @@ void TissueContact::begin_step(const Pair<ConstPoints>& x, const Pair<ConstPoint
         const SampleState& state = side.states[i];
         const Vec3 p = sample.at(own);
         const bool touched = state.normal_force > 0;
-        const double distance = side.distance_of(i, settings_);
+        // lips lie on one another but for rounding
+        const double distance = side.distance_of(i, settings_), slack = state.has_parted() ? kRounding * edge : 0;
         if (!touched && !side.surface.box().contains(p)) return;
         // what touched stays a contact until it would pull
-        const double reach = touched ? std::max(kKept * edge, settings_.distance) : std::max(distance, 0.0);
+        const double reach = touched ? std::max(kKept * edge, settings_.distance) : std::max(distance, 0.0) + slack;
         TissueSurface::Side before;
         if (touched) before = {state.face, side.samples.outwards(i, own)};
         found.place = side.surface.find(p, before, reach, side.own(sample, with_itself));
-        if (found.place && !touched && distance < 0 && found.place->distance > distance) found.place.reset();
+        if (found.place && !touched && distance < 0 && found.place->distance > distance + slack) found.place.reset();
         if (!found.place) return;
         const HexMesh& mesh = *meshes_[side.to];
         found.difference = p - point_of(others, mesh.hexahedra()[found.place->hexahedron], found.place->weights);

@@ -2,6 +2,7 @@
 #include "device/bricks.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <set>
 
 #include "mesh/trilinear.hpp"
@@ -39,10 +40,11 @@ std::vector<std::uint64_t> along_curve(const HexMesh& mesh) {
 
 bool is_parallelepiped(const ElementPoints& corners) {
   const Mat3 edges = 2 * centre_jacobian(corners);
+  const double rounding = 8 * std::numeric_limits<double>::epsilon() * corners.cwiseAbs().maxCoeff();
   for (int a = 0; a < kCorners; ++a)
     for (int d = 0; d < 3; ++d) {
       const Vec3 edge = (corners.row(kEdgeNeighbour[a][d]) - corners.row(a)).transpose() * -kCornerSign[a][d];
-      if ((edge - edges.col(d)).norm() > 1e-9 * edges.norm()) return false;
+      if ((edge - edges.col(d)).norm() > 1e-9 * edges.norm() + rounding) return false;
     }
   return true;
 }

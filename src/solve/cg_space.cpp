@@ -16,6 +16,7 @@ double NodalCgSpace::begin(ConstPoints b, const ConstPoints* start) {
   Ap_.resize(b.rows(), 3);
   if (start) {
     x_ = scale_ * *start;
+    if (constraints_ && constraints_->free.rows() == x_.rows()) constraints_->project(x_);
     A_->apply(x_, Ap_);
     r_ = scale_ * b - Ap_;
   } else {

@@ -83,10 +83,13 @@ class NodalPreconditioner {
 /// Any linear system, in double precision; without preconditioner, with its own, or with another one.
 class NodalCgSpace final : public CgSpace {
  public:
-  /// rounding: what `rounding` returns, which A's products decide. bodies: what `size` asks, or null.
-  void setup(const LinearSystem& A, bool preconditioned, NodalPreconditioner* preconditioner = nullptr,
-             double rounding = kDoubleRounding, BodyResiduals* bodies = nullptr) {
+  /// constraints: of A, if it has told them; otherwise null, and starts are to keep them. rounding: what `rounding`
+  /// returns, which A's products decide. bodies: what `size` asks, or null.
+  void setup(const LinearSystem& A, bool preconditioned, const Constraints* constraints = nullptr,
+             NodalPreconditioner* preconditioner = nullptr, double rounding = kDoubleRounding,
+             BodyResiduals* bodies = nullptr) {
     A_ = &A;
+    constraints_ = constraints;
     bodies_ = bodies;
     rounding_ = rounding;
     preconditioned_ = preconditioned;
@@ -107,6 +110,7 @@ class NodalCgSpace final : public CgSpace {
   double unscaled(double square) const { return square / scale_ / scale_; }
 
   const LinearSystem* A_ = nullptr;
+  const Constraints* constraints_ = nullptr;
   double rounding_ = kDoubleRounding;
   double scale_ = 1;  // of all vectors, for the present b
   bool preconditioned_ = false;

@@ -148,7 +148,7 @@ SolveReport CholeskySolver::solve(const LinearSystem& A, ConstPoints b, Points x
   }
   const double norm_b = std::sqrt(finite_square(b));
   int iterations = 0;
-  f.space.setup(A, true, &f);
+  f.space.setup(A, true, nullptr, &f);
   const double r_r = iterate(
       f.space, f.space.begin(b, nullptr), kMaxIterationsOfRest, iterations,
       [&](double square) { return std::sqrt(square) <= kRestOfLoad * norm_b; },

@@ -40,7 +40,7 @@ void add_constraint_force(std::span<const ConstraintRow> rows, std::span<const d
 Compliance::Compliance(Preconditioner preconditioner, double tolerance)
     : preconditioner_(preconditioner),
       tolerance_(tolerance),
-      energy_error_(std::clamp(std::sqrt(kSquareOfEnergyError * tolerance), kLeastEnergyError, kMostEnergyError)) {}
+      residual_(std::clamp(std::sqrt(kSquareOfResidual * tolerance), kLeastResidual, kMostResidual)) {}
 
 void Compliance::reset() { *this = Compliance(preconditioner_, tolerance_); }
 
@@ -58,7 +58,7 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
   if (num_rows == 0) {
     x_.resize(0, 0);
     w_.resize(0, 0);
-    iterations_ = 0;
+    iterations_ = num_stalled_ = 0;
     return w_;
   }
   b_.setZero(size, num_rows);
@@ -71,17 +71,17 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
   while (static_cast<int>(solvers_.size()) < num_solvers)
     solvers_.emplace_back(1e-3, kMaxIterationsPerRow, preconditioner_);
   bool is_parallel = true;
-  const Constraints* ties = nullptr;
-  double error = energy_error_;
+  const Constraints* constraints = nullptr;
   SolverMemory memory;
   for (int k = 0; k < num_solvers && is_parallel; ++k) {
     const PreparedSystem prepared = solvers_[k].prepare(A, memory);
-    if (!prepared.is_near_inverse) error = kOfFarInverse * energy_error_;
-    ties = prepared.ties;
+    constraints = prepared.constraints;
     is_parallel = prepared.is_concurrent;
   }
-  if (ties)
-    for (int j = 0; j < num_rows; ++j) ties->project(field_of(b_, j));
+  const auto project = [&](Eigen::MatrixXd& columns, int column) {
+    if (constraints) constraints->project(field_of(columns, column));
+  };
+  for (int j = 0; j < num_rows; ++j) project(b_, j);
 
   // each begins with the nearest combination of the solutions before
   const bool has_previous = x_.cols() > 0 && x_.rows() == size;
@@ -100,19 +100,23 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
     });
   }
 
-  std::vector<int> iterations(static_cast<std::size_t>(num_rows), 0);
+  x_.setZero();
+  std::vector<unsigned char> has_start(static_cast<std::size_t>(num_rows), 0);
+  parallel_for(has_previous ? num_rows : 0, [&](int j) {
+    for (int i = 0; i < static_cast<int>(previous_.cols()); ++i) {
+      if (coefficients(i, j) == 0) continue;
+      x_.col(j) += coefficients(i, j) * previous_.col(i);
+      has_start[j] = 1;
+    }
+  });
+  for (int j = 0; j < num_rows; ++j)  // the constraints may be others than those of the solutions before
+    if (has_start[j]) project(x_, j);
+
+  std::vector<SolveReport> reports(static_cast<std::size_t>(num_rows));
   std::vector<std::exception_ptr> failures(static_cast<std::size_t>(num_rows));
   const auto solve = [&](PreconditionedConjugateGradients& solver, int j) {
     try {
-      auto x = field_of(x_, j);
-      x.setZero();
-      bool has_start = false;
-      for (int i = 0; has_previous && i < static_cast<int>(previous_.cols()); ++i) {
-        if (coefficients(i, j) == 0) continue;
-        x_.col(j) += coefficients(i, j) * previous_.col(i);
-        has_start = true;
-      }
-      iterations[j] = solver.approximate(field_of(b_, j), error, has_start, x, field_of(r_, j));
+      reports[j] = solver.approximate(field_of(b_, j), residual_, has_start[j] != 0, field_of(x_, j), field_of(r_, j));
     } catch (...) {
       failures[j] = std::current_exception();
     }
@@ -132,8 +136,11 @@ const Eigen::MatrixXd& Compliance::find(const LinearSystem& A, std::span<const C
   if (tolerance_ < kSingleSuffices)
     for (int j = 0; j < num_rows; ++j)
       solvers_.front().refine_residual(field_of(b_, j), field_of(x_, j), field_of(r_, j));
-  iterations_ = 0;
-  for (const int count : iterations) iterations_ += count;
+  iterations_ = num_stalled_ = 0;
+  for (const SolveReport& report : reports) {
+    iterations_ += report.iterations;
+    num_stalled_ += !report.converged;
+  }
 
   // W = G^T K^-1 G, G = X^T B, K = X^T A X = X^T (B - R)                                                     eq. W1
   Eigen::MatrixXd G(num_rows, num_rows), K(num_rows, num_rows);

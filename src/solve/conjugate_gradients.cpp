@@ -25,7 +25,7 @@ struct ConjugateGradients::Spaces {
       in_single.setup(system, false);
       return in_single;
     }
-    nodal.setup(A, false);
+    nodal.setup(A, false, &system.constraints);
     return nodal;
   }
 };

@@ -132,7 +132,7 @@ struct PreconditionedConjugateGradients::Spaces {
     knows_kernels = A.matrix_free(system);
     preconditioned_by = PreconditionedBy::kNothing;
     if (!knows_kernels) {
-      nodal.setup(A, true);
+      nodal.setup(A, true, &system.constraints);
       return nodal;
     }
     require_device_alone(system);
@@ -155,7 +155,7 @@ struct PreconditionedConjugateGradients::Spaces {
     if (!system.has_one_body()) {
       has_known_radii = several.setup(system, rest, system.others.empty() ? nullptr : &lumped, cycles, radii);
       const bool is_single = std::ranges::any_of(system.bodies, [](const KernelBody& b) { return !b.double_operator; });
-      nodal.setup(A, true, &several, is_single ? kSingleRounding : kDoubleRounding, &bodies);
+      nodal.setup(A, true, &system.constraints, &several, is_single ? kSingleRounding : kDoubleRounding, &bodies);
       return nodal;
     }
     const KernelBody& body = system.bodies.front();
@@ -293,40 +293,37 @@ PreparedSystem PreconditionedConjugateGradients::prepare(const LinearSystem& A, 
   for (SpectralRadii& radii : spaces_->radii) radii.num_solves = 0;  // valid for all solvers of A
   spaces_->latest = &spaces_->choose(A, preconditioner_);
   memory.radii = spaces_->radii;
-  const PreconditionedBy preconditioner = spaces_->preconditioned_by;
   const MatrixFreeSystem& system = spaces_->system;
-  if (system.constraints.projector) prepared.ties = &system.constraints;
-  prepared.is_near_inverse = preconditioner == PreconditionedBy::kMultigrid && system.is_one_body();
+  if (system.constraints.free.rows() == A.num_nodes()) prepared.constraints = &system.constraints;
   // a device has one set of vectors for all solvers
   prepared.is_concurrent =
-      preconditioner != PreconditionedBy::kNothing && system.is_one_body() && !system.bodies.front().device;
+      spaces_->preconditioned_by != PreconditionedBy::kNothing && system.is_one_body() && !system.bodies.front().device;
   return prepared;
 }
 
-// The energy of the error before an iteration, e.A e, is about r.z; that of x is what each iteration adds to it. When
-// r.z tells that it is enough, most of another iteration is done: it is brought to its end.
-int PreconditionedConjugateGradients::approximate(ConstPoints b, double error, bool has_start, Points x, Points r) {
+SolveReport PreconditionedConjugateGradients::approximate(ConstPoints b, double residual, bool has_start, Points x,
+                                                          Points r) {
+  SolveReport report;
   CgSpace& space = *spaces_->latest;
   const ConstPoints start(x);  // which is read before x is written
-  space.begin(b, has_start ? &start : nullptr);
-  double energy = has_start ? std::max(hexaplast::dot(b, x), 0.0) : 0, rho_before = 0;
-  int iterations = 0;
-  for (bool is_enough = false; iterations < iterations_ && !is_enough; ++iterations) {
+  const double b_b = hexaplast::dot(b, b), enough = residual * residual * b_b;
+  double r_r = space.begin(b, has_start ? &start : nullptr), rho_before = 0;
+  if (has_start && !(r_r <= b_b)) r_r = space.begin(b, nullptr);  // worse than none
+  for (; report.iterations < iterations_ && !(r_r <= enough); ++report.iterations) {
     const double rho = space.precondition();
     require_finite(0, rho);
     require_definite(rho);
-    if (rho == 0) break;
-    const double p_Ap = space.product(iterations == 0 ? 0 : rho / rho_before);
+    const double p_Ap = space.product(report.iterations == 0 ? 0 : rho / rho_before);
     require_finite(p_Ap, rho);
     if (p_Ap <= 0) throw_indefinite(p_Ap);
-    space.advance(rho / p_Ap);
-    energy += rho * rho / p_Ap;
-    is_enough = rho <= error * error * energy;
+    r_r = space.advance(rho / p_Ap);
     rho_before = rho;
   }
   space.end(x);
   space.residual(r);
-  return iterations;
+  report.residual = b_b > 0 ? std::sqrt(r_r / b_b) : 0;
+  report.converged = r_r <= enough;
+  return report;
 }
 
 void PreconditionedConjugateGradients::refine_residual(ConstPoints b, ConstPoints x, Points r) {

@@ -42,7 +42,10 @@ class Tethers final : public StepForces {
     EXPECT_EQ(step.dt, 0.01);
     ++num_begun;
   }
-  void end_step(const Pair<ConstPoints>& x) override { end = x.first; }
+  void end_step(const Pair<ConstPoints>& x) override {
+    if (fails) throw std::runtime_error("thrown at the end");
+    end = x.first;
+  }
   void reset() override { num_begun = 0; }
   void serialize(Archive& archive) override { archive(num_begun); }
   void add_force(double, const Pair<ConstPoints>& x, const Pair<ConstPoints>& v, Pair<Points> f) override {
@@ -63,6 +66,7 @@ class Tethers final : public StepForces {
 
   static constexpr double kStiffness = 20, kDamping = 3;
   int num_begun = 0;
+  bool fails = false;
   PointArray end;
 
  private:
@@ -201,6 +205,34 @@ TEST(MovingBody, FixedNodesStayWhateverTheirVelocitiesSay) {
     EXPECT_TRUE(moving.velocities.middleRows(first, count).isZero(0));
   }
   EXPECT_LT(moving.positions(10, 2), before(10, 2));
+}
+
+// The solution before, which a warm start takes, moves what is fixed now.
+TEST(MovingBody, FixedNodesStayWhateverTheLatestSolutionSays) {
+  for (const Implementation implementation : {Implementation::kAuto, Implementation::kPlain}) {
+    MovingBody moving(yielding_bar({.implementation = implementation}), {.gravity = {0, 0, -1}, .fixed = {0, 1, 2}},
+                      std::make_unique<ConjugateGradients>(ConjugateGradientSettings{
+                          .iterations = 200, .tolerance = 1e-8, .threshold = 0, .warm_start = true}));
+    moving.run(3);
+    moving.fix(kEnd);
+    const PointArray before = moving.positions;
+    moving.run(2);
+    EXPECT_EQ(moving.positions.bottomRows(9), before.bottomRows(9));
+    EXPECT_LT(moving.positions(10, 2), before(10, 2));
+  }
+}
+
+// A force that fails at the end of a step: nothing has flowed.
+TEST(MovingBody, IsAsBeforeWhereTheEndOfAStepThrows) {
+  MovingBody moving(yielding_bar(), pulling());
+  Tethers tethers(moving.positions);
+  moving.add(tethers);
+  moving.run(100);
+  ASSERT_GT(moving.body.state().history.dissipated_energy, 0);
+  tethers.fails = true;
+  const std::string before = moving.state_hash();
+  EXPECT_THROW(moving.step(), std::runtime_error);
+  EXPECT_EQ(moving.state_hash(), before);
 }
 
 TEST(MovingBody, NodesThatAreReleasedBeforeTheStepDoNotKeepTheVelocityToTheirPlace) {

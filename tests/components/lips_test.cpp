@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Bodies that touch themselves and are cut: the lips of the cut touch each other, and begin to without force.
+#include <fmt/format.h>
+
+#include <numbers>
+#include <optional>
+
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/body.hpp"
 #include "hexaplast/geometry/grid.hpp"
@@ -262,6 +267,46 @@ TEST(Lips, GoOnWithTheSameBits) {
     run(*one, 3);
   }
   EXPECT_EQ(saved(other), saved(fresh));
+}
+
+// Lips lie on one another but for rounding, which knows the axes.
+TEST(Lips, TouchInWhateverWayTheBodyIsTurned) {
+  const HexMesh grid = regular_grid({4, 2, 1}, Vec3::Zero(), {4 * kCell, 2 * kCell, kCell});
+  std::string foot, end;
+  for (int n = 0; n < grid.num_nodes(); ++n) {
+    if (grid.positions()(n, 0) == 0) foot += std::to_string(n) + " ";
+    if (grid.positions()(n, 0) > 3.5 * kCell) end += std::to_string(n) + " ";
+  }
+  std::vector<int> joints;
+  std::optional<PointArray> expected;
+  double touching = 0;
+  for (const double angle : {0.0, 1e-9, std::numbers::pi / 2, 2.1}) {
+    const Mat3 R = Eigen::AngleAxisd(angle, Vec3(1, angle == 2.1, 0).normalized()).toRotationMatrix();
+    const Vec3 pull = R * Vec3(-0.05, 0.02, 0);
+    scene::Scene scene = read_and_init(
+        "<Node dt='0.01' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver rayleighMass='0.3' "
+        "rayleighStiffness='0.02'/><SparseLDLSolver/>" +
+        mesh_topology(HexMesh(grid.positions() * R.transpose(), grid.hexahedra())) +
+        "<MechanicalObject name='nodes'/><DiagonalMass massDensity='1000'/><HexahedronElastoplasticFEMForceField "
+        "name='flesh' youngModulus='8000' poissonRatio='0.4'/><FixedProjectiveConstraint indices='" +
+        foot + "'/><ConstantForceField indices='" + end +
+        fmt::format("' totalForce='{} {} {}'/><TissueContactForceField name='touch' friction='0.2'/></Node>", pull[0],
+                    pull[1], pull[2]));
+    run(scene, 3);
+    if (!expected) joints = joints_across(lips_body(scene), 0, 2 * kCell);
+    scene.open(flesh(scene), joints);
+    run(scene, 1);
+    const double touching_now = reading(scene, "touching");
+    run(scene, 10);
+    const PointArray back = nodes(scene) * R;
+    if (!expected) {
+      expected = back;
+      touching = touching_now;
+      EXPECT_GT(touching, 10);
+    }
+    EXPECT_EQ(touching_now, touching) << angle;
+    EXPECT_LE((back - *expected).cwiseAbs().maxCoeff(), 1e-9) << angle;
+  }
 }
 
 TEST(Lips, OfASheetThatClosesDoNotPassThroughEachOther) {

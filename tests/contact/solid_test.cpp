@@ -91,6 +91,23 @@ TEST(Solid, ASurfaceOfABoxIsTheBox) {
   EXPECT_NEAR(solid.reach(), box.reach(), 1e-15);
 }
 
+// Where contacts begin: the way from the surface is rounding.
+TEST(Solid, NormalsOnASurfaceAreThoseOfItsFaces) {
+  const Vec3 size(0.5, 0.9, 0.2);
+  const Surface surface = box_surface(size);
+  const Mat3 turned = Eigen::AngleAxisd(1.1, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
+  const Solid solid = Solid::closed_surface(surface.positions * turned.transpose(), surface.triangles);
+  Random random(9);
+  for (const double depth : {0.0, 1e-16, 1e-15, 1e-13})
+    for (int k = 0; k < 1000; ++k) {
+      const int axis = k % 3;
+      Vec3 p = 0.9 * random.vector(0.5).cwiseProduct(size), normal = Vec3::Zero();
+      normal[axis] = k % 2 ? 1 : -1;
+      p[axis] = normal[axis] * (size[axis] / 2 - depth);
+      EXPECT_LE((solid.distance(turned * p).normal - turned * normal).norm(), 1e-12) << depth;
+    }
+}
+
 // A ring around z, of this radius, and round like a wire.
 Surface ring(double radius, double wire) {
   constexpr int kAlong = 60, kAround = 12;

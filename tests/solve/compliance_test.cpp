@@ -110,6 +110,44 @@ INSTANTIATE_TEST_SUITE_P(Systems, ComplianceOf,
                                          SystemCase{"two_bodies", 2e5, Precision::kMixed, Preconditioner::kAuto, 0, 2}),
                          [](const auto& each) { return std::string(each.param.name); });
 
+// Of which a preconditioned residual sees little.
+TEST(Compliance, KnowsTheBendingOfSlenderAndStiffBodies) {
+  for (const double young_modulus : {5e4, 5e5, 5e6})
+    for (const Preconditioner preconditioner : {Preconditioner::kAuto, Preconditioner::kDiagonal}) {
+      Slab bar(regular_grid({20, 4, 4}, Vec3::Zero(), {0.1, 0.02, 0.02}));
+      bar.add_body(0, bar.mesh.num_elements(), young_modulus);
+      bar.diagonal /= 8;  // cells of half a centimetre
+      const std::vector<ConstraintRow> rows = {{{bar.num_nodes() - 1, Vec3(0, 0, 1)}}};
+      const double expected = factorised(bar, rows)(0, 0);
+      for (const double tolerance : {1e-3, 1e-5}) {
+        Compliance compliance(preconditioner, tolerance);
+        EXPECT_NEAR(compliance.find(bar, rows)(0, 0), expected, 5 * tolerance * expected) << young_modulus;
+        EXPECT_EQ(compliance.num_stalled(), 0);
+      }
+    }
+}
+
+// The solutions before, which solves begin with, move what is fixed now.
+TEST(Compliance, FollowsConstraintsThatChange) {
+  for (const int num_bodies : {1, 2}) {
+    Slab slab(slab_mesh());
+    const int num_elements = slab.mesh.num_elements(), of_first = num_elements / num_bodies;
+    slab.add_body(0, of_first, 2e4);
+    if (num_bodies == 2) slab.add_body(of_first, num_elements, 1e4);
+    const std::vector<ConstraintRow> rows = contacts(slab, 3, 0.2);
+    Compliance compliance(Preconditioner::kAuto, 1e-6);
+    compliance.find(slab, rows);
+    for (int n = 0; n < slab.num_nodes(); ++n)
+      if (slab.mesh.positions()(n, 2) == 0) slab.held.push_back(n);
+    const Eigen::MatrixXd expected = factorised(slab, rows);
+    EXPECT_LE((compliance.find(slab, rows) - expected).norm(), 1e-5 * expected.norm()) << num_bodies;
+    slab.slides = true;
+    const Eigen::MatrixXd sliding = compliance.find(slab, rows);
+    Compliance anew(Preconditioner::kAuto, 1e-6);
+    EXPECT_LE((sliding - anew.find(slab, rows)).norm(), 1e-5 * expected.norm()) << num_bodies;
+  }
+}
+
 TEST(Compliance, ForcesOfMultipliersAreThoseOfTheTransposedJacobian) {
   const std::vector<ConstraintRow> rows = {{{1, Vec3(1, 2, 3)}, {0, Vec3(0, 0, 4)}}, {{1, Vec3(5, 0, 0)}}};
   PointArray f = PointArray::Ones(2, 3), expected(2, 3);

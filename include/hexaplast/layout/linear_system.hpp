@@ -144,6 +144,7 @@ struct MatrixFreeSystem {
     bodies.clear();
     others.clear();
     parts.clear();
+    constraints.free.setOnes();
     constraints.projector = nullptr;
     constraints.ties.clear();
   }

@@ -39,9 +39,8 @@ enum class Preconditioner {
 
 /// What `prepare` says of a system.
 struct PreparedSystem {
-  bool is_near_inverse = false;       ///< the preconditioner is a cycle, and of all that acts
-  bool is_concurrent = false;         ///< `approximate` of several solvers may run at the same time
-  const Constraints* ties = nullptr;  ///< of A, where they tie degrees of freedom: until the next `prepare`
+  bool is_concurrent = false;                ///< `approximate` of several solvers may run at the same time
+  const Constraints* constraints = nullptr;  ///< of A, if it has told them; until the next `prepare`
 };
 
 /// Preconditioned conjugate gradients that end on |r| <= max(tolerance |b|, A.rounding()) alone: for systems of our
@@ -64,10 +63,9 @@ class PreconditionedConjugateGradients final : public LinearSolver {
   /// of them. memory: of all solvers of this A.
   PreparedSystem prepare(const LinearSystem& A, SolverMemory& memory);
 
-  /// x near A^-1 b of the A of the latest prepare, and r = b - A x: ends one iteration after an error of about `error`
-  /// of |x| in the energy norm. has_start: x is near the solution already. Returns the number of iterations. Throws
-  /// NumericalError where A is not positive definite.
-  int approximate(ConstPoints b, double error, bool has_start, Points x, Points r);
+  /// x near A^-1 b of the A of the latest prepare, and r = b - A x, |r| <= residual |b|. b, and x with has_start, which
+  /// it begins with, keep the constraints. Throws NumericalError where A is not positive definite.
+  SolveReport approximate(ConstPoints b, double residual, bool has_start, Points x, Points r);
   /// r = b - A x in double precision, where products of `approximate` are in single; elsewhere r stays.
   void refine_residual(ConstPoints b, ConstPoints x, Points r);
 

@@ -328,6 +328,10 @@ private:
                     for (int j = 0; j < static_cast<int>(W.rows()); ++j)
                         result.add(found.numbers[i], found.numbers[j], factor * W(i, j));
                 msg_info() << W.rows() << " rows of constraints, " << m_compliance.iterations() << " iterations";
+                if (m_compliance.num_stalled() > 0)
+                    msg_warning()
+                        << m_compliance.num_stalled() << " of " << W.rows()
+                        << " rows of constraints are not solved to the tolerance: their bodies appear stiffer";
             });
         m_knowsCompliance = true;
     }
