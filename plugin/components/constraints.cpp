@@ -40,6 +40,8 @@ class NodeConstraint : public scene::ProjectiveConstraint, public scene::Changea
     if (!supports) reject(name, "is told by EulerImplicitSolver only, as the time integrator");
     supports->keep_support_forces();
     const PointArray forces = supports->support_forces(state);
+    if (forces.rows() == 0 && node().clock().time > 0)
+      reject(name, "is measured from the next step on: nothing asked for it before, as a Probe does");
     Vec3 sum = Vec3::Zero();
     for (const int node : nodes_) {
       if (forces.rows() == 0) break;

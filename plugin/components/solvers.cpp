@@ -186,7 +186,7 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
 
   void serialize(Archive& archive) override {
     SystemSolver::serialize(archive);
-    if (keeps_supports_) serialize_supports(archive);  // by probes, which are part of the scene
+    serialize_supports(archive);
     update_balance();
     bool is_kept = balance_.has_value();
     archive(is_kept);
@@ -218,10 +218,11 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
   }
 
   void serialize_supports(Archive& archive) {
-    PointArray saved = support_forces_;
+    PointArray saved = support_forces_;  // without rows where nobody keeps them
     archive(saved);
     if ((saved.rows() != 0 && saved.rows() != system().num_nodes()) || !saved.allFinite())
       throw InputError("forces of constraints are saved of other nodes");
+    if (saved.rows() > 0 && !keeps_supports_) keep_support_forces();
     support_forces_ = std::move(saved);
   }
 

@@ -26,7 +26,11 @@ void Component::reject_missing(std::string_view category) {
 }
 
 void Component::reject_late(std::string_view category, const Component& other) {
-  reject(fmt::format("needs its {} ('{}') before it in the scene", category, other.name()));
+  const bool is_before = other.place().file == place().file && other.place().line < place().line;
+  reject(is_before ? fmt::format("is asked for by a component of a node above, which comes before its {} ('{}') is "
+                                 "initialised: put that component into a node behind this one",
+                                 category, other.name())
+                   : fmt::format("needs its {} ('{}') before it in the scene", category, other.name()));
 }
 
 void Component::require_sound(const Component& other) const {

@@ -81,7 +81,8 @@ bool are_compatible(const attributes::Attribute& from, const attributes::Attribu
 
 void refuse_link(Diagnostics& diagnostics, const Data& data, const std::string& link, const std::string& problem,
                  std::string hint = {}) {
-  diagnostics.error(data.place(),
+  const bool is_by_src = data.place().file.empty();  // that of another attribute says where
+  diagnostics.error(is_by_src ? data.owner().place() : data.place(),
                     fmt::format("{}.{}: link '{}' {}", data.owner().class_name(), data.attribute().name, link, problem),
                     std::move(hint));
 }

@@ -28,7 +28,7 @@ FORM = "must be PATH.attribute=a:b:n, PATH.attribute=a:b:n:log or PATH.attribute
 FINAL_CODES = (0, 3, 4)  # of runs that would end in the same way again
 ENDS = ("plastic_elongation", "plastic_twist_deg", "current_elongation", "current_twist_deg")
 RESULTS = ("volume_error", "largest_plastic_strain", "elastic_energy", "kinetic_energy", "dissipated_energy", "removed",
-           "state_hash")
+           "opened", "state_hash")
 DATA = "states.h5"
 TABLE_INTERVAL = 0.5  # [s] between two tables during a sweep
 FILES = ("sweep.json", "sweep.csv", "sweep_times.csv", "sweep.svg", "sweep.h5")

@@ -5,10 +5,13 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cmath>
 #include <concepts>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
+#include "body_state.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/hash.hpp"
 #include "rows.hpp"
@@ -392,7 +395,8 @@ void add_owned_body(py::module_& module) {
       .def(py::pickle(in_turn([](Body& b) {
                         const HexMesh& mesh = b.body().initial_mesh();
                         return py::make_tuple(taken(mesh.positions()), cells_of(mesh.hexahedra()), b.body().materials(),
-                                              b.body().settings(), saved(b.body()));
+                                              b.body().settings(), saved(b.body()), b.body().device(),
+                                              std::as_const(b.body()).state().time_step);
                       }),
                       [](const py::tuple& state) {
                         const RealArray x = points("positions", state[0]);
@@ -400,6 +404,8 @@ void add_owned_body(py::module_& module) {
                             HexMesh(as_points(x), hexahedra("hexahedra", state[1])),
                             state[2].cast<std::vector<Material>>(), state[3].cast<Settings>());
                         load(*body, state[4].cast<py::bytes>());
+                        body->use_device(state[5].cast<std::string>());
+                        if (const double dt = state[6].cast<double>(); !std::isnan(dt)) body->set_time_step(dt);
                         return std::make_shared<Body>(std::move(body));
                       }))
       .def("set_material", in_turn([](Body& b, const std::variant<Material, std::vector<Material>>& material) {

@@ -86,6 +86,7 @@ class Body final : public BodyState {
     BodyState::body_ = std::move(body);
     is_in_simulation_ = true;
   }
+  void leave_simulation() { is_in_simulation_ = false; }
   bool is_in_simulation() const { return is_in_simulation_; }
 
  private:

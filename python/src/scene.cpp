@@ -217,6 +217,15 @@ class Scene {
     return checked([&] { return python_value(scene::named_attribute(*scene_, name, "get " + name)); });
   }
 
+  py::object force(const std::string& path) {
+    return checked([&] {
+      scene::Data& data = scene::named_attribute(*scene_, path + ".force", "force " + path);
+      if (data.attribute().access != attributes::Access::kOutput)
+        throw InputError(fmt::format("force: {} '{}' has no output 'force'", data.owner().class_name(), path));
+      return python_value(data);
+    });
+  }
+
   py::dict probes() {
     return checked([&] {
       py::dict values;
@@ -495,10 +504,11 @@ void add_scene(py::module_& module) {
           "changed, where there is no such attribute, it cannot change in a run, or the value is none of it")
       .def("get", in_turn([](Scene& s, const std::string& path) { return s.get(path); }), py::arg("path"),
            "The present value of 'node/component.attribute': a number, text, or new array; None where it is neither\n"
-           "given nor has a default")
+           "given nor has a default. The reaction of a constraint is measured from the first time on that it, or a "
+           "Probe, asks")
       .def_property_readonly("probes", in_turn([](Scene& s) { return s.probes(); }),
                              "Of each Probe its present value, by name")
-      .def("force", in_turn([](Scene& s, const std::string& path) { return s.get(path + ".force"); }), py::arg("path"),
+      .def("force", in_turn([](Scene& s, const std::string& path) { return s.force(path); }), py::arg("path"),
            "(3,) [N] the output `force` of a component: of contact that of the body on the instrument, of a grip that "
            "of\n"
            "the tool on the body, in the latest step")

@@ -139,6 +139,8 @@ PointArray Simulation::forces_from(const char* name, const py::object& given) co
 void Simulation::advance(const PointArray& forces, RunReport& report) {
   if (forces.rows() != num_nodes())
     throw InputError(fmt::format("forces: of {} nodes, the simulation has {} now", forces.rows(), num_nodes()));
+  // on fixed nodes too, where no step would notice
+  if (!forces.allFinite()) throw NumericalError("the nodal forces are not finite");
   *forces_ = forces;
   for (const std::shared_ptr<Tool>& tool : tools_) tool->begin_step(moving_->dt());
   const FlowReport flowed = moving_->step();
@@ -405,9 +407,10 @@ void add_simulation(py::module_& module) {
           },
           py::arg("position"), py::kw_only(), py::arg("radius") = py::none(), py::arg("nodes") = py::none(),
           py::arg("stiffness") = 1000.0, py::arg("max_force") = py::none(), py::arg("damping") = 0.0,
-          "Open forceps at a position (3,) [m]. Closed, they hold the nodes within radius [m], of `nodes` where these "
-          "are given,\n"
-          "by springs of stiffness [N/m] and dashpots [N s/m] together, with max_force [N] at most")
+          "Open forceps at a position (3,) [m]. Closed, they hold the nodes within radius [m], of `nodes` with all "
+          "their copies\n"
+          "where these are given, by springs of stiffness [N/m] and dashpots [N s/m] together, with max_force [N] at "
+          "most")
       .def_property_readonly(
           "instruments", [](const Simulation& s) { return py::tuple(py::cast(s.all<SolidTool>())); },
           "of add_instrument, in their order")
@@ -425,9 +428,10 @@ void add_simulation(py::module_& module) {
           "with\n"
           "checksums: what comes after load() has the same bits")
       .def("load", in_turn([](Simulation& s, const py::bytes& data) { s.load(data); }), py::arg("data"),
-           "Takes over what save() of a simulation with the same mesh, settings, arguments, instruments and grips "
-           "returned.\n"
-           "What is damaged or another one's is a ValueError that names what differs, and changes nothing")
+           "Takes over what save() of a simulation with the same mesh, settings, density, dt, gravity, damping,\n"
+           "instruments and grips returned; its solver may be another. What is damaged or another one's is a "
+           "ValueError, which\n"
+           "names the instrument or grip that differs, and changes nothing")
       .def(py::pickle(in_turn([](Simulation& s) {
                         py::list tools;
                         for (const auto& tool : s.all<Tool>())

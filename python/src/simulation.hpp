@@ -35,6 +35,9 @@ struct Arguments {
 class Simulation {
  public:
   Simulation(std::shared_ptr<Body> body, Arguments arguments);
+  ~Simulation() { body_->leave_simulation(); }
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
 
   MovingBody& get() { return *moving_; }
   const PointArray& positions() const { return moving_->positions; }

@@ -8,6 +8,7 @@
 #include <cctype>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <type_traits>
 
@@ -20,7 +21,7 @@ namespace hexaplast::python {
 namespace {
 
 parts::Surroundings around(const Body& body) {
-  const int num_nodes = body.BodyState::body().mesh().num_nodes();
+  const int num_nodes = body.BodyState::body().initial_mesh().num_nodes();
   return {.num_nodes = {num_nodes, num_nodes}, .bodies = {&body.BodyState::body(), &body.BodyState::body()}};
 }
 
@@ -193,12 +194,21 @@ std::shared_ptr<Grip> make_grip(std::shared_ptr<Body> body, const py::dict& argu
   parts::GraspOptions options;
   options.is_prescribed = true;
   options.radius = given<double>(arguments, "radius");
-  if (!arguments["nodes"].is_none()) options.indices = indices("nodes", arguments["nodes"], around(*body).num_nodes[0]);
+  const py::dict kept = arguments.attr("copy")();
+  if (!arguments["nodes"]
+           .is_none()) {  // all copies of each: by initial nodes, which are those of every copy of the body
+    const hexaplast::Body& present = body->body();
+    std::set<int> initial;
+    for (const int node : indices("nodes", arguments["nodes"], present.mesh().num_nodes()))
+      initial.insert(present.copies().initial()[node]);
+    options.indices.emplace(initial.begin(), initial.end());
+    kept["nodes"] = *options.indices;
+  }
   options.stiffness = arguments["stiffness"].cast<double>();
   options.max_force = given<double>(arguments, "max_force");
   options.damping = arguments["damping"].cast<double>();
   const Vec3 position = vector_from("position", arguments["position"]);
-  return std::make_shared<Grip>(std::move(body), position, std::move(options), arguments);
+  return std::make_shared<Grip>(std::move(body), position, std::move(options), kept);
 }
 
 std::vector<std::string> names_of(const std::vector<std::shared_ptr<Tool>>& tools) {

@@ -412,3 +412,22 @@ def test_pictures_of_a_simulation_and_of_a_scene_have_views_and_scales():
                 moving.picture(**how)
     scene.run(40)  # the jaws have moved: not the clock alone is another
     assert (scene.picture(320, 180, camera=camera)[40:140] != seen[3][40:140]).any()
+
+
+def test_a_grip_that_is_added_after_a_cut_holds_all_copies_of_its_nodes():
+    simulation = block((4, 2, 2), gravity=(0, 0, -1))
+    simulation.open([j for j, (a, b) in enumerate(simulation.body.joints.pairs) if a % 4 == 1 and b % 4 == 2])
+    initial = np.asarray(simulation.body.initial_nodes)
+    copies = np.flatnonzero(np.bincount(initial)[initial] > 1)
+    assert len(copies) == 18
+    for nodes in ([copies[-1]], np.arange(len(initial)) == copies[-1], [initial[copies[-1]]]):
+        grip = simulation.add_grip(simulation.positions[copies[-1]], nodes=nodes)
+        grip.close()
+        simulation.step()
+        assert sorted(initial[list(grip.nodes)]) == [initial[copies[-1]]] * 2, "both copies"
+    with pytest.raises(ValueError, match="nodes"):
+        simulation.add_grip((0, 0, 0), nodes=[len(initial)])
+    copy = simulation.copy()
+    copy.run(3)
+    simulation.run(3)
+    assert copy.state_hash() == simulation.state_hash()

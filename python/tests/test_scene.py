@@ -411,10 +411,33 @@ def test_what_a_scene_shows_is_read(touched):
     assert scene.get("strip/material.plasticStrain").shape == (24,)
     with pytest.raises(ValueError, match="has no attribute 'force'"):
         scene.force("strip/material")
+    with pytest.raises(ValueError, match="has no output 'force'"):
+        scene.force("strip/nodes")
     with pytest.raises(ValueError, match="(?s)get strip/tip.forces.*did you mean 'force'"):
         scene.get("strip/tip.forces")
     with pytest.raises(TypeError, match="value: "):
         scene.set("strip/tip.friction", object())
+
+
+def test_a_reaction_is_measured_from_when_it_is_asked_for(touched):
+    scene, asked, probed = (hexaplast.Scene(touched) for _ in range(3))
+    asked.get("strip/FixedProjectiveConstraint1.reaction")
+    for one in (scene, asked):
+        one.run(12)
+    reaction = asked.get("strip/FixedProjectiveConstraint1.reaction")
+    assert np.linalg.norm(reaction) > 0
+    with pytest.raises(ValueError, match="is measured from the next step on"):
+        scene.get("strip/FixedProjectiveConstraint1.reaction")
+    before = scene.save()
+    for state in (before, asked.save()):
+        probed.load(state)
+    assert (probed.get("strip/FixedProjectiveConstraint1.reaction") == reaction).all()
+    for one in (scene, asked, probed, scene.copy()):
+        one.step()
+        hash_then = one.state_hash()
+        assert hash_then == scene.state_hash()
+    assert (scene.get("strip/FixedProjectiveConstraint1.reaction") ==
+            probed.get("strip/FixedProjectiveConstraint1.reaction")).all()
 
 
 def test_an_instrument_goes_where_its_pose_is_set(touched):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Bodies in motion, against hand values."""
 import concurrent.futures
+import gc
 import pickle
 import threading
 import time
@@ -14,10 +15,10 @@ import hexaplast
 from bars import STRETCHED
 
 
-def bar(cells=(1, 1, 4), **material):
+def bar(cells=(1, 1, 4), settings=hexaplast.Settings(), **material):
     """0.1 x 0.1 x 0.4 m along z."""
     positions, hexahedra = hexaplast.grid(cells, (0, 0, 0), (0.1, 0.1, 0.4))
-    return hexaplast.Body(positions, hexahedra, hexaplast.Material(**material))
+    return hexaplast.Body(positions, hexahedra, hexaplast.Material(**material), settings)
 
 
 def test_sizes_that_no_tissue_has_and_empty_selections_are_warned_of():
@@ -239,3 +240,47 @@ def test_a_bar_that_is_cut_through_falls_apart_and_goes_on_from_what_was_saved()
     simulation.reset()
     assert len(simulation.positions) == 81 and (simulation.positions == body.initial_positions).all()
     assert body.opened == [] and simulation.picture(64, 64).shape == (64, 64, 3)
+
+
+def test_forces_that_are_no_numbers_are_refused_on_held_nodes_too():
+    simulation = hexaplast.Simulation(bar(), reactions=True)
+    simulation.fix([0])
+    for bad in (np.nan, np.inf):
+        forces = np.zeros((len(simulation.positions), 3))
+        forces[0, 1] = bad
+        with pytest.raises(ArithmeticError, match="forces are not finite"):
+            simulation.step(forces)
+
+
+def test_a_simulation_that_relaxes_tells_its_energy_at_once():
+    settings = hexaplast.Settings(relaxation=[0.5, 0.1])
+    simulation = hexaplast.Simulation(bar(settings=settings))
+    assert simulation.elastic_energy == pytest.approx(0, abs=1e-12)
+    simulation.set_state(1.1 * simulation.positions, simulation.velocities)
+    for other in (simulation, pickle.loads(pickle.dumps(simulation)), simulation.copy()):
+        assert other.elastic_energy == simulation.elastic_energy > 0
+        assert other.body.energy(other.positions) == simulation.elastic_energy
+    body = pickle.loads(pickle.dumps(simulation.body))
+    assert body.energy(simulation.positions) == simulation.elastic_energy
+
+
+def test_copies_are_on_the_device_of_the_original():
+    simulation = hexaplast.Simulation(bar(settings=hexaplast.Settings(precision="mixed")), gravity=(0, 0, -1))
+    simulation.body.device = "emulation"
+    for other in (simulation.copy(), pickle.loads(pickle.dumps(simulation))):
+        assert other.body.device == "emulation"
+        other.run(2)
+    simulation.run(2)
+    assert other.state_hash() == simulation.state_hash()
+
+
+def test_a_body_is_free_when_its_simulation_has_gone():
+    body = bar()
+    simulation = hexaplast.Simulation(body)
+    simulation.step()
+    with pytest.raises(ValueError, match="in a simulation already"):
+        hexaplast.Simulation(body)
+    del simulation
+    gc.collect()
+    body.open([0])
+    assert hexaplast.Simulation(body).step().converged

@@ -254,4 +254,22 @@ TEST(BodyField, StandsBehindItsState) {
             "the scene");
 }
 
+TEST(NodeOfSeveral, IsInitialisedBeforeThoseBelow) {
+  const std::string constraint =
+      "<AttachProjectiveConstraint object1='@/a/nodes' object2='@/w/points' indices1='@/a/pick.indices' indices2='0'/>";
+  const auto scene = [](const std::string& above, const std::string& behind) {
+    return "<Node><DefaultAnimationLoop/><EulerImplicitSolver/><CGLinearSolver/>" + above +
+           "<Node name='a'>\n<RegularGridTopology n='3 3 3' max='1 1 1'/><MechanicalObject name='nodes'/>"
+           "<UniformMass totalMass='1'/>\n<BoxROI name='pick' box='.9 .9 .9 2 2 2'/></Node>"
+           "<Node name='w'><MechanicalObject name='points' position='1 1 1'/><UniformMass totalMass='1'/></Node>" +
+           behind + "</Node>";
+  };
+  EXPECT_NE(errors_of(scene(constraint, ""))
+                .find("test.scn:3: error: BoxROI: is asked for by a component of a node "
+                      "above, which comes before its MechanicalState ('nodes')"),
+            std::string::npos)
+      << errors_of(scene(constraint, ""));
+  EXPECT_EQ(errors_of(scene("", "<Node>" + constraint + "</Node>")), "");
+}
+
 }  // namespace

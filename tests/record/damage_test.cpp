@@ -330,7 +330,7 @@ TEST_F(CheckpointFile, HasTheDocumentedLayout) {
   const std::string bytes = read("checkpoint_000000001.hxc");
   ASSERT_EQ(bytes.size(), 32u + (8 + 8 + 8 + 8 + 12 + 8) + (8 + 8 + 8 + 4 + 8));
   EXPECT_EQ(bytes.substr(0, 8), std::string("HXPCKPT\0", 8));
-  EXPECT_EQ(bytes.substr(8, 8), std::string("\23\0\0\0\2\0\0\0", 8));
+  EXPECT_EQ(bytes.substr(8, 8), std::string("\24\0\0\0\2\0\0\0", 8));
   EXPECT_EQ(bytes.substr(16, 8), "\xef\xcd\xab\x90\x78\x56\x34\x12");
   EXPECT_EQ(bytes.substr(32, 16), std::string("scene\0\0\0\x1c\0\0\0\0\0\0\0", 16));
 }
@@ -372,7 +372,7 @@ TEST_F(CheckpointFile, SaysWhatIsWrong) {
   EXPECT_TRUE(has(refusal("step,time,kinetic_energy"), "other is no checkpoint"));
   EXPECT_TRUE(has(refusal(""), "other is no checkpoint"));
   bytes[8] = 1;
-  EXPECT_TRUE(has(refusal(bytes), "other has format version 1, must be 19"));
+  EXPECT_TRUE(has(refusal(bytes), "other has format version 1, must be 20"));
   EXPECT_THROW(Checkpoint(file("nowhere")), OutputError);
 }
 

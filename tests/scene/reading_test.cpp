@@ -263,6 +263,8 @@ TEST(SceneLinks, CirclesAreFound) {
             "test.scn:4: error: BoxROI.box: link '@a.box' leads back to itself");
   EXPECT_EQ(errors_of(framed("<BoxROI name='a' hexahedra='@a.hexahedraInROI'/>")),
             "test.scn:3: error: BoxROI.hexahedraInROI: depends on itself through links");
+  EXPECT_TRUE(errors_of(framed("<BoxROI name='a' src='@a'/>"))
+                  .starts_with("test.scn:3: error: BoxROI.box: link '@a.box' leads back to itself"));
 }
 
 TEST(SceneLinks, StayLive) {

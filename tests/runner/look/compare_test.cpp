@@ -87,6 +87,26 @@ TEST_F(Compare, RunsOfOtherTimeStepsMeetWhereTheirTimesDo) {
   EXPECT_TRUE(has(hexaplast("compare a c").out, "states at 0.1 s"));
 }
 
+// Each has copies of nodes of its own.
+TEST_F(Compare, MeetsRunsThatAreCutInOtherPlaces) {
+  write(
+      "bar.scn",
+      R"(<Node dt="0.01" gravity="0 0 0"><RunSettings steps="10" outputEvery="5"/><DefaultAnimationLoop/><Node name="a">
+<EulerImplicitSolver/><CGLinearSolver iterations="500" tolerance="1e-10" threshold="0"/>
+<RegularGridTopology n="5 3 2" max="0.04 0.02 0.01"/><MechanicalObject/><DiagonalMass massDensity="1000"/>
+<HexahedronElastoplasticFEMForceField/><FixedProjectiveConstraint indices="0"/>
+<BladeController name="blade" points="0 0 -.05  0 0 .05" keyTimes="0.01 0.05"
+  positions="0.01 -0.01 0  0.01 0.011 0"/></Node></Node>)");
+  run("a");
+  run("b", "--set 'a/blade.positions=0.03 -0.01 0  0.03 0.011 0'");
+  run("c", "--set a/blade.active=false");
+  for (const std::string other : {"b", "c"}) {
+    const std::string out = succeeds("compare a " + other).out;
+    EXPECT_LT(std::stod(line(out, "positions").at(0)), 1e-9);
+    EXPECT_GT(std::stod(line(out, "opened").at(0)), other == "b" ? -1 : 0);
+  }
+}
+
 TEST_F(Compare, WritesAPageOfBothRuns) {
   run("a");
   run("b", "--set bar/material.yieldStress=200");
