@@ -195,8 +195,8 @@ std::shared_ptr<Grip> make_grip(std::shared_ptr<Body> body, const py::dict& argu
   options.is_prescribed = true;
   options.radius = given<double>(arguments, "radius");
   const py::dict kept = arguments.attr("copy")();
-  if (!arguments["nodes"]
-           .is_none()) {  // all copies of each: by initial nodes, which are those of every copy of the body
+  // all copies of each: by initial nodes, which are those of every copy of the body
+  if (!arguments["nodes"].is_none()) {
     const hexaplast::Body& present = body->body();
     std::set<int> initial;
     for (const int node : indices("nodes", arguments["nodes"], present.mesh().num_nodes()))
