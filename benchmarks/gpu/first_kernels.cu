@@ -173,10 +173,10 @@ struct Body {
            block_sum, scalars);
   }
   void add_step() {
-    launch(update, node_blocks, kNodesOfBlock, at.num_nodes, static_cast<float4*>(nullptr),
+    launch(update, node_blocks, kNodesOfBlock, at.num_nodes, static_cast<float4*>(nullptr), Blocks{},
            Factor{0, &at_scalars()->alpha}, p, Ap, dv, r, block_sum, scalars);
   }
-  Direction next() const { return {p, r, nullptr, {0, &at_scalars()->beta}}; }
+  Direction next() const { return {p, r, nullptr, {}, {0, &at_scalars()->beta}}; }
   Scalars* at_scalars() const { return scalars; }
   /// From 0.
   void solve(int iterations) {

@@ -13,6 +13,8 @@
 #include "hexaplast/base/parallel.hpp"
 #include "mesh/trilinear.hpp"
 #include "plastic/isolated_flow.hpp"
+#include "solve/constants.hpp"
+#include "solve/spectrum.hpp"
 
 namespace hexaplast {
 
@@ -41,6 +43,8 @@ std::unique_ptr<DeviceKernels> load(const std::string& name) {
   if (!kernels) throw refuse(file.string() + " belongs to another version of Hexaplast");
   return std::unique_ptr<DeviceKernels>(kernels);
 }
+
+constexpr double kOfBlocks = 1e-10;  ///< of a product, that one by blocks may differ: rounding
 
 /// [-] Corner ratio below which springs may act, in single precision.
 float thin_from(const Model& model) {
@@ -265,20 +269,163 @@ double DeviceBody::flow_left_over(ConstPoints x, double dt, FlowReport& report) 
   return dissipated;
 }
 
-CgSpace& DeviceBody::space(const MatrixFreeSystem& system, const PointArray* of_preconditioner) {
+CgSpace& DeviceBody::space(const MatrixFreeSystem& system, const NodalPart* of_preconditioner) {
   space_.setup(system, of_preconditioner);
   return space_;
 }
 
-void DeviceCgSpace::setup(const MatrixFreeSystem& system, const PointArray* of_preconditioner) {
+std::optional<bool> DeviceBody::use_cycles(bool always, SpectralRadii& radii) {
+  if (!always && !space_.is_stiff()) return {};
+  const std::size_t below = model.coarse_meshes().size();
+  if (below == 0 || below >= SpectralRadii::kMaxLevels) return {};
+  if (!levels_) {
+    levels_.emplace(model, history, bricks_);
+    try {
+      kernels_->set_levels(levels_->arrays().data(), levels_->count());
+    } catch (const std::runtime_error& error) {
+      levels_.reset();
+      throw InputError(fmt::format("device {}: multigrid: {}", name_, error.what()));
+    }
+  }
+  return space_.use_cycles(*levels_, radii);
+}
+
+void DeviceCgSpace::setup(const MatrixFreeSystem& system, const NodalPart* of_preconditioner) {
   others_ = system.others;
   is_scaled_ = of_preconditioner != nullptr;
   free_ = system.constraints.free.cast<double>();
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  field_ = (free_.array() > 0).select(is_scaled_ ? *of_preconditioner : system.diagonal, kInfinite);
+  field_ = (free_.array() > 0).select(is_scaled_ ? of_preconditioner->diagonal : system.diagonal, kInfinite);
   to_nodes(bricks_, system.diagonal, 1, first_);
   to_nodes(bricks_, field_, 1, second_);
-  kernels_.set_system(static_cast<float>(system.bodies.front().factor), first_.data(), second_.data(), is_scaled_);
+  const double factor = system.bodies.front().factor;
+  stiffness_ = kernels_.set_system(static_cast<float>(factor), first_.data(), second_.data(), is_scaled_,
+                                   static_cast<float>(kBreakEven));
+  has_cycles_ = false;
+  if (is_scaled_ && !of_preconditioner->blocks.empty()) set_blocks(of_preconditioner->blocks);
+  has_terms_ = set_terms();
+  of_system_ = {.num_solves = 1,
+                .factor = factor,
+                .diagonal = system.diagonal.sum(),
+                .stiffness = stiffness_.all,
+                .num_free = system.constraints.free.cast<std::int64_t>().sum()};
+}
+
+void DeviceCgSpace::set_blocks(std::span<const NodeBlock> blocks) {
+  const int count = static_cast<int>(blocks.size());
+  std::vector<int> nodes;
+  for (const NodeBlock& block : blocks) nodes.push_back(bricks_.device_node[block.node]);
+  first_.resize(4 * blocks.size());
+  kernels_.get_diagonal(nodes.data(), count, first_.data());
+  std::vector<BlockEntry> entries;
+  for (int k = 0; k < count; ++k) {
+    Vec3 D;
+    for (int i = 0; i < 3; ++i) {
+      const double entry = first_[4 * static_cast<std::size_t>(k) + i];
+      D[i] = std::isfinite(entry) ? std::max(entry, 0.0) : 0;
+    }
+    const auto along = SlotBlocks<float>::entry_of(0, D, blocks[k].block);
+    BlockEntry& to = entries.emplace_back();
+    for (int i = 0; i < 3; ++i) {
+      for (int axis = 0; axis < 3; ++axis) {
+        to.axes[3 * i + axis] = along.axes(i, axis);
+        to.dual[3 * i + axis] = along.dual(i, axis);
+      }
+      to.stiffness[i] = along.stiffness[i];
+      to.inverse[i] = along.inverse[i];
+      to.rigid[i] = along.rigid[i];
+      to.loss[i] = along.loss[i];
+      to.alone[i] = blocks[k].block.row(i).isZero(0) ? 1 : 0;
+    }
+  }
+  kernels_.set_blocks(nodes.data(), entries.data(), count);
+}
+
+/// The terms beside the body become a matrix of the kernels, unless they have no blocks for all that their product
+/// does.
+bool DeviceCgSpace::set_terms() {
+  if (others_.empty()) return false;
+  const int num_nodes = bricks_.num_nodes();
+  if (terms_.num_nodes() != num_nodes) terms_ = BlockMatrix(num_nodes);
+  terms_.clear();
+  for (const NodalTerm& other : others_) other.op->add_blocks(other.factor, terms_);
+  terms_.drop_unused();
+  field_ = irregular_numbers(num_nodes);
+  product_.setZero(num_nodes, 3);
+  for (const NodalTerm& other : others_) other.add_product(field_, product_);
+  const double size = product_.norm();
+  std::vector<int> nodes, first = {0}, column;
+  std::vector<double> blocks;
+  for (int k = 0; k < num_nodes; ++k) {
+    const int n = bricks_.node_of[k];
+    if (terms_.row(n).empty()) continue;
+    for (const BlockMatrix::Entry& entry : terms_.row(n)) {
+      product_.row(n) -= field_.row(entry.column) * entry.block.transpose();
+      column.push_back(bricks_.device_node[entry.column]);
+      for (int i = 0; i < 9; ++i) blocks.push_back(entry.block(i / 3, i % 3));
+    }
+    nodes.push_back(k);
+    first.push_back(static_cast<int>(column.size()));
+  }
+  if (terms_.leaves_out() || !(product_.norm() <= kOfBlocks * size)) return false;
+  if (nodes.empty()) return true;
+  kernels_.set_terms(static_cast<int>(nodes.size()), nodes.data(), first.data(), column.data(), blocks.data());
+  return true;
+}
+
+namespace {
+
+class LanczosOnDevice final : public LanczosSpace {
+ public:
+  LanczosOnDevice(DeviceKernels& kernels, int level, int num_nodes)
+      : kernels_(kernels), level_(level), num_nodes_(num_nodes) {}
+  double start() override {
+    std::vector<float> first(4 * static_cast<std::size_t>(num_nodes_));
+    IrregularNumbers number;
+    for (float& entry : first) entry = number();
+    return kernels_.start_lanczos(level_, first.data());
+  }
+  double multiply(double scale) override {
+    scale_ = static_cast<float>(scale);
+    return kernels_.multiply_lanczos(level_, scale_);
+  }
+  double advance(double along, double before) override {
+    return kernels_.advance_lanczos(level_, scale_, static_cast<float>(along), static_cast<float>(before));
+  }
+
+ private:
+  DeviceKernels& kernels_;
+  int level_, num_nodes_;
+  float scale_ = 1;
+};
+
+}  // namespace
+
+bool DeviceCgSpace::use_cycles(const DeviceLevels& below, SpectralRadii& radii) {
+  has_cycles_ = true;
+  of_system_.num_levels = below.count() + 1;
+  const bool are_known = radii.is_valid_for(of_system_);
+  if (are_known) {
+    ++radii.num_solves;
+  } else {  // without other terms, as Multigrid finds them
+    kernels_.prepare_cycles(false);
+    radii = of_system_;
+    find_radii_of_meshes(
+        of_system_.num_levels,
+        [&](int k) { return LanczosOnDevice(kernels_, k, k == 0 ? bricks_.num_nodes() : below.num_nodes(k - 1)); },
+        [&](int k, double radius) { radii.of_level[k] = radius; });
+  }
+  if (are_known || !others_.empty()) kernels_.prepare_cycles(true);
+  for (int k = 0; k <= below.count(); ++k) {
+    const bool is_coarsest = k == below.count();
+    std::vector<ChebyshevStep> steps;
+    for_each_chebyshev_step(radii.of_level[k], is_coarsest ? kCoarsestFraction : kSmoothedFraction,
+                            is_coarsest ? kCoarsestDegree : kSmoothing, [&](double a, double b) {
+                              steps.push_back({static_cast<float>(a), static_cast<float>(b)});
+                            });
+    kernels_.set_smoother(k, steps.data(), static_cast<int>(steps.size()));
+  }
+  return are_known;
 }
 
 double DeviceCgSpace::begin(ConstPoints b, const ConstPoints* start) {
@@ -298,7 +445,7 @@ double DeviceCgSpace::begin(ConstPoints b, const ConstPoints* start) {
 }
 
 double DeviceCgSpace::product(bool has_direction, double beta) {
-  if (others_.empty()) return unscaled(kernels_.product(has_direction, beta, nullptr));
+  if (others_.empty() || has_terms_) return unscaled(kernels_.product(has_direction, beta, nullptr));
   first_.resize(4 * static_cast<std::size_t>(bricks_.num_nodes()));
   if (has_direction)
     first_ = second_;

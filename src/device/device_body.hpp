@@ -2,10 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "device/bricks.hpp"
+#include "device/device_levels.hpp"
 #include "kernel_backend.hpp"
 #include "solve/cg_space.hpp"
 
@@ -14,14 +16,19 @@ namespace hexaplast {
 /// Why a body cannot be computed on a device: the setting, and what it must be. Empty: it can.
 std::string not_on_device(const Model& model);
 
-/// Conjugate gradients on a device, in single precision; preconditioned by the diagonal.
+/// Conjugate gradients on a device, in single precision; preconditioned by the diagonal, or by a cycle.
 class DeviceCgSpace final : public CgSpace {
  public:
   DeviceCgSpace(DeviceKernels& kernels, const Bricks& bricks) : kernels_(kernels), bricks_(bricks) {}
-  void setup(const MatrixFreeSystem& system, const PointArray* of_preconditioner);
+  void setup(const MatrixFreeSystem& system, const NodalPart* of_preconditioner);
+
+  /// Whether cycles cost less than the diagonal's iterations (kBreakEven).
+  bool is_stiff() const { return stiffness_.stiff > stiffness_.all / 2; }
+  /// Preconditions by cycles on the meshes `below`, which the kernels have. Returns whether the radii were valid.
+  bool use_cycles(const DeviceLevels& below, SpectralRadii& radii);
 
   double begin(ConstPoints b, const ConstPoints* start) override;
-  double precondition() override { return unscaled(norms_.r_z); }
+  double precondition() override { return unscaled(has_cycles_ ? kernels_.precondition() : norms_.r_z); }
   double product(double beta) override { return product(false, beta); }
   double advance(double alpha) override;
   void end(Points x) const override;
@@ -31,14 +38,20 @@ class DeviceCgSpace final : public CgSpace {
   double rounding_of_residual() override { return 0; }  // nobody on a device makes it smaller
 
  private:
+  void set_blocks(std::span<const NodeBlock> blocks);
+  bool set_terms();
   double product(bool has_direction, double beta);
   double unscaled(double square) const { return square / scale_ / scale_; }
 
   DeviceKernels& kernels_;
   const Bricks& bricks_;
   std::span<const NodalTerm> others_;
-  bool is_scaled_ = false;
-  double scale_ = 1;  // of all vectors, for the present b
+  bool is_scaled_ = false, has_cycles_ = false;
+  bool has_terms_ = false;  // the kernels have all of the terms
+  BlockMatrix terms_;
+  DeviceKernels::Stiffness stiffness_;
+  SpectralRadii of_system_;  // without radii: what tells whether others are valid
+  double scale_ = 1;         // of all vectors, for the present b
   DeviceKernels::Norms norms_;
   PointArray free_;             // 1, or 0 where fixed
   PointArray field_, product_;  // for the terms beside the body
@@ -63,10 +76,14 @@ class DeviceBody final : public KernelBackend, public DeviceVectors {
   const Recovery& find_recovery(ConstPoints x) override;
   std::string device() const override { return name_; }
   void download() override;
-  void forget() override { is_set_up_ = has_newer_history_ = false; }
+  void forget() override {
+    is_set_up_ = has_newer_history_ = false;
+    levels_.reset();
+  }
   void renew() override;
 
-  CgSpace& space(const MatrixFreeSystem& system, const PointArray* of_preconditioner) override;
+  CgSpace& space(const MatrixFreeSystem& system, const NodalPart* of_preconditioner) override;
+  std::optional<bool> use_cycles(bool always, SpectralRadii& radii) override;
 
  private:
   void set_up(ConstPoints x);
@@ -75,6 +92,7 @@ class DeviceBody final : public KernelBackend, public DeviceVectors {
   const std::string name_;
   std::unique_ptr<DeviceKernels> kernels_;
   Bricks bricks_;
+  std::optional<DeviceLevels> levels_;  // once they have been asked for
   DeviceCgSpace space_;
   bool is_set_up_ = false, has_newer_history_ = false;
   std::vector<double> positions_, numbers_;

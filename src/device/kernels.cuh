@@ -94,6 +94,16 @@ __device__ inline void columns_at(const ModeLanes<V>& modes, const V (&a)[3][3],
     }
   });
 }
+/// Those of a child of a cell: the edges at its corner and the mean ones in equal parts.
+constexpr float kCellWeight = 0.5f;
+__device__ inline void columns_of_cell(const ModeLanes<V>& modes, const Signs& s, Mat<V>& columns) {
+  unrolled<3>([&](auto n) __attribute__((always_inline)) {
+    constexpr int m = n == 0 ? 1 : 0, l = n == 2 ? 1 : 2;
+    for (int c = 0; c < 3; ++c)
+      columns(n, c) = modes.at[n][c] + V(kCellWeight) * (s.at[m] * modes.at[3 + l][c] +
+                                                         s.at[l] * (modes.at[3 + m][c] + s.at[m] * modes.at[6][c]));
+  });
+}
 /// What rows that act on columns act with: on the modes, and on what is assumed.
 struct ActingModes {
   __device__ ActingModes() {
@@ -113,9 +123,9 @@ struct ActingModes {
       }
     });
   }
-  /// To be called once, when all samples are in.
-  __device__ void weigh() {
-    for (int k = 9; k < 21; ++k) on.at[k / 3][k % 3] *= V(kWeight);
+  /// To be called once, when all samples are in. weight: of the corner in their columns.
+  __device__ void weigh(float weight = kWeight) {
+    for (int k = 9; k < 21; ++k) on.at[k / 3][k % 3] *= V(weight);
   }
   ModeLanes<V> on;
   V a[3][3];
@@ -151,20 +161,50 @@ struct Factor {
 };
 __device__ inline float factor(const Factor& a) { return static_cast<float>(a.place ? *a.place : a.value); }
 
+/// f(axis 0 of all), ... of vectors at a node.
+template <class F, class... Vectors>
+__device__ inline void for_each_axis(const F& f, Vectors&... at) {
+  f(at.x...);
+  f(at.y...);
+  f(at.z...);
+}
+
+/// Blocks of nodes; of_node null: none.
+struct Blocks {
+  const int* of_node;  ///< or -1
+  const BlockEntry* entries;
+  __device__ const BlockEntry* at(int n) const { return of_node && of_node[n] >= 0 ? entries + of_node[n] : nullptr; }
+};
+/// to += factor left diag(scale) right^T a
+__device__ inline void add_along(float factor, const float (&left)[9], const float (&scale)[3], const float (&right)[9],
+                                 const float4& a, float4& to) {
+  for (int k = 0; k < 3; ++k) {
+    const float along = factor * scale[k] * (right[k] * a.x + right[3 + k] * a.y + right[6 + k] * a.z);
+    to.x += left[k] * along, to.y += left[3 + k] * along, to.z += left[6 + k] * along;
+  }
+}
+/// D^-1 r, of D and the block of node n; rigid directions with the others or left out.
+__device__ inline float4 divided(const Blocks& blocks, int n, float4 inverse, float4 r, bool with_rigid) {
+  float4 z = make_float4(inverse.x * r.x, inverse.y * r.y, inverse.z * r.z, 0);
+  if (const BlockEntry* block = blocks.at(n)) {
+    z.x *= block->alone[0], z.y *= block->alone[1], z.z *= block->alone[2];
+    add_along(1, block->axes, block->inverse, block->axes, r, z);
+    if (with_rigid) add_along(1, block->axes, block->rigid, block->axes, r, z);
+  }
+  return z;
+}
+
 /// Direction of conjugate gradients at a node: z + beta p.
 struct Direction {
   const float4 *p, *r;    ///< r null: p alone
-  const float4* inverse;  ///< z = inverse r; null: r
+  const float4* inverse;  ///< z = inverse r, with blocks; null: r
+  Blocks blocks;
   Factor beta;
 };
 __device__ inline float4 direction_at(const Direction& d, int n) {
   const float4 p = d.p[n];
   if (!d.r) return p;
-  float4 z = d.r[n];
-  if (d.inverse) {
-    const float4 inverse = d.inverse[n];
-    z.x *= inverse.x, z.y *= inverse.y, z.z *= inverse.z;
-  }
+  const float4 z = d.inverse ? divided(d.blocks, n, d.inverse[n], d.r[n], true) : d.r[n];
   const float beta = factor(d.beta);
   return make_float4(z.x + beta * p.x, z.y + beta * p.y, z.z + beta * p.z, 0);
 }
@@ -513,7 +553,15 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
   }
 }
 
-/// Gm: [brick][6][lane], its lower triangle by columns.                                                        eq. P2
+/// The L of B = L L^T, [brick][6][lane]: its lower triangle by columns.
+__device__ inline void store_triangle_of(const Mat<V>& B, const Place& my, float* to) {
+  const V L00 = sqrt(B(0, 0)), L10 = B(1, 0) / L00, L20 = B(2, 0) / L00;
+  const V L11 = sqrt(B(1, 1) - L10 * L10), L21 = (B(2, 1) - L20 * L10) / L11;
+  const V L[6] = {L00, L10, L20, L11, L21, sqrt(B(2, 2) - L20 * L20 - L21 * L21)};
+  for (int k = 0; k < 6; ++k) to[(my.brick * 6 + k) * kWidth + my.lane] = L[k];
+}
+
+/// Gm.                                                                                                        eq. P2
 __global__ void __launch_bounds__(kWidth* kBricksOfBlock) find_mean(Layout at, const double* G, float* mean_plastic) {
   const Place my;
   if (my.brick >= at.num_bricks) return;
@@ -523,10 +571,7 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock) find_mean(Layout at, c
     const Mat<V> one = history_at(G, my, i), GG = product_transposed(one, one);
     for (int k = 0; k < 9; ++k) B.m[k / 3][k % 3] += V(0.125f) * GG.m[k / 3][k % 3];
   }
-  const V L00 = sqrt(B(0, 0)), L10 = B(1, 0) / L00, L20 = B(2, 0) / L00;
-  const V L11 = sqrt(B(1, 1) - L10 * L10), L21 = (B(2, 1) - L20 * L10) / L11;
-  const V L[6] = {L00, L10, L20, L11, L21, sqrt(B(2, 2) - L20 * L20 - L21 * L21)};
-  for (int k = 0; k < 6; ++k) mean_plastic[(my.brick * 6 + k) * kWidth + my.lane] = L[k];
+  store_triangle_of(B, my, mean_plastic);
 }
 
 /// value: elastic energy [J] at positions x; status: as of linearize. eq. 18, E5, P17
@@ -559,6 +604,32 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
   value[my.brick * kWidth + my.lane] = volume * (eighth * sum + half * (lambda * excess * excess - free * mean * mean));
 }
 
+/// add(a, r) for the corners a: r is what C makes of the columns of sample i that a unit of a corner is. weight: of the
+/// corner of the sample in its columns.
+template <class Add>
+__device__ void visit_corners(const uint4& first, const uint4& last, int i, float weight, const Add& add) {
+  V C[9];
+  unrolled<8>([&](auto k) __attribute__((always_inline)) {
+    const StoredHalf half = half_of(first, k);
+    C[k] = load_as(&half);
+  });
+  const StoredHalf half = half_of(last, i);
+  C[8] = load_as(&half);
+  const Signs of_sample(i);
+  unrolled<8>([&](auto a) __attribute__((always_inline)) {
+    const Signs of_corner(a);
+    V r[3] = {V(0.0f), V(0.0f), V(0.0f)};
+    unrolled<3>([&](auto d) __attribute__((always_inline)) {
+      constexpr int m = d == 0 ? 1 : 0, l = d == 2 ? 1 : 2;
+      const V same = V(0.25f) * (V(1.0f) + of_corner.at[m] * of_sample.at[m]) *
+                     (V(1.0f) + of_corner.at[l] * of_sample.at[l]);  // 1: an edge at the corner of the sample
+      const V along = of_corner.at[d] * (V((1 - weight) / 4) + V(weight) * same);
+      for (int c = 0; c < 3; ++c) r[c] += along * C[3 * d + c];
+    });
+    add(a, r);
+  });
+}
+
 /// Sums at the nodes of a brick of the diagonal of L; what is assumed is left out.                     eq. 17, E4, E7
 __global__ void __launch_bounds__(kWidth* kBricksOfBlock)
     diagonal(Layout at, const uint4* coef, const float* weight, float4* partial) {
@@ -572,31 +643,15 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock)
   set_zero(mean);
   const uint4 last = word(8);
 #pragma unroll 1
-  for (int i = 0; i < kCorners; ++i) {
-    const uint4 first = word(i);
-    V C[9];
-    unrolled<8>([&](auto k) __attribute__((always_inline)) {
-      const StoredHalf half = half_of(first, k);
-      C[k] = load_as(&half);
-    });
-    const StoredHalf half = half_of(last, i);
-    C[8] = load_as(&half);
-    const Signs of_sample(i);
-    unrolled<8>([&](auto a) __attribute__((always_inline)) {
-      const Signs of_corner(a);
-      V r[3] = {V(0.0f), V(0.0f), V(0.0f)};
-      for (int d = 0; d < 3; ++d) {
-        const V same = V(0.5f) * (V(1.0f) + of_corner.at[d] * of_sample.at[d]);
-        const V along = of_corner.at[d] * (V((1 - kWeight) / 4) + V(kWeight) * same);
-        for (int c = 0; c < 3; ++c) r[c] += along * C[3 * d + c];
-      }
-      const V squared = mu * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
-      for (int c = 0; c < 3; ++c) {
-        sum.at[a][c] += squared + (mu + free) * r[c] * r[c];
-        mean.at[a][c] += r[c];
-      }
-    });
-  }
+  for (int i = 0; i < kCorners; ++i)
+    visit_corners(
+        word(i), last, i, kWeight, [&](auto a, const V(&r)[3]) __attribute__((always_inline)) {
+          const V squared = mu * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+          for (int c = 0; c < 3; ++c) {
+            sum.at[a][c] += squared + (mu + free) * r[c] * r[c];
+            mean.at[a][c] += r[c];
+          }
+        });
   StoredHalf volume_gradient[21];
   unrolled<21>([&](auto k) __attribute__((always_inline)) {
     volume_gradient[k] = half_of(word(9 + (9 + k) / 8), (9 + k) % 8);
@@ -639,21 +694,9 @@ struct NodalSystem {
   const float4* diagonal;
   const float4* inverse;  ///< of the preconditioner, 0 where fixed; null: 1
   const float4* others;   ///< what other terms make of the direction; null: nothing
+  const int* row;         ///< of a node in of_rows, or -1; null: none
+  const float4* of_rows;  ///< of multiply_terms
 };
-/// inverse = 1 / (factor diag(L) + rest), or 1; 0 where rest is infinite: fixed. partial: of the diagonal, or null.
-__global__ void __launch_bounds__(kNodesOfBlock)
-    invert(Layout at, const float4* partial, float factor, const float4* rest, float4* inverse) {
-  const int n = blockIdx.x * kNodesOfBlock + threadIdx.x;
-  if (n >= at.num_nodes) return;
-  const float4 sum = partial ? sum_of_bricks(at, partial, n) : make_float4(0, 0, 0, 0), more = rest[n];
-  const auto one = [&](float stiffness, float other) {
-    if (!(other < 1e38f)) return 0.0f;
-    const float entry = factor * stiffness + other;
-    return partial ? entry > 0 ? 1 / entry : 0.0f : 1.0f;
-  };
-  inverse[n] = make_float4(one(sum.x, more.x), one(sum.y, more.y), one(sum.z, more.z), 0);
-}
-
 struct Scalars {
   double alpha, beta;
   double p_Ap, rr, rz;
@@ -698,6 +741,30 @@ __device__ inline double dot(const float4& a, const float4& b) {
   return double(a.x) * b.x + double(a.y) * b.y + double(a.z) * b.z;
 }
 
+constexpr float kFixed = 1e38f;  ///< of a node that does not move: what else acts on it
+
+/// inverse = 1 / (factor diag(L) + rest), or 1; 0 where rest is kFixed or more. partial: of the diagonal, or null.
+/// scalars->sum: DeviceKernels::Stiffness.
+__global__ void __launch_bounds__(kNodesOfBlock)
+    invert(Layout at, const float4* partial, float factor, const float4* rest, float break_even, float4* inverse,
+           double* block_sum, Scalars* scalars) {
+  const int n = blockIdx.x * kNodesOfBlock + threadIdx.x;
+  double mine[2] = {0, 0}, total[2];
+  if (n < at.num_nodes) {
+    const float4 sum = partial ? sum_of_bricks(at, partial, n) : make_float4(0, 0, 0, 0), more = rest[n];
+    const auto one = [&](float stiffness, float other) {
+      mine[0] += factor * stiffness;
+      if (!(other < kFixed)) return 0.0f;
+      if (factor * stiffness > break_even * other) mine[1] += factor * stiffness;
+      const float entry = factor * stiffness + other;
+      return partial ? entry > 0 ? 1 / entry : 0.0f : 1.0f;
+    };
+    inverse[n] = make_float4(one(sum.x, more.x), one(sum.y, more.y), one(sum.z, more.z), 0);
+  }
+  if (sum_of_blocks(mine, block_sum, scalars, total))
+    for (int c = 0; c < 2; ++c) scalars->sum[c] = total[c];
+}
+
 /// scalars->sum: of the hexahedra that are there, their values, and how many have the first and the second bit of their
 /// status. value, status: [brick][lane], or null.
 __global__ void __launch_bounds__(kNodesOfBlock)
@@ -724,10 +791,9 @@ __global__ void __launch_bounds__(kNodesOfBlock)
     sum.x = m.x * here.x + system.factor * sum.x;
     sum.y = m.y * here.y + system.factor * sum.y;
     sum.z = m.z * here.z + system.factor * sum.z;
-    if (system.others) {
-      const float4 more = system.others[n];
-      sum.x += more.x, sum.y += more.y, sum.z += more.z;
-    }
+    const auto add = [&](const float4& more) { sum.x += more.x, sum.y += more.y, sum.z += more.z; };
+    if (system.others) add(system.others[n]);
+    if (system.row && system.row[n] >= 0) add(system.of_rows[system.row[n]]);
     if (system.inverse) {
       const float4 inverse = system.inverse[n];
       if (inverse.x == 0) sum.x = 0;
@@ -744,6 +810,24 @@ __global__ void __launch_bounds__(kNodesOfBlock)
   }
 }
 
+/// What terms beside the body make of the direction, in double precision: they may be much stiffer than it.
+struct Terms {
+  int num_rows;
+  const int *first, *column;
+  const double* block;  ///< nine numbers by rows
+};
+__global__ void __launch_bounds__(kNodesOfBlock) multiply_terms(Terms terms, Direction d, float4* of_rows) {
+  const int row = blockIdx.x * kNodesOfBlock + threadIdx.x;
+  if (row >= terms.num_rows) return;
+  double sum[3] = {0, 0, 0};
+  for (int k = terms.first[row]; k < terms.first[row + 1]; ++k) {
+    const float4 p = direction_at(d, terms.column[k]);
+    const double* const block = terms.block + 9 * static_cast<std::size_t>(k);
+    for (int c = 0; c < 3; ++c) sum[c] += block[3 * c] * p.x + block[3 * c + 1] * p.y + block[3 * c + 2] * p.z;
+  }
+  of_rows[row] = make_float4(float(sum[0]), float(sum[1]), float(sum[2]), 0);
+}
+
 /// p alone, for terms that the host adds.
 __global__ void __launch_bounds__(kNodesOfBlock) set_direction(int num_nodes, Direction d, float4* p) {
   const int n = blockIdx.x * kNodesOfBlock + threadIdx.x;
@@ -752,8 +836,8 @@ __global__ void __launch_bounds__(kNodesOfBlock) set_direction(int num_nodes, Di
 
 /// x += alpha p, r -= alpha Ap; beta. inverse: as of NodalSystem.
 __global__ void __launch_bounds__(kNodesOfBlock)
-    update(int num_nodes, const float4* inverse, Factor step, const float4* p, const float4* Ap, float4* x, float4* r,
-           double* block_sum, Scalars* scalars) {
+    update(int num_nodes, const float4* inverse, Blocks blocks, Factor step, const float4* p, const float4* Ap,
+           float4* x, float4* r, double* block_sum, Scalars* scalars) {
   const int n = blockIdx.x * kNodesOfBlock + threadIdx.x;
   const float alpha = factor(step);
   double mine[2] = {0, 0}, total[2];
@@ -763,10 +847,7 @@ __global__ void __launch_bounds__(kNodesOfBlock)
     x[n] = make_float4(at.x + alpha * along.x, at.y + alpha * along.y, at.z + alpha * along.z, 0);
     r[n] = left;
     mine[0] = mine[1] = dot(left, left);
-    if (inverse) {
-      const float4 i = inverse[n];
-      mine[1] = dot(left, make_float4(i.x * left.x, i.y * left.y, i.z * left.z, 0));
-    }
+    if (inverse) mine[1] = dot(left, divided(blocks, n, inverse[n], left, true));
   }
   if (sum_of_blocks(mine, block_sum, scalars, total)) {
     scalars->beta = total[1] / scalars->rz;

@@ -42,6 +42,7 @@ inline void copy_on_device(void* to, const void* from, std::size_t bytes) {
   check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, stream));
 }
 inline void clear(void* at, std::size_t bytes) { check(cudaMemsetAsync(at, 0, bytes, stream)); }
+inline void fill(void* at, std::size_t bytes) { check(cudaMemsetAsync(at, 0xff, bytes, stream)); }
 template <class... Parameters, class... Args>
 void launch(void (*kernel)(Parameters...), int blocks, int threads, const Args&... args) {
   kernel<<<blocks, threads, 0, stream>>>(args...);
@@ -60,6 +61,7 @@ inline void copy_rows(double* to, std::size_t to_next, const double* from, std::
 }
 inline void copy_on_device(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
 inline void clear(void* at, std::size_t bytes) { std::memset(at, 0, bytes); }
+inline void fill(void* at, std::size_t bytes) { std::memset(at, 0xff, bytes); }  ///< int: -1
 void launch(auto* kernel, int blocks, int threads, const auto&... args) { emulate(kernel, blocks, threads, args...); }
 #endif
 
@@ -74,6 +76,14 @@ class Array {
 
   void set(const void* from) const { copy(at_.get(), from, bytes()); }
   void set(const std::vector<T>& from) const { set(from.data()); }
+  /// The first ones become those; there may be more room then.
+  void assign(const T* from, std::size_t count) {
+    reserve(count);
+    copy(at_.get(), from, count * sizeof(T));
+  }
+  void reserve(std::size_t count) {
+    if (count > count_) *this = Array(count + count / 2);
+  }
   void get(void* to) const { copy(to, at_.get(), bytes()); }
   operator T*() const { return at_.get(); }
   std::size_t size() const { return count_; }

@@ -28,6 +28,7 @@ NodalMap by_slots(const NodalMap& map, const Partition& rows, const Partition& c
 
 CoarseMesh::CoarseMesh(const Coarsening& coarsening, const Partition& finer)
     : partition(std::make_shared<const Partition>(coarsening.num_nodes, coarsening.cells)),
+      cells(coarsening.cells),
       children(coarsening.children),
       prolongation(by_slots(coarsening.prolongation, finer, *partition)),
       restriction(prolongation.transposed(coarsening.num_nodes)),

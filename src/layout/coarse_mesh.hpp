@@ -17,6 +17,7 @@ struct CoarseMesh {
   void place(const AlignedVector<double>& finer, AlignedVector<double>& positions) const;
 
   std::shared_ptr<const Partition> partition;
+  std::vector<Hexahedron> cells;                    ///< corners: nodes of this mesh
   std::vector<std::array<int, kCorners>> children;  ///< per cell and corner: the element there, or -1
   NodalMap prolongation;                            ///< nodes of this mesh to those of the finer one, by slots
   NodalMap restriction;                             ///< its transpose

@@ -33,12 +33,10 @@ inline void require_device_alone(const MatrixFreeSystem& system) {
     throw InputError("a body on a device (attribute device) needs a solver of its own, without other bodies or ties");
 }
 
-/// The vectors of a body on a device; null where none is. of_preconditioner: as of DeviceVectors::space.
-inline CgSpace* device_space(const MatrixFreeSystem& system, const PointArray* of_preconditioner) {
+/// The body of a system that is on a device, or null.
+inline DeviceVectors* device_of(const MatrixFreeSystem& system) {
   require_device_alone(system);
-  const bool has_one = system.has_one_body() && system.bodies.front().device;
-  if (!has_one) return nullptr;
-  return &static_cast<DeviceVectors&>(*system.bodies.front().device).space(system, of_preconditioner);
+  return system.has_one_body() ? static_cast<DeviceVectors*>(system.bodies.front().device) : nullptr;
 }
 
 /// b.b; throws NumericalError where it is beyond all numbers, as products of directions would be.

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <type_traits>
 
 #include "hexaplast/layout/linear_system.hpp"
@@ -62,9 +63,12 @@ class CgSpace {
 /// What every KernelBody::device is: L on a device, where the vectors of conjugate gradients are too.
 class DeviceVectors : public DeviceOperator {
  public:
-  /// Those of a system of this body and other terms. of_preconditioner: num_nodes x 3, its diagonal without that of L;
-  /// null: there is none.
-  virtual CgSpace& space(const MatrixFreeSystem& system, const PointArray* of_preconditioner) = 0;
+  /// Those of a system of this body and other terms. of_preconditioner: its part that is not of L; null: there is none.
+  virtual CgSpace& space(const MatrixFreeSystem& system, const NodalPart* of_preconditioner) = 0;
+
+  /// Preconditions the latest space by cycles in place of its diagonal, if the mesh has any; and, unless always, if
+  /// they cost less. radii: as of Multigrid::setup. Returns whether the radii were valid; nothing: by the diagonal.
+  virtual std::optional<bool> use_cycles(bool always, SpectralRadii& radii) = 0;
 };
 
 /// A power of two that brings a number of this size near 1: to scale by it changes no bit, and keeps what is squared in

@@ -16,7 +16,7 @@ struct ConjugateGradients::Spaces {
     system.clear();
     const bool is_described = A.matrix_free(system);
     rounds = is_described && rounds_products(system);
-    if (CgSpace* space = device_space(system, nullptr)) return *space;
+    if (DeviceVectors* device = device_of(system)) return device->space(system, nullptr);
     if (is_described && system.is_one_body()) {
       if (system.bodies.front().double_operator) {
         in_double.setup(system, false);

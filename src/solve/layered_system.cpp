@@ -227,8 +227,10 @@ void LayeredSystem::add_load_product(const OperatorFactors& factors, ConstPoints
 }
 
 void LayeredSystem::Others::add_product(double factor, ConstPoints p, Points Fp) const {
-  system_->add_product(Over::kOthers, {factor * factors.mass, factor * factors.damping, factor * factors.stiffness}, p,
-                       Fp);
+  system_->add_product(Over::kOthers, times(factor), p, Fp);
+}
+void LayeredSystem::Others::add_blocks(double factor, BlockMatrix& A) const {
+  system_->add_blocks(Over::kOthers, times(factor), A);
 }
 
 // Factors of 0 are common where energies are measured, and a product of a body costs as much with them.
@@ -262,28 +264,40 @@ void LayeredSystem::add_product(Over over, const OperatorFactors& factors, Const
       });
 }
 
-void LayeredSystem::add_blocks(const Layer& layer, const OperatorFactors& factors, BlockMatrix& A) {
-  for (const NodalMass* mass : layer.masses) mass->add_blocks(mass_factor(factors, *mass), A);
-  for (const NodalForces* forces : layer.forces) {
-    forces->add_stiffness_blocks(stiffness_factor(factors, *forces), A);
-    forces->add_damping_blocks(factors.damping, A);
-  }
+void LayeredSystem::add_blocks(Over over, const Layer& layer, const OperatorFactors& factors, BlockMatrix& A) {
+  if (over == Over::kAll || layer.mapping)
+    for (const NodalMass* mass : layer.masses) mass->add_blocks(mass_factor(factors, *mass), A);
+  const auto add = [&](const NodalForces& forces) {
+    forces.add_stiffness_blocks(stiffness_factor(factors, forces), A);
+    forces.add_damping_blocks(factors.damping, A);
+  };
+  if (over == Over::kOthers)
+    for (const NodalForces* forces : layer.others) add(*forces);
+  else
+    for (const NodalForces* forces : layer.forces) add(*forces);
 }
 
 void LayeredSystem::add_blocks(const OperatorFactors& factors, BlockMatrix& A) const {
+  add_blocks(Over::kAll, factors, A);
+}
+
+void LayeredSystem::add_blocks(Over over, const OperatorFactors& factors, BlockMatrix& A) const {
+  const auto takes_part = [&](const Layer& layer) {
+    return over == Over::kOthers ? layer.has_others : layer.is_loaded;
+  };
   for (const Layer& root : roots()) {
     A.set_range(root.first_node, root.state->num_nodes());
-    add_blocks(root, factors, A);
+    add_blocks(over, root, factors, A);
   }
   for (Layer& layer : followers()) {
-    if (!layer.is_loaded) continue;
+    if (!takes_part(layer)) continue;
     if (layer.blocks.num_nodes() == 0) layer.blocks = BlockMatrix(layer.state->num_nodes());
     layer.blocks.clear();
-    add_blocks(layer, factors, layer.blocks);
+    add_blocks(over, layer, factors, layer.blocks);
   }
   for (std::size_t i = layers_.size(); i-- > num_roots_;) {
     Layer& layer = layers_[i];
-    if (!layer.is_loaded) continue;
+    if (!takes_part(layer)) continue;
     layer.blocks.drop_unused();
     Layer& above = layers_[layer.above];
     if (!above.mapping) A.set_range(above.first_node, above.state->num_nodes());
@@ -292,6 +306,7 @@ void LayeredSystem::add_blocks(const OperatorFactors& factors, BlockMatrix& A) c
   A.set_whole_range();
   for (const Interaction& interaction : interactions_) {
     const PairForces& forces = *interaction.forces;
+    if (over == Over::kOthers && (!forces.is_in_matrix() || interaction.is_in_diagonal)) continue;
     std::array<int, 2> first_nodes = {};
     for (std::size_t end = 0; end < 2; ++end)
       first_nodes[end] = interaction.layers[end] == kAtRest ? -1 : layers_[interaction.layers[end]].first_node;

@@ -127,9 +127,14 @@ class LayeredSystem : public MechanicalSystem, private Projector {
    public:
     explicit Others(const LayeredSystem& system) : system_(&system) {}
     void add_product(double factor, ConstPoints p, Points Fp) const override;
+    void add_blocks(double factor, BlockMatrix& A) const override;
     OperatorFactors factors;
 
    private:
+    OperatorFactors times(double factor) const {
+      return {factor * factors.mass, factor * factors.damping, factor * factors.stiffness};
+    }
+
     const LayeredSystem* system_;
   };
 
@@ -171,7 +176,8 @@ class LayeredSystem : public MechanicalSystem, private Projector {
   void scatter() const;
   void add_force(Over over, double time, ConstPoints x, ConstPoints v, Points f) const;
   void add_product(Over over, const OperatorFactors& factors, ConstPoints dx, Points df) const;
-  static void add_blocks(const Layer& layer, const OperatorFactors& factors, BlockMatrix& A);
+  static void add_blocks(Over over, const Layer& layer, const OperatorFactors& factors, BlockMatrix& A);
+  void add_blocks(Over over, const OperatorFactors& factors, BlockMatrix& A) const;
   void add_operator(Layer& root, const OperatorFactors& factors, MatrixFreeSystem& system) const;
   void find_others() const;
 

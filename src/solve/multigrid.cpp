@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "solve/multigrid.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -10,34 +9,10 @@
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "layout/coarse_mesh.hpp"
-#include "solve/constants.hpp"
 #include "solve/slot_kernels.hpp"
+#include "solve/spectrum.hpp"
 
 namespace hexaplast {
-
-bool SpectralRadii::is_valid_for(const SpectralRadii& other) const {
-  const auto is_near = [](double sum, double other_sum) {
-    return std::abs(sum - other_sum) <= kMaxChangeOfRadii * other_sum;
-  };
-  return num_levels == other.num_levels && num_solves < kMaxSolvesOfRadii && factor == other.factor &&
-         num_free == other.num_free && is_near(diagonal, other.diagonal) && is_near(stiffness, other.stiffness);
-}
-
-void SpectralRadii::update(int iterations_now) {
-  if (num_levels == 0) return;
-  if (num_solves == 1) iterations = iterations_now;
-  if (iterations_now > kMaxGrowthOfIterations * iterations + 1) num_solves = kMaxSolvesOfRadii;
-}
-
-bool SolverMemory::is_valid() const {
-  return std::ranges::all_of(radii, [](const SpectralRadii& of_body) { return of_body.is_valid(); });
-}
-
-bool SpectralRadii::is_valid() const {
-  return num_levels >= 0 && num_levels <= kMaxLevels && num_solves >= 0 &&
-         std::all_of(of_level.begin(), of_level.begin() + num_levels,
-                     [](double radius) { return radius > 0 && std::isfinite(radius); });
-}
 
 namespace {
 
@@ -87,66 +62,52 @@ double dot(MultigridLevel& level, const AlignedVector<float>& a, const AlignedVe
   return std::accumulate(level.partial.begin(), level.partial.end(), 0.0);
 }
 
-/// What Lanczos has found of a matrix: tridiagonal, of a size that needs no allocation.
-struct Tridiagonal {
-  template <int kRows, int kMaxRows>
-  using Column = Eigen::Matrix<double, kRows, 1, 0, kMaxRows, 1>;
-  Column<kMaxLanczosSteps, kMaxLanczosSteps> diagonal = decltype(diagonal)::Zero(), beside = diagonal;
-
-  /// Of the first `size` rows.
-  double largest_eigenvalue(int size) const {
-    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxLanczosSteps, kMaxLanczosSteps>;
-    Eigen::SelfAdjointEigenSolver<Matrix> solver(size);
-    solver.computeFromTridiagonal(Column<Eigen::Dynamic, kMaxLanczosSteps>(diagonal.head(size)),
-                                  Column<Eigen::Dynamic, kMaxLanczosSteps - 1>(beside.head(size - 1)),
-                                  Eigen::EigenvaluesOnly);
-    return solver.eigenvalues()[size - 1];
+/// v lies in d, the vector before it in r, D v in x.
+class LanczosOnLevel final : public LanczosSpace {
+ public:
+  explicit LanczosOnLevel(MultigridLevel& level) : level_(level) {
+    for (AlignedVector<float>* vector : {&level.x, &level.Ad}) vector->resize(level.d.size(), 0.0f);
   }
-};
+  double start() override {
+    std::fill(level_.d.begin(), level_.d.end(), 0.0f);
+    std::fill(level_.r.begin(), level_.r.end(), 0.0f);
+    IrregularNumbers number;
+    for (std::size_t i = 0; i < 4 * static_cast<std::size_t>(level_.partition().num_nodes); ++i) {
+      const float next = number();
+      if (level_.inverse[i] > 0) level_.d[i] = next;
+    }
+    for (int chunk = 0; chunk < level_.partition().num_chunks; ++chunk) level_.fixed.clear(chunk, level_.d);
+    return square();
+  }
+  double multiply(double scale) override {
+    for_each_number([&](std::size_t i) { level_.d[i] *= static_cast<float>(scale); });
+    apply(level_);
+    return dot(level_, level_.d, level_.Ad);
+  }
+  double advance(double along, double before) override {
+    const auto a = static_cast<float>(along), b = static_cast<float>(before);
+    for_each_number(
+        [&](std::size_t i) { level_.r[i] = level_.inverse[i] * level_.Ad[i] - a * level_.d[i] - b * level_.r[i]; });
+    std::swap(level_.d, level_.r);
+    return square();
+  }
 
-/// Largest eigenvalue of D^-1 A, from below: Lanczos in the scalar product of D, `min_steps` and on until one finds
-/// little more. Unlike the power method it finds what a single element stands out by.
-double spectral_radius(MultigridLevel& level, int min_steps) {
-  const Partition& partition = level.partition();
-  for (AlignedVector<float>* vector : {&level.x, &level.Ad}) vector->resize(level.d.size(), 0.0f);
-  const auto for_each_number = [&](const auto& visit) {
-    parallel_for(partition.num_chunks, [&](int chunk) {
-      const auto [first, size] = OwnedRange(partition, chunk);
+ private:
+  template <class Visit>
+  void for_each_number(const Visit& visit) {
+    parallel_for(level_.partition().num_chunks, [&](int chunk) {
+      const auto [first, size] = OwnedRange(level_.partition(), chunk);
       for (std::size_t i = first; i < first + size; ++i) visit(i);
     });
-  };
-  // a start that no symmetry of a mesh is blind to, the same in every run
-  std::uint32_t state = 12345;
-  std::fill(level.d.begin(), level.d.end(), 0.0f);
-  std::fill(level.r.begin(), level.r.end(), 0.0f);
-  for (std::size_t i = 0; i < 4 * static_cast<std::size_t>(partition.num_nodes); ++i) {
-    state = state * 1664525u + 1013904223u;
-    if (level.inverse[i] > 0) level.d[i] = static_cast<float>(static_cast<double>(state >> 8) / (1 << 24) - 0.5);
   }
-  for (int chunk = 0; chunk < partition.num_chunks; ++chunk) level.fixed.clear(chunk, level.d);
-
-  // d: the present vector, r: the one before, x: D d
-  Tridiagonal found;
-  auto &alpha = found.diagonal, &beta = found.beside;
-  double largest = 0;
-  for (int step = 0;; ++step) {
-    for_each_number([&](std::size_t i) { level.x[i] = level.inverse[i] > 0 ? level.d[i] / level.inverse[i] : 0.0f; });
-    const double norm = std::sqrt(dot(level, level.d, level.x));
-    if (step > 0) beta[step - 1] = norm;
-    if (step == kMaxLanczosSteps || !(norm > kRangeEnds * alpha[0])) break;
-
-    for_each_number([&](std::size_t i) { level.d[i] *= static_cast<float>(1 / norm); });
-    apply(level);
-    alpha[step] = dot(level, level.d, level.Ad);
-    const double before_step = std::exchange(largest, found.largest_eigenvalue(step + 1));
-    if (step + 1 >= min_steps && !(largest > kLanczosGrowth * before_step)) break;
-    const float along = static_cast<float>(alpha[step]), before = static_cast<float>(step > 0 ? norm : 0);
+  double square() {
     for_each_number(
-        [&](std::size_t i) { level.r[i] = level.inverse[i] * level.Ad[i] - along * level.d[i] - before * level.r[i]; });
-    std::swap(level.d, level.r);
+        [&](std::size_t i) { level_.x[i] = level_.inverse[i] > 0 ? level_.d[i] / level_.inverse[i] : 0.0f; });
+    return dot(level_, level_.d, level_.x);
   }
-  return largest > 0 ? largest : 1;
-}
+
+  MultigridLevel& level_;
+};
 
 }  // namespace
 
@@ -189,13 +150,12 @@ bool Multigrid::find_radii(const KernelBody& body, const NodalPart& rest, Spectr
     return true;
   }
   set_diagonals(own_diagonal, rest.free, {});
-  int min_steps = kMinLanczosSteps;
-  for (std::size_t k = 0; k < levels_.size(); ++k) {
-    levels_[k].radius = kSafety * spectral_radius(levels_[k], min_steps);
-    // where elements stand out, coarse ones may, which the first steps pass by; steps on coarse meshes cost little
-    if (k == 0 && levels_[k].radius > kSafety * kIrregular) min_steps = kMaxLanczosSteps;
-    if (k < SpectralRadii::kMaxLevels) of_system.of_level[k] = levels_[k].radius;
-  }
+  find_radii_of_meshes(
+      of_system.num_levels, [&](int k) { return LanczosOnLevel(levels_[k]); },
+      [&](int k, double radius) {
+        levels_[k].radius = radius;
+        if (k < SpectralRadii::kMaxLevels) of_system.of_level[k] = radius;
+      });
   radii = levels_.size() > SpectralRadii::kMaxLevels ? SpectralRadii() : of_system;
   return false;
 }
@@ -288,20 +248,11 @@ namespace {
 /// x and r = b - A x after `degree` more Chebyshev steps; r is left as it was before the last of them unless asked for.
 void smooth(MultigridLevel& level, int degree, double min_fraction, bool leaves_residual) {
   const Partition& partition = level.partition();
-  const double theta = level.radius * (1 + min_fraction) / 2, delta = level.radius * (1 - min_fraction) / 2;
-  const double sigma = theta / delta;
-  double rho = 1 / sigma;
-  for (int step = 0; step < degree; ++step) {
-    double a = 0, b = 1 / theta;
-    if (step > 0) {
-      subtract_product(level);
-      const double next = 1 / (2 * sigma - rho);
-      a = next * rho;
-      b = 2 * next / delta;
-      rho = next;
-    }
+  int step = 0;
+  for_each_chebyshev_step(level.radius, min_fraction, degree, [&](double a, double b) {
+    if (step++ > 0) subtract_product(level);
     // blocks have a part in d: r -= D d waits for them
-    const bool goes_on = leaves_residual || step + 1 < degree, has_blocks = !level.blocks.empty();
+    const bool goes_on = leaves_residual || step < degree, has_blocks = !level.blocks.empty();
     parallel_for(partition.num_chunks, [&](int chunk) {
       const auto [first, size] = OwnedRange(partition, chunk);
       hexaplast::smooth(size, static_cast<float>(a), static_cast<float>(b), level.inverse.data() + first,
@@ -312,7 +263,7 @@ void smooth(MultigridLevel& level, int degree, double min_fraction, bool leaves_
       level.blocks.add_inverse_product(chunk, static_cast<float>(b), level.r, level.x);
       for (std::size_t i = first; goes_on && i < first + size; ++i) level.r[i] -= level.diagonal[i] * level.d[i];
     });
-  }
+  });
   if (leaves_residual) subtract_product(level);
 }
 

@@ -87,20 +87,28 @@ void SlotBlocks<T>::complete(const Partition& partition, AlignedVector<T>& inver
     T* of_node = inverse.data() + 4 * static_cast<std::size_t>(entry.slot);
     Vec3 D;
     for (int i = 0; i < 3; ++i) D[i] = of_node[i] > T(0) ? 1 / static_cast<double>(of_node[i]) : 0;
-    const BlockAxes along(D, entry.block);
-    const Vec3 compliance = along.compliance(), fraction = Vec3::Ones() - compliance;
-    entry.restricted = along.dual * fraction.asDiagonal() * along.dual.transpose();
-    entry.axes = along.axes.template cast<T>();
-    entry.dual = along.dual.template cast<T>();
-    for (int i = 0; i < 3; ++i) {
-      const bool is_rigid = along.stiffness[i] > kRigid;
-      entry.stiffness[i] = is_rigid ? T(0) : static_cast<T>(along.stiffness[i]);
-      entry.inverse[i] = is_rigid ? T(0) : static_cast<T>(compliance[i]);
-      entry.rigid[i] = is_rigid ? static_cast<T>(compliance[i]) : T(0);
-      entry.loss[i] = is_rigid ? T(1) : static_cast<T>(fraction[i]);
-      if (along.is_coupled[i]) of_node[i] = T(0);
-    }
+    entry = entry_of(entry.slot, D, entry.block);
+    for (int i = 0; i < 3; ++i)
+      if (!entry.block.row(i).isZero(0)) of_node[i] = T(0);
   }
+}
+
+template <class T>
+typename SlotBlocks<T>::Entry SlotBlocks<T>::entry_of(int slot, const Vec3& D, const Mat3& block) {
+  const BlockAxes of(D, block);
+  const Vec3 compliance = of.compliance(), fraction = Vec3::Ones() - compliance;
+  Entry entry{.slot = slot, .block = block};
+  entry.restricted = of.dual * fraction.asDiagonal() * of.dual.transpose();
+  entry.axes = of.axes.template cast<T>();
+  entry.dual = of.dual.template cast<T>();
+  for (int i = 0; i < 3; ++i) {
+    const bool is_rigid = of.stiffness[i] > kRigid;
+    entry.stiffness[i] = is_rigid ? T(0) : static_cast<T>(of.stiffness[i]);
+    entry.inverse[i] = is_rigid ? T(0) : static_cast<T>(compliance[i]);
+    entry.rigid[i] = is_rigid ? static_cast<T>(compliance[i]) : T(0);
+    entry.loss[i] = is_rigid ? T(1) : static_cast<T>(fraction[i]);
+  }
+  return entry;
 }
 
 template <class T>

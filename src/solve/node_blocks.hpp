@@ -81,6 +81,9 @@ class SlotBlocks {
     Vec loss = Vec::Zero();  // how much of what coarse nodes do along an axis does not reach the node
   };
 
+  /// Of a node whose matrix without the block has the diagonal D.
+  static Entry entry_of(int slot, const Vec3& D, const Mat3& block);
+
   bool empty() const { return entries_.empty(); }
   const std::vector<Entry>& entries() const { return entries_; }
 

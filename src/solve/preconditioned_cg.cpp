@@ -140,7 +140,7 @@ struct PreconditionedConjugateGradients::Spaces {
     const std::span<const NodeGroup> groups =
         system.has_one_body() ? std::span(&all, 1) : std::span<const NodeGroup>(several.find_groups(system));
     if (!system.others.empty()) lumped.find(system, groups);
-    if (CgSpace* space = on_device()) return *space;
+    if (device_of(system)) return on_device(preconditioner);
     const bool has_levels = std::ranges::any_of(system.bodies, [](const KernelBody& b) { return !b.levels.empty(); });
     return precondition(
         A, has_levels && (preconditioner == Preconditioner::kMultigrid || is_stiff(nodal_part().diagonal)));
@@ -148,6 +148,7 @@ struct PreconditionedConjugateGradients::Spaces {
 
   /// The present system by cycles, or by the diagonal.
   CgSpace& precondition(const LinearSystem& A, bool cycles) {
+    if (device_of(system)) return on_device(cycles ? Preconditioner::kMultigrid : Preconditioner::kDiagonal);
     const NodalPart rest = nodal_part();
     preconditioned_by = cycles ? PreconditionedBy::kMultigrid : PreconditionedBy::kDiagonal;
     if (radii.size() != system.bodies.size()) radii.assign(system.bodies.size(), {});
@@ -174,13 +175,16 @@ struct PreconditionedConjugateGradients::Spaces {
             .own_diagonal = system.others.empty() ? nullptr : &system.diagonal};
   }
 
-  /// By the diagonal, of blocks too.
-  CgSpace* on_device() {
-    correction = nodal_part().diagonal;
-    if (!system.others.empty())
-      for (const NodeBlock& block : lumped.blocks()) correction.row(block.node) += block.block.diagonal().transpose();
-    CgSpace* const space = device_space(system, &correction);
-    if (space) preconditioned_by = PreconditionedBy::kDiagonal;
+  CgSpace& on_device(Preconditioner preconditioner) {
+    DeviceVectors& device = *device_of(system);
+    const NodalPart rest = nodal_part();
+    CgSpace& space = device.space(system, &rest);
+    radii.resize(1);
+    std::optional<bool> has_known;
+    if (preconditioner != Preconditioner::kDiagonal)
+      has_known = device.use_cycles(preconditioner == Preconditioner::kMultigrid, radii.front());
+    has_known_radii = has_known.value_or(false);
+    preconditioned_by = has_known ? PreconditionedBy::kMultigrid : PreconditionedBy::kDiagonal;
     return space;
   }
 

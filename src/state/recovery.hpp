@@ -47,7 +47,7 @@ class Recovery final : public NodalOperator {
   void add_diagonal(double factor, Points diagonal) const override;  ///< of W
 
   /// K += the same operator: W as blocks, and what is rigid in p as blocks of small clusters; large ones leave it out.
-  void add_blocks(double factor, BlockMatrix& K) const;
+  void add_blocks(double factor, BlockMatrix& K) const override;
 
  private:
   struct Spring {

@@ -142,11 +142,14 @@ TEST(DeviceBody, HasTheSameBitsInEveryRun) {
   EXPECT_EQ(hash(), hash());
 }
 
-// As it is saved and loaded, copied, or taken up after nothing was opened.
+// As it is saved and loaded, copied, or taken up after nothing was opened. Cycles take up what they know of spectra.
 TEST(DeviceBody, GoesOnWithTheSameBits) {
   const auto pulled = [] {
-    return MovingBody(on_device(yielding_bar(kMixed)), pulling(),
-                      std::make_unique<PreconditionedConjugateGradients>(1e-5, 1000));
+    const HexMesh mesh = regular_grid({4, 4, 8}, {0, 0, 0}, {.1, .1, .4});
+    Motion motion = pulling();
+    motion.fixed = nodes_at(mesh, 2, 0);
+    return MovingBody(on_device(Body(mesh, {kFlowing}, kMixed)), motion,
+                      std::make_unique<PreconditionedConjugateGradients>(1e-4, 100, Preconditioner::kMultigrid));
   };
   MovingBody whole = pulled(), first = pulled(), second = pulled();
   whole.run(25);
@@ -156,6 +159,7 @@ TEST(DeviceBody, GoesOnWithTheSameBits) {
   second.load(saved);
   second.run(5);
   EXPECT_GT(whole.body.dissipated_energy(), 0);
+  EXPECT_EQ(whole.latest.preconditioner, PreconditionedBy::kMultigrid);
   EXPECT_EQ(second.state_hash(), whole.state_hash());
 
   Body body = on_device(block()), copy = body;
@@ -326,6 +330,74 @@ TEST(DeviceBody, RefusesByName) {
   EXPECT_TRUE(of_card == "nothing" || of_card.starts_with("device cuda: ")) << of_card;
   BlockMatrix K(device.mesh().num_nodes());
   EXPECT_THROW(device.add_stiffness_blocks(1, K), InputError);
+}
+
+PointArray stretched(const HexMesh& mesh) {
+  PointArray x = mesh.positions();
+  x.col(0) *= 1.3;
+  x.col(2) += 2 * x.col(0).cwiseProduct(x.col(0));
+  return x;
+}
+
+/// A slab of one body that has flowed, some of whose hexahedra are gone.
+Slab flowed_slab(double young_modulus) {
+  Slab slab(regular_grid({14, 12, 5}, Vec3::Zero(), kSlabSize));
+  for (int n = 500; n < slab.num_nodes(); n += 11) slab.held.push_back(n);  // between coarse ones too
+  Material soft = kFlowing;
+  soft.young_modulus = young_modulus;
+  soft.yield_stress = 1e-3 * young_modulus;
+  Body& body = slab.bodies.emplace_back(slab.mesh, std::vector{soft}, kMixed);
+  EXPECT_GT(body.flow(stretched(slab.mesh), .1).yielded, 800);
+  const std::vector<int> removed = {5, 6, 100, 301};
+  body.remove(removed);
+  body.linearize(stretched(slab.mesh));
+  return slab;
+}
+
+SolveReport solved(const Slab& slab, Preconditioner by, double tolerance, int iterations, PointArray& x) {
+  const PointArray b = Random(3).field(slab.num_nodes(), 1);
+  x.setZero(slab.num_nodes(), 3);
+  return PreconditionedConjugateGradients(tolerance, iterations, by).solve(slab, b, x);
+}
+
+/// After one iteration a solution is the right-hand side over the diagonal, but for a factor.
+TEST(DeviceBody, HasTheDiagonalOfTheBody) {
+  Slab slab = flowed_slab(5e4);
+  PointArray x[2];
+  solved(slab, Preconditioner::kDiagonal, 0, 1, x[0]);
+  slab.bodies.front().use_device("emulation");
+  slab.bodies.front().linearize(stretched(slab.mesh));
+  solved(slab, Preconditioner::kDiagonal, 0, 1, x[1]);
+  const double factor = x[0].cwiseProduct(x[1]).sum() / x[0].squaredNorm();
+  EXPECT_LE(relative(x[1] / factor, x[0]), 2e-2);
+}
+
+/// Alone, and with ties to the ground that are stiffer than hexahedra, in directions that are not axes; 1e8 N/m is
+/// rigid.
+TEST(DeviceBody, SolvesByCyclesAsTheCpuDoes) {
+  const double cases[][2] = {{1e4, 0}, {1e4, 1e3}, {1e4, 1e8}, {1e6, 0}};
+  for (const auto& [young_modulus, tie] : cases) {
+    SCOPED_TRACE(fmt::format("{} Pa, {} N/m", young_modulus, tie));
+    Slab slab = flowed_slab(young_modulus);
+    for (int n = 200; n < 500 && tie > 0; ++n) {
+      const Vec3 normal = Vec3(.02 * (n - 350), .5, 1).normalized();
+      slab.ties.add(n, n, kSlabStep * kSlabStep * tie * normal * normal.transpose());
+    }
+    PointArray x[2];
+    SolveReport report[2];
+    for (int k = 0; k < 2; ++k) {
+      if (k == 1) slab.bodies.front().use_device("emulation");
+      slab.bodies.front().linearize(stretched(slab.mesh));
+      report[k] = solved(slab, Preconditioner::kMultigrid, 1e-3, 200, x[k]);
+      EXPECT_EQ(report[k].preconditioner, PreconditionedBy::kMultigrid);
+      EXPECT_TRUE(report[k].converged);
+    }
+    EXPECT_LE(report[1].iterations, report[0].iterations + 2);
+    EXPECT_LE(relative(x[1], x[0]), 1e-2);
+    PointArray by_diagonal;
+    const int iterations = solved(slab, Preconditioner::kDiagonal, 1e-3, 1000, by_diagonal).iterations;
+    EXPECT_LE(iterations, tie > 0 ? 70 : 500);
+  }
 }
 
 /// A body has one set of vectors there: the solves of several threads take turns.

@@ -18,6 +18,9 @@ class Ties final : public NodalOperator {
   void add_product(double factor, ConstPoints p, Points Fp) const override {
     for (const auto& [a, b, block] : blocks) Fp.row(a) += factor * p.row(b) * block.transpose();
   }
+  void add_blocks(double factor, BlockMatrix& A) const override {
+    for (const auto& [a, b, block] : blocks) A.add(a, b, factor * block);
+  }
   void add(int a, int b, const Mat3& block) { blocks.push_back({a, b, block}); }
 
   struct Block {
@@ -53,7 +56,7 @@ class Slab final : public LinearSystem, public Projector {
   void assemble(BlockMatrix& A) const override {
     for (int n = 0; n < num_nodes(); ++n) A.add(n, n, Mat3(diagonal.row(n).asDiagonal()));
     for (const Body& body : bodies) body.add_stiffness_blocks(-kSlabStep * kSlabStep, A);
-    for (const auto& [a, b, block] : ties.blocks) A.add(a, b, block);
+    ties.add_blocks(1, A);
     for (const int n : held)
       for (int axis = 0; axis < 3; ++axis) A.pin(n, axis);
   }

@@ -96,6 +96,9 @@ class NodalOperator {
   virtual bool has_diagonal() const { return false; }
   /// diagonal += factor diag(F), num_nodes x 3.
   virtual void add_diagonal(double /*factor*/, Points /*diagonal*/) const {}
+
+  /// A += factor F, as far as F has blocks; A is of the same nodes.
+  virtual void add_blocks(double /*factor*/, BlockMatrix& /*A*/) const {}
 };
 
 /// factor F, of num_nodes nodes from `first_node` on; num_nodes -1: of all.
