@@ -6,8 +6,6 @@ import dataclasses
 import math
 
 import numpy as np
-from scipy.linalg import solve_banded
-from scipy.special import stdtrit
 
 LEVEL = 0.95
 NO_EFFECT = 1e-9  # of the largest singular value: rounding
@@ -39,11 +37,13 @@ class Confidence:
 
 def student_quantile(level, degrees):
     """The value that Student's t exceeds with the probability (1 - level) / 2."""
+    from scipy.special import stdtrit
     return float(stdtrit(degrees, (1 + level) / 2))
 
 
 def correlated(correlation, X):
     """Omega X of a first-order autoregressive process: Omega_ij = correlation^|i - j|."""
+    from scipy.linalg import solve_banded
     bands = np.ones((2, len(X)))
     bands[1] = -correlation
     forward = solve_banded((1, 0), bands, X)

@@ -10,9 +10,8 @@ import pathlib
 import sys
 
 import numpy as np
-from scipy.optimize import least_squares
 
-from . import command, confidence, curve, picture, states
+from . import command, confidence, curve, picture
 from .command import Report, TerminalReport, file_error, usage_error
 from .options import Parser, add_jobs, add_scene, names, num_jobs, number, whole_number
 
@@ -125,6 +124,7 @@ def question_of(experiment, threads, dt):
 def answer(question, assignments):
     """The values of all columns, one after the other, of a run with assignments. Returns exit code, values (None: there are
     none) and messages."""
+    from . import states
     found, values = {}, None
 
     def read(stream):
@@ -259,6 +259,7 @@ class Search:
         return math.sqrt(np.mean(self.residuals**2))
 
     def _find_best(self, start, looks_around):
+        from scipy.optimize import least_squares
         self.best = self.residuals = None
         self.is_converged = False
 

@@ -7,9 +7,6 @@ import math
 import os
 import warnings
 
-import matplotlib.style
-from matplotlib.figure import Figure
-
 from .command import printable, write_whole
 
 FIRST, SECOND, THIRD, PALE = "#2563a8", "#c2410c", "#3f7a1f", "#a5adb8"
@@ -94,6 +91,9 @@ def _draw_row(part, row, width, height):
 
 def picture(title, rows):
     """The rows, one below the other. Curves of the same name are in the legend once."""
+    import matplotlib.style
+    from matplotlib.figure import Figure
+
     layouts = [_layout(len(row.plots)) for row in rows]
     width = max(columns * width for columns, width, _ in layouts)
     heights = [-(-len(row.plots) // columns) * height + 0.4 for row, (columns, _, height) in zip(rows, layouts)]

@@ -17,8 +17,6 @@ import shutil
 import sys
 import time
 
-import numpy as np
-
 from . import command, picture
 from .command import Report, TerminalReport, file_error, usage_error
 from .options import Parser, add_jobs, add_scene, names, num_jobs, number, whole_number
@@ -106,7 +104,11 @@ class Grid:
 
     def choice(self, run):
         """The place of the value of each factor."""
-        return [int(k) for k in np.unravel_index(run - 1, [len(factor.values) for factor in self.factors])]
+        found, left = [], run - 1
+        for factor in reversed(self.factors):
+            left, k = divmod(left, len(factor.values))
+            found.append(k)
+        return found[::-1]
 
     def values(self, run):
         return {factor.attribute: factor.values[k] for factor, k in zip(self.factors, self.choice(run))}
@@ -581,6 +583,7 @@ class Sweep:
 
 
 def _numbers(texts):
+    import numpy as np
     try:
         return np.array([float(text) if text else np.nan for text in texts])
     except ValueError:
