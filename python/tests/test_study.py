@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Studies by executors, against the command alone; what their data sets hold, against scenes."""
 import concurrent.futures
+import contextlib
 import csv
 import json
 import os
@@ -16,7 +17,7 @@ import pytest
 import hexaplast
 from hexaplast import study
 
-from bars import STRETCHED as BAR, carry_out, command, processes, wait_for
+from bars import FLOWING, STRETCHED as BAR, carry_out, command, processes, wait_for
 
 YIELD, FLOW = "bar/material.yieldStress", "bar/material.plasticFlowRate"
 GRID = {YIELD: (200, 400.0), FLOW: "1,2"}
@@ -51,10 +52,8 @@ def test_a_sweep_by_processes_is_that_of_the_command(tmp_path, alone):
     assert found["state_hash"][2] == scene.state_hash()
     assert pickle.loads(pickle.dumps(found))["state_hash"] == found["state_hash"]
 
-    # once more costs nothing, and without an executor it is the same
+    # once more costs nothing
     before = (tmp_path / "out" / "run_1" / "states.h5").stat().st_mtime_ns
-    sweep(None, tmp_path / "alone")
-    assert_same(tmp_path / "alone", alone)
     with concurrent.futures.ThreadPoolExecutor(2) as executor:
         sweep(executor, tmp_path / "out")
     assert (tmp_path / "out" / "run_1" / "states.h5").stat().st_mtime_ns == before
@@ -104,6 +103,9 @@ def test_runs_that_fail_are_rows(tmp_path):
 def test_mistakes_are_exceptions(tmp_path, grid, error, message):
     with pytest.raises(error, match=message):
         study.sweep(BAR, grid, out=tmp_path / "out")
+
+
+def test_a_scene_that_is_absent_is_an_exception(tmp_path):
     with pytest.raises(OSError, match="absent.scn"):
         study.sweep("absent.scn", {FLOW: [1]}, out=tmp_path / "out")
 
@@ -150,14 +152,14 @@ def broken(*_):
 
 
 @pytest.mark.parametrize("pool", [concurrent.futures.ThreadPoolExecutor, concurrent.futures.ProcessPoolExecutor])
-def test_an_executor_that_fails_ends_the_study(tmp_path, curve, monkeypatch, pool):
+def test_an_executor_that_fails_ends_the_study(tmp_path, flowing, curve, monkeypatch, pool):
     monkeypatch.setattr("hexaplast_study.sweep.carry_out", broken)
     monkeypatch.setattr("hexaplast_study.fit.answer", broken)
     with pool(2) as executor:
         with pytest.raises(RuntimeError, match="a node died"):
             study.sweep(BAR, {FLOW: [1, 2]}, executor, out=tmp_path / "sweep", steps=2)
         with pytest.raises(RuntimeError, match="a node died"):
-            study.fit(BAR, curve, {YIELD: (50, 2000)}, executor, out=tmp_path / "fit", compare=["current_elongation"])
+            study.fit(flowing, curve, FREE, executor, out=tmp_path / "fit", compare=["current_elongation"])
     assert not list((tmp_path / "fit").glob("*")) and not list((tmp_path / "sweep").glob("run_*"))
 
 
@@ -224,58 +226,64 @@ def test_what_is_not_there_has_no_number(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def curve(tmp_path_factory):
-    out = tmp_path_factory.mktemp("curve") / "truth"
-    carry_out(BAR, "--out", out, "--frames", 0, "--steps", 60, "--set", f"{YIELD}=420")
-    return out / "history.csv"
+def flowing(tmp_path_factory):
+    scene = tmp_path_factory.mktemp("flowing") / "bar.scn"
+    scene.write_text(FLOWING)
+    return scene
+
+
+FREE = {"body.yieldStress": (20, 400)}
 
 
 @pytest.fixture(scope="module")
-def fitted_alone(tmp_path_factory, curve):
+def curve(flowing):
+    carry_out(flowing, "--out", flowing.parent / "truth", "--frames", 0, "--steps", 40, "--set", "body.yieldStress=110")
+    return flowing.parent / "truth" / "history.csv"
+
+
+@pytest.fixture(scope="module")
+def fitted_alone(flowing, curve):
     """The fit by the command."""
-    out = tmp_path_factory.mktemp("fitted")
-    ended = command("fit", BAR, "--target", curve, "--compare", "current_elongation,plastic_elongation", "--free",
-                    f"{YIELD}=50:2000", "--evaluations", 30, "--out", out)
+    out = flowing.parent / "fitted"
+    ended = command("fit", flowing, "--target", curve, "--compare", "current_elongation,plastic_elongation", "--free",
+                    "body.yieldStress=20:400", "--evaluations", 30, "--out", out)
     assert ended.returncode == 0, ended.stderr
     return json.loads((out / "fit.json").read_text())
 
 
-@pytest.mark.parametrize("pool", [None, concurrent.futures.ThreadPoolExecutor, concurrent.futures.ProcessPoolExecutor])
-def test_a_fit_by_an_executor_is_that_of_the_command(tmp_path, curve, fitted_alone, pool):
-    free = {YIELD: (50, 2000)}
-    arguments = dict(compare=["current_elongation", "plastic_elongation"], evaluations=30)
-    if pool is None:
-        found = study.fit(BAR, curve, free, out=tmp_path / "fit", **arguments)
-    else:
-        with pool(2) as executor:
-            found = study.fit(BAR, curve, free, executor, out=tmp_path / "fit", **arguments)
-    assert abs(found.values_found[YIELD] - 420) < 0.1
+@pytest.mark.parametrize("pool", [contextlib.nullcontext, lambda: concurrent.futures.ProcessPoolExecutor(2)], ids=["none", "processes"])
+def test_a_fit_by_an_executor_is_that_of_the_command(tmp_path, flowing, curve, fitted_alone, pool):
+    with pool() as executor:
+        found = study.fit(flowing, curve, FREE, executor, out=tmp_path / "fit", evaluations=30,
+                          compare=["current_elongation", "plastic_elongation"])
+    assert abs(found.values_found["body.yieldStress"] - 110) < 0.03
     assert found["parameters"][0]["confidence_from"] is not None and len(found["columns"]) == 2
     assert fitted_alone == found
 
 
-def test_a_fit_of_several_experiments_is_that_of_the_command(tmp_path, curve):
-    stronger = {"bar/material.plasticFlowRate": 2}
-    carry_out(BAR, "--steps", 40, "--frames", 0, "--out", tmp_path / "other", "--set", f"{YIELD}=420", "--set",
-              "bar/material.plasticFlowRate=2")
+def test_a_fit_of_several_experiments_is_that_of_the_command(tmp_path, flowing, curve):
+    carry_out(flowing, "--steps", 30, "--frames", 0, "--out", tmp_path / "other", "--set", "body.yieldStress=110", "--set",
+              "body.plasticFlowRate=4")
     other = tmp_path / "other" / "history.csv"
+    experiment = dict(scene=flowing, target=other, compare=["plastic_elongation"], overrides={"body.plasticFlowRate": 4})
     with concurrent.futures.ThreadPoolExecutor(2) as executor:
-        found = study.fit(BAR, curve, {YIELD: (50, 2000)}, executor, out=tmp_path / "fit", compare=["current_elongation"],
-                          experiments=[dict(scene=BAR, target=other, compare=["plastic_elongation"], overrides=stronger)])
-    assert abs(found.values_found[YIELD] - 420) < 0.1
+        found = study.fit(flowing, curve, FREE, executor, out=tmp_path / "fit", compare=["current_elongation"],
+                          experiments=[experiment])
+    assert abs(found.values_found["body.yieldStress"] - 110) < 0.03
     assert len(found["further_experiments"]) == 1 and [c["target"] for c in found["columns"]] == [str(curve), str(other)]
-    ended = command("fit", BAR, "--target", curve, "--compare", "current_elongation", "--free", f"{YIELD}=50:2000", "--out",
-                    tmp_path / "alone", "--experiment", BAR, other, "plastic_elongation", "bar/material.plasticFlowRate=2")
+    ended = command("fit", flowing, "--target", curve, "--compare", "current_elongation", "--free", "body.yieldStress=20:400",
+                    "--out", tmp_path / "alone", "--experiment", flowing, other, "plastic_elongation",
+                    "body.plasticFlowRate=4")
     assert ended.returncode == 0, ended.stderr
     assert json.loads((tmp_path / "alone" / "fit.json").read_text()) == found
     with pytest.raises(TypeError):
-        study.fit(BAR, curve, {YIELD: (50, 2000)}, out=tmp_path / "none", experiments=[dict(scene=BAR)])
+        study.fit(flowing, curve, FREE, out=tmp_path / "none", experiments=[dict(scene=flowing)])
 
 
-def test_a_fit_that_cannot_be_is_an_exception(tmp_path, curve):
+def test_a_fit_that_cannot_be_is_an_exception(tmp_path, flowing, curve):
     with concurrent.futures.ThreadPoolExecutor(2) as executor:
         with pytest.raises(ValueError, match="plasticFlowRaet"):
-            study.fit(BAR, curve, {"bar/material.plasticFlowRaet": (1, 2)}, executor, out=tmp_path / "fit")
+            study.fit(flowing, curve, {"body.plasticFlowRaet": (1, 2)}, executor, out=tmp_path / "fit")
 
 
 BAR_OF_TWO = """<Node name='{name}'><EulerImplicitSolver rayleighStiffness='0.05'/><SparseLDLSolver/>
