@@ -27,11 +27,14 @@ with tempfile.TemporaryDirectory() as name:
     pathlib.Path(name, "CTestTestfile.cmake").write_text(TESTS)
     subprocess.run([sys.argv[1], "--output-junit", results, "--test-output-size-passed", "2048"], cwd=name, check=True,
                    stdout=subprocess.DEVNULL)
-    for missing in [None, *SKIPS]:  # every skip needs a line of its own
-        allowed.write_text("# a comment\n\n" + "".join(skip + "\n" for skip in SKIPS if skip != missing) + "  \n")
+    # all have their line, none has, and each has the reason of another one
+    names, reasons = zip(*(skip.split(None, 1) for skip in SKIPS))
+    others = [" ".join(words) for words in zip(names, reasons[2:] + reasons[:2])]
+    for lines, num_refused in ((SKIPS, 0), ([], len(SKIPS)), (others, len(SKIPS))):
+        allowed.write_text("# a comment\n\n" + "".join(line + "\n" for line in lines) + "  \n")
         ended = subprocess.run([CHECK_SKIPS, results, allowed], capture_output=True, text=True)
-        assert ended.returncode == (missing is not None), ended
-        assert len(ended.stdout.splitlines()) == len(SKIPS) - ended.returncode
-        if missing:
-            test, words = missing.split(None, 1)
-            assert ended.stderr.startswith(test + " was skipped") and words in ended.stderr, ended
+        assert ended.returncode == (num_refused > 0), ended
+        assert len(ended.stdout.splitlines()) == len(SKIPS) - num_refused, ended
+        assert ended.stderr.count(" was skipped for a reason") == num_refused, ended
+        for name, reason in zip(names, reasons) if num_refused else ():
+            assert name + " was skipped" in ended.stderr and reason in ended.stderr, (name, ended)
