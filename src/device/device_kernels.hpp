@@ -113,7 +113,7 @@ class DeviceKernels {
   /// of the nodes `column`. They are in all products of the present system.
   virtual void set_terms(int num_rows, const int* node, const int* first, const int* column, const double* blocks) = 0;
 
-  /// Cycles: the meshes below the body's, once; what is linearized of them, and D of each mesh, for the present system.
+  /// Cycles: the meshes below the body's, once; they are linearized with it. D of each mesh, for the present system.
   virtual void set_levels(const LevelArrays* levels, int count) = 0;
   virtual void prepare_cycles(bool has_others) = 0;  ///< has_others: false leaves out blocks, and what `rest` adds
   /// Lanczos' method for D^-1 A of a mesh, 0 being the finest (LanczosSpace): v is `first` times D^-1.

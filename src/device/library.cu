@@ -128,7 +128,7 @@ class Kernels final : public DeviceKernels {
     launch(one_number::linearize, blocks(), kBricksOfBlock * kWidth, layout(), a.rest, length_, a.x,
            before_.of(arrays_.at.num_bricks).G, a.mean, a.coef, a.weight, a.partial, thin_from, a.status);
     launch(gather, node_blocks(), kNodesOfBlock, layout(), a.partial, 1.0f, a.force);
-    are_levels_linearized_ = false;
+    linearize_levels();
     return sums(nullptr, a.status).first;
   }
   void get_force(float* f) override { arrays_.force.get(f); }
@@ -222,7 +222,7 @@ class Kernels final : public DeviceKernels {
       const std::size_t sums = 3 * static_cast<std::size_t>(levels_.back().at.node_blocks());
       if (sums > arrays_.block_sum.size()) arrays_.block_sum = Array<double>(sums);
     }
-    are_levels_linearized_ = false;
+    linearize_levels();
   }
   void prepare_cycles(bool has_others) override {
     const Arrays& a = arrays_;
@@ -235,12 +235,10 @@ class Kernels final : public DeviceKernels {
            has_others, finest.diagonal, finest.inverse, finest.follow);
     for (std::size_t k = 1; k < levels_.size(); ++k) {
       const Level &finer = levels_[k - 1], &level = levels_[k];
-      if (!are_levels_linearized_) linearize_level(k);
       launch(descend, level.at.node_blocks(), kNodesOfBlock, Layout(level.at), level.of_diagonal, factor_,
              Map(level.restriction), level.fine_node, nodes_of(finer),
              k == 1 ? static_cast<const float4*>(a.diagonal) : nullptr, level.diagonal, level.inverse, level.follow);
     }
-    are_levels_linearized_ = true;
   }
   double start_lanczos(int k, const float* first) override {
     const Level& level = levels_[k];
@@ -351,17 +349,18 @@ class Kernels final : public DeviceKernels {
     device::fill(to, to.bytes());
     launch(one_number::number_nodes, (count + kNodesOfBlock - 1) / kNodesOfBlock, kNodesOfBlock, listed_, count, to);
   }
-  /// What the cells of a coarse mesh are where the nodes are now.
-  void linearize_level(std::size_t k) {
-    const Level &finer = levels_[k - 1], &level = levels_[k];
-    const LayoutOnDevice& at = level.at;
-    const bool is_first = k == 1;
-    launch(place_nodes, at.node_blocks(), kNodesOfBlock, Map(level.placement), is_first ? arrays_.x : finer.positions,
-           level.positions);
-    launch(linearize_cells, at.blocks(), kBricksOfBlock * kWidth, Layout(at), level.rest, level.moduli, level.child,
-           length_, level.positions, is_first ? arrays_.mean : finer.mean, level.coef, level.mean);
-    launch(diagonal_of_cells, at.blocks(), kBricksOfBlock * kWidth, Layout(at), level.coef, level.moduli,
-           level.of_diagonal);
+  /// What the cells of the coarse meshes are where the nodes are now.
+  void linearize_levels() {
+    for (std::size_t k = 1; k < levels_.size(); ++k) {
+      const Level &finer = levels_[k - 1], &level = levels_[k];
+      const LayoutOnDevice& at = level.at;
+      launch(place_nodes, at.node_blocks(), kNodesOfBlock, Map(level.placement), k == 1 ? arrays_.x : finer.positions,
+             level.positions);
+      launch(linearize_cells, at.blocks(), kBricksOfBlock * kWidth, Layout(at), level.rest, level.moduli, level.child,
+             length_, level.positions, k == 1 ? arrays_.mean : finer.mean, level.coef, level.mean);
+      launch(diagonal_of_cells, at.blocks(), kBricksOfBlock * kWidth, Layout(at), level.coef, level.moduli,
+             level.of_diagonal);
+    }
   }
   /// partial = L d
   void multiply_level(std::size_t k) {
@@ -442,7 +441,7 @@ class Kernels final : public DeviceKernels {
   Arrays arrays_;
   History before_, after_;
   std::vector<Level> levels_;  // from fine to coarse; empty until cycles are asked for
-  bool has_cycles_ = false, are_levels_linearized_ = false, has_blocks_in_cycles_ = false;
+  bool has_cycles_ = false, has_blocks_in_cycles_ = false;
   int num_blocks_ = 0, num_terms_ = 0;  // of the present system
   Array<int> listed_, block_of_node_, term_of_node_, term_first_, term_column_;
   Array<BlockEntry> blocks_;
