@@ -17,11 +17,10 @@ using Point = Sweep::Point;
 using End = Sweep::End;
 __extension__ typedef __int128 Wide;
 
-constexpr int kBits = 32;                   // the box of the body has 2^32 to 2^33 spacings
-constexpr double kGreatest = 0x1p60;        // coordinate that can be rounded
-constexpr std::int64_t kRange = 1LL << 37;  // differences of coordinates that are compared are below it
-constexpr double kBend = 0.1;               // at most, of the mean link, in a part of a step
-constexpr double kMargin = 0.01;            // of the mean link, beyond all rounding
+constexpr int kBits = 32;             // the box of the body has 2^32 to 2^33 spacings
+constexpr double kGreatest = 0x1p60;  // coordinate that can be rounded
+constexpr double kBend = 0.1;         // at most, of the mean link, in a part of a step
+constexpr double kMargin = 0.01;      // of the mean link, beyond all rounding
 
 /// A point in space and, at one of two moments, in time.
 struct Event {
@@ -40,6 +39,17 @@ std::array<Wide, 3> cross(const Point& a, const Point& b) {
   return product;
 }
 
+/// Sign of a . b, exact for entries below 2^124 and 2^61: upper and lower 64 bits of those of a are multiplied apart.
+int sign_of_product(const std::array<Wide, 3>& a, const Point& b) {
+  Wide upper = 0, lower = 0;
+  for (int i = 0; i < 3; ++i) {
+    upper += (a[i] >> 64) * b[i];
+    lower += Wide{static_cast<std::uint64_t>(a[i])} * b[i];
+  }
+  upper += lower >> 64;
+  return upper != 0 ? sign(upper) : static_cast<std::uint64_t>(lower) != 0;
+}
+
 /// Sign of the determinant of the five rows (x, y, z, t, 1) of all events but one; those of the blade are displaced by
 /// d = (eps, eps^2, eps^3).
 ///
@@ -50,8 +60,8 @@ std::array<Wide, 3> cross(const Point& a, const Point& b) {
 ///
 ///   det(r_k + s_k d) = r_0 . (r_1 x r_2) + d . (s_0 r_1 x r_2 + s_1 r_2 x r_0 + s_2 r_0 x r_1)
 ///
-/// With differences below 2^37, entries of cross products are below 2 * 2^74, terms of the determinant below
-/// 3 * 2^37 * 2^75 < 2^114, and those of the displacement below 3 * 2^75: all are exact in 127 bits and a sign.
+/// With differences up to 2^61, entries of cross products are at most 2^123 and those of the displacement 3 * 2^123:
+/// all are exact in 127 bits and a sign.
 int orientation(const std::array<Event, 6>& events, int omitted) {
   std::array<const Event*, 2> first{};  // of each time
   std::array<Point, 3> row;
@@ -73,11 +83,10 @@ int orientation(const std::array<Event, 6>& events, int omitted) {
 
   const std::array<std::array<Wide, 3>, 3> minors = {cross(row[1], row[2]), cross(row[2], row[0]),
                                                      cross(row[0], row[1])};
-  Wide determinant = 0;
-  for (int i = 0; i < 3; ++i) determinant += minors[0][i] * row[0][i];
-  for (int i = 0; i < 3 && determinant == 0; ++i)
-    for (int k = 0; k < 3; ++k) determinant += minors[k][i] * displaced[k];
-  return order * sign(determinant);
+  int side = sign_of_product(minors[0], row[0]);
+  for (int i = 0; i < 3 && side == 0; ++i)
+    side = sign(minors[0][i] * displaced[0] + minors[1][i] * displaced[1] + minors[2][i] * displaced[2]);
+  return order * side;
 }
 
 /// Whether a triangle of a link (the first three events) and one of a blade meet within both.
@@ -290,25 +299,6 @@ void BladeCut::find_near(std::span<const Hexahedron> hexahedra, ConstPoints x_be
   if (near_.empty()) return;
   for (int e = 0; e < std::ssize(hexahedra); ++e)
     if (is_at_near_link_[e] != 0) centres_[e] = centre(hexahedra[e], e, x_before, x_after);
-  check_range();
-}
-
-/// Of the hexahedra of near links and the blade.
-void BladeCut::check_range() const {
-  for (int i = 0; i < 3; ++i) {
-    const auto coordinate = [i](const Point& point) { return point[i]; };
-    const auto [least, greatest] = std::ranges::minmax(points_, {}, coordinate);
-    for (const Link& link : near_)
-      for (const int e : {link.first, link.second}) {
-        const auto& [before, after] = centres_[e];
-        const std::int64_t span =
-            std::max({greatest[i], before[i], after[i]}) - std::min({least[i], before[i], after[i]});
-        if (span < kRange) continue;
-        throw InputError(fmt::format(
-            "within a step, the blade and hexahedron {}, which is near it, span {:.3g} m, must be less than {:.3g} m",
-            e, static_cast<double>(span) * spacing_, static_cast<double>(kRange) * spacing_));
-      }
-  }
 }
 
 /// One part of a step after the other.

@@ -176,11 +176,11 @@ TEST(BladePredicate, IsThatOfADisplacedBlade) {
   });
 }
 
-// Determinants of 111 bits.
+// From one end of it to the other: determinants of 184 bits.
 TEST(BladePredicate, IsExactToTheEndOfItsRange) {
   expect_met(2, 8, [](const Sweep& link, const Sweep& segment) {
-    constexpr std::int64_t kFactor = ((std::int64_t{1} << 37) - 1) / 7;
-    return meet(scaled(link, kFactor), scaled(segment, kFactor));
+    constexpr std::int64_t kEnd = std::int64_t{1} << 60, kFactor = 2 * kEnd / 7;
+    return meet(scaled(link, kFactor, {-kEnd, -kEnd, -kEnd}), scaled(segment, kFactor, {-kEnd, -kEnd, -kEnd}));
   });
 }
 
@@ -313,6 +313,21 @@ TEST(BladeCut, MovesTheTissueWithTheMoments) {
   EXPECT_EQ(Cut(mesh).step(x, x_after, {{0, left}, {0.4, before}, {0.6, before}, {1, right}}), std::vector<int>{0});
 }
 
+TEST(BladeCut, OfAnyLengthOpensTheSame) {
+  const HexMesh mesh = distorted_block({3, 3, 3}, 1, 0.2, 5);
+  const PointArray& x = mesh.positions();
+  const auto opened = [&](double reach) {
+    const Vec3 on_plane(1.4, 1.6, 1.5), along(0.5, 2, 1), way(1, -0.5, 0.25);
+    const auto edge = [&](double s) {
+      return points({on_plane + reach * (s * way - along), on_plane + reach * (s * way + along)});
+    };
+    return Cut(mesh).step(x, x, straight(edge(-1), edge(1)));
+  };
+  const std::vector<int> expected = opened(4);
+  EXPECT_GT(expected.size(), 4u);
+  for (const double reach : {40.0, 4e2, 4e4, 4e6}) EXPECT_EQ(opened(reach), expected) << reach;
+}
+
 TEST(BladeCut, OpensNothingWithoutMotionOrLength) {
   const HexMesh mesh = distorted_block({3, 3, 3}, 1, 0.2, 5);
   Cut cut(mesh);
@@ -362,10 +377,10 @@ TEST(BladeCut, RefusesWhatIsNotFiniteOrTooFar) {
   bad_x(26, 0) = std::numeric_limits<double>::infinity();
   EXPECT_TRUE(has(refusal(mesh, bad_x, from, to), "centre of hexahedron 7 is at inf"));
 
-  // 2^37 spacings of 2^-31 m are 64 m
-  EXPECT_EQ(refusal(mesh, x, from, points({{60, -1, 1}, {60, 3, 1}})), "");
-  EXPECT_TRUE(has(refusal(mesh, x, from, points({{70, -1, 1}, {70, 3, 1}})), "span 71 m, must be less than 64 m"));
-  EXPECT_EQ(refusal(mesh, x, points({{1e4, -1, 1}, {1e4, 3, 1}}), points({{2e4, -1, 1}, {2e4, 3, 1}})), "");
+  // 2^60 spacings of 2^-31 m are 5.4e8 m
+  EXPECT_EQ(refusal(mesh, x, from, points({{5e8, -1, 1}, {5e8, 3, 1}})), "");
+  EXPECT_TRUE(
+      has(refusal(mesh, x, from, points({{6e8, -1, 1}, {6e8, 3, 1}})), "must be finite and nearer than 5.37e+08"));
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ struct Sweep {
   End p, q;
 };
 
-/// Whether a link meets a segment of a blade: exact for differences of coordinates below 2^37.
+/// Whether a link meets a segment of a blade: exact for coordinates below 2^60.
 ///
 /// In space and time a line p q sweeps the triangles (p0, q0, q1) and (p0, q1, p1), where 0 is before and 1 after the
 /// step. Lines meet if one of the four pairs of triangles has a point in common. The blade counts as displaced by (eps,
@@ -52,8 +52,8 @@ class BladeCut {
   ///   blade: at moments of the step, ascending, the first with fraction 0, the last with fraction 1; between them its
   ///          points move straight.
   ///   is_open: per joint, not 0 where it is open already.
-  /// Throws InputError for points that are not finite, and where the way of the blade in this step and a hexahedron
-  /// near it do not fit into 16 times the longest side of the initial mesh's box.
+  /// Throws InputError for points that are not finite, or farther away than 10^8 times the longest side of the initial
+  /// mesh's box.
   const std::vector<int>& opened(std::span<const Hexahedron> hexahedra, ConstPoints x_before, ConstPoints x_after,
                                  std::span<const BladeAt> blade, std::span<const unsigned char> is_open);
 
@@ -72,7 +72,6 @@ class BladeCut {
   Sweep::End centre(const Hexahedron& corners, Eigen::Index number, ConstPoints x_before, ConstPoints x_after) const;
   void find_near(std::span<const Hexahedron> hexahedra, ConstPoints x_before, ConstPoints x_after,
                  const Eigen::AlignedBox3d& blade, std::span<const unsigned char> is_open);
-  void check_range() const;
   void cut(double from, double to);
 
   Vec3 origin_ = Vec3::Zero();  // [m]
