@@ -34,7 +34,8 @@ class SkinCut {
     int node = -1;             // initial one, by which the ends are parted; -1: they are not
     std::array<int, 2> point;  // on the side of the lower end, and of the other
   };
-  /// An edge of a lip, as the skin runs along it, and the copies of wall nodes that its ends are joined to.
+  /// An edge of a lip, as the skin runs along it, and the copies of wall nodes that its ends are joined to. Each second
+  /// one lies across the one before, and runs the other way.
   struct Lip {
     int from, to;
     int copy_from, copy_to;  // -1: the cut ends here
@@ -58,9 +59,10 @@ class SkinCut {
     Quad copies;
   };
   void find_walls();
-  std::vector<int> way(int from, const std::function<bool(int)>& is_goal) const;
+  std::vector<Edge> way(const Edge& from, const std::function<bool(const Edge&)>& is_goal) const;
   void end_lips();
   void add_strips();
+  void add_strip(const Lip& lip, const std::vector<int>& nodes, bool is_across);
   bool winds_around(const Vec3& place) const;
   std::vector<unsigned char> inside() const;
   void add_walls();
@@ -302,16 +304,31 @@ void SkinCut::divide_at(const Triangle& triangle, const std::array<Crossing, 3>&
     add(across_next, corner(k + 2), across_last);
     lips_.push_back({across_last, across_next, copy_across_last, copy_across_next});
   } else {
-    Vec3 middle = Vec3::Zero();
-    for (const Crossing& crossing : crossings) middle += points_[crossing.point[0]] / 3;
+    Vec3 place = Vec3::Zero();
+    for (const Crossing& crossing : crossings) place += points_[crossing.point[0]] / 3;
+    // on all sides the middle is joined to one node, where they have one
+    std::array<int, 3> middle, copy_of_middle;
     for (k = 0; k < 3; ++k) {
-      const auto [next, copy_of_next] = on(k, k);
-      const auto [last, copy_of_last] = on(k + 2, k);
-      const int point = add_point(middle, hexahedron_[corner(k)]);
-      add(corner(k), next, point);
-      add(corner(k), point, last);
-      lips_.push_back({next, point, copy_of_next, copy_of_next});
-      lips_.push_back({point, last, copy_of_next, copy_of_last});
+      middle[k] = add_point(place, hexahedron_[corner(k)]);
+      copy_of_middle[k] = on(k, k).second;
+    }
+    std::size_t most = 0;
+    for (const Crossing& crossing : crossings) {
+      std::array<int, 3> copies;
+      for (k = 0; k < 3; ++k) copies[k] = walls_.copy_at(hexahedron_[corner(k)], crossing.node);
+      const std::size_t num_copies = walls_.node(crossing.node)->copies.size();
+      if (std::ranges::count(copies, -1) > 0 || num_copies <= most) continue;
+      most = num_copies;
+      copy_of_middle = copies;
+    }
+    for (k = 0; k < 3; ++k) {
+      const int next = (k + 1) % 3;
+      const auto [near, copy_near] = on(k, k);
+      const auto [far, copy_far] = on(k, k + 1);
+      add(corner(k), near, middle[k]);
+      add(corner(k + 1), middle[next], far);
+      lips_.push_back({near, middle[k], copy_near, copy_of_middle[k]});
+      lips_.push_back({middle[next], far, copy_of_middle[next], copy_far});
     }
   }
 }
@@ -348,23 +365,25 @@ void SkinCut::find_walls() {
   }
 }
 
-/// A shortest way along edges of walls to the first copy that is a goal; both lips find the same one. Empty: none.
-std::vector<int> SkinCut::way(int from, const std::function<bool(int)>& is_goal) const {
-  std::map<int, int> before{{from, from}};
-  std::deque<int> next{from};
+/// A shortest way along edges that the walls on both sides have, to the first pair of copies that is a goal. Empty:
+/// none.
+std::vector<Edge> SkinCut::way(const Edge& from, const std::function<bool(const Edge&)>& is_goal) const {
+  std::map<Edge, Edge> before{{from, from}};
+  std::deque<Edge> next{from};
   while (!next.empty()) {
-    const int copy = next.front();
+    const Edge copies = next.front();
     next.pop_front();
-    if (is_goal(copy)) {
-      std::vector<int> found{copy};
+    if (is_goal(copies)) {
+      std::vector<Edge> found{copies};
       while (found.back() != from) found.push_back(before.at(found.back()));
       std::ranges::reverse(found);
       return found;
     }
-    const auto beside = beside_.find(copy);
-    if (beside == beside_.end()) continue;
-    for (const int other : beside->second)
-      if (before.emplace(other, copy).second) next.push_back(other);
+    const auto one = beside_.find(copies[0]), other = beside_.find(copies[1]);
+    if (one == beside_.end() || other == beside_.end()) continue;
+    for (const int a : one->second)
+      for (const int b : other->second)
+        if (initial_.at(a) == initial_.at(b) && before.emplace(Edge{a, b}, copies).second) next.push_back({a, b});
   }
   return {};
 }
@@ -374,8 +393,8 @@ void SkinCut::end_lips() {
   std::map<int, int> end_of;  // point of the skin
   const auto end = [&](int point, int copy) {
     if (const auto found = end_of.find(point); found != end_of.end()) return found->second;
-    const std::vector<int> found = way(copy, [&](int other) { return is_front_.contains(other); });
-    return end_of[point] = found.empty() ? -1 : found.back();
+    const std::vector<Edge> found = way({copy, copy}, [&](const Edge& other) { return is_front_.contains(other[0]); });
+    return end_of[point] = found.empty() ? -1 : found.back()[0];
   };
   for (Lip& lip : lips_) {
     if (lip.copy_from < 0) lip.copy_from = end(lip.from, lip.copy_to);
@@ -383,26 +402,44 @@ void SkinCut::end_lips() {
   }
 }
 
+/// Strips across each other run along the same initial nodes where both sides have such a way.
 void SkinCut::add_strips() {
-  for (const Lip& lip : lips_) {
-    const std::vector<int> nodes = initial_.contains(lip.copy_from)
-                                       ? way(lip.copy_from, [&](int copy) { return copy == lip.copy_to; })
-                                       : std::vector<int>();
-    if (nodes.empty()) continue;
-    strips_.push_back({{lip.to, lip.from, nodes[0]}, {false, false, true}});
-    for (std::size_t k = 0; k + 1 < nodes.size(); ++k) {
-      strips_.push_back({{lip.to, nodes[k], nodes[k + 1]}, {false, true, true}});
-      ++joined_[sorted(Edge{nodes[k], nodes[k + 1]})];
-    }
-    const auto pull = [&](int copy, double at) {
-      auto& [sum, count] = pull_.try_emplace(initial_.at(copy), Vec3::Zero(), 0).first->second;
-      sum += points_[lip.from] + at * (points_[lip.to] - points_[lip.from]);
-      ++count;
+  for (std::size_t l = 0; l < lips_.size(); l += 2) {
+    const Lip &lip = lips_[l], &across = lips_[l + 1];
+    const auto between = [&](const Edge& from, const Edge& to) {
+      return initial_.contains(from[0]) && initial_.contains(from[1])
+                 ? way(from, [&](const Edge& copies) { return copies == to; })
+                 : std::vector<Edge>();
     };
-    const double last = std::max(1.0, static_cast<double>(nodes.size()) - 1);
-    for (std::size_t k = 0; k < nodes.size(); ++k) pull(nodes[k], static_cast<double>(k) / last);
-    if (nodes.size() == 1) pull(nodes[0], 1);
+    std::vector<Edge> one = between({lip.copy_from, across.copy_to}, {lip.copy_to, across.copy_from}), other = one;
+    if (one.empty()) {
+      one = between({lip.copy_from, lip.copy_from}, {lip.copy_to, lip.copy_to});
+      other = between({across.copy_to, across.copy_to}, {across.copy_from, across.copy_from});
+    }
+    std::vector<int> nodes, nodes_across;
+    for (const Edge& copies : one) nodes.push_back(copies[0]);
+    for (const Edge& copies : other) nodes_across.push_back(copies[1]);
+    std::ranges::reverse(nodes_across);
+    add_strip(lip, nodes, false);
+    add_strip(across, nodes_across, true);
   }
+}
+
+void SkinCut::add_strip(const Lip& lip, const std::vector<int>& nodes, bool is_across) {
+  if (nodes.empty()) return;
+  strips_.push_back({{lip.to, lip.from, is_across ? nodes.back() : nodes[0]}, {false, false, true}});
+  for (std::size_t k = 0; k + 1 < nodes.size(); ++k) {
+    strips_.push_back({{is_across ? lip.from : lip.to, nodes[k], nodes[k + 1]}, {false, true, true}});
+    ++joined_[sorted(Edge{nodes[k], nodes[k + 1]})];
+  }
+  const auto pull = [&](int copy, double at) {
+    auto& [sum, count] = pull_.try_emplace(initial_.at(copy), Vec3::Zero(), 0).first->second;
+    sum += points_[lip.from] + at * (points_[lip.to] - points_[lip.from]);
+    ++count;
+  };
+  const double last = std::max(1.0, static_cast<double>(nodes.size()) - 1);
+  for (std::size_t k = 0; k < nodes.size(); ++k) pull(nodes[k], static_cast<double>(k) / last);
+  if (nodes.size() == 1) pull(nodes[0], 1);
 }
 
 /// Whether a place lies within the skin.
@@ -413,24 +450,34 @@ bool SkinCut::winds_around(const Vec3& place) const {
   return std::abs(angle) > 2 * std::numbers::pi;
 }
 
-/// Per face of a wall, whether it lies within the skin: strips and walls together have an even number of faces at each
-/// edge. Beyond an edge that one wall alone has lies the outside of all hexahedra.
+/// Per face of a wall, whether it lies within the skin, with the walls on its other sides: strips and walls together
+/// have an even number of faces at each edge. Beyond an edge that one wall alone has lies the outside of all hexahedra.
 std::vector<unsigned char> SkinCut::inside() const {
   std::map<Edge, std::vector<int>> faces_at;
-  for (std::size_t f = 0; f < wall_faces_.size(); ++f)
+  std::map<Quad, std::vector<int>> sides;
+  const auto initial_of = [&](int face) {
+    Quad initial;
+    std::ranges::transform(wall_faces_[face].copies, initial.begin(), [&](int copy) { return initial_.at(copy); });
+    return sorted(initial);
+  };
+  for (std::size_t f = 0; f < wall_faces_.size(); ++f) {
+    sides[initial_of(static_cast<int>(f))].push_back(static_cast<int>(f));
     for (int k = 0; k < 4; ++k)
       faces_at[sorted(Edge{wall_faces_[f].copies[k], wall_faces_[f].copies[(k + 1) % 4]})].push_back(
           static_cast<int>(f));
+  }
   const auto is_joined = [&](const Edge& edge) {
     const auto found = joined_.find(edge);
     return found != joined_.end() && found->second % 2 != 0;
   };
   std::vector<signed char> state(wall_faces_.size(), -1);
   std::deque<Edge> next;  // where the state of a face may follow
-  const auto set = [&](int face, bool is_inside) {
-    state[face] = is_inside ? 1 : 0;
-    for (int k = 0; k < 4; ++k)
-      next.push_back(sorted(Edge{wall_faces_[face].copies[k], wall_faces_[face].copies[(k + 1) % 4]}));
+  const auto set = [&](int first, bool is_inside) {
+    for (const int face : sides[initial_of(first)]) {
+      state[face] = is_inside ? 1 : 0;
+      for (int k = 0; k < 4; ++k)
+        next.push_back(sorted(Edge{wall_faces_[face].copies[k], wall_faces_[face].copies[(k + 1) % 4]}));
+    }
   };
   const auto spread = [&] {
     for (; !next.empty(); next.pop_front()) {
@@ -444,17 +491,32 @@ std::vector<unsigned char> SkinCut::inside() const {
       if (num_unknown == 1) set(unknown, is_odd);
     }
   };
-  for (const auto& [edge, around] : faces_at) next.push_back(edge);
-  spread();
-  for (const bool may_be_at_lips : {false, true})  // walls that do not reach the outside
-    for (std::size_t f = 0; f < state.size(); ++f) {
-      const auto is_at_lip = [&](int copy) { return pull_.contains(initial_.at(copy)); };
-      if (state[f] >= 0 || (!may_be_at_lips && std::ranges::any_of(wall_faces_[f].copies, is_at_lip))) continue;
-      Vec3 middle = Vec3::Zero();
-      for (const int copy : wall_faces_[f].copies) middle += walls_.node(initial_.at(copy))->place / 4;
-      set(static_cast<int>(f), winds_around(middle));
+  // Returns at how many edges the number of faces is odd.
+  const auto decide = [&](bool from_outside) {
+    std::ranges::fill(state, -1);
+    if (from_outside)
+      for (const auto& [edge, around] : faces_at) next.push_back(edge);
+    spread();
+    for (const bool may_be_at_lips : {false, true}) {
+      for (std::size_t f = 0; f < state.size(); ++f) {
+        const auto is_at_lip = [&](int copy) { return pull_.contains(initial_.at(copy)); };
+        if (state[f] >= 0 || (!may_be_at_lips && std::ranges::any_of(wall_faces_[f].copies, is_at_lip))) continue;
+        Vec3 middle = Vec3::Zero();
+        for (const int copy : wall_faces_[f].copies) middle += walls_.node(initial_.at(copy))->place / 4;
+        set(static_cast<int>(f), winds_around(middle));
+        if (from_outside || may_be_at_lips) spread();
+      }
       spread();
     }
+    return std::ranges::count_if(faces_at, [&](const auto& at) {
+      const auto count = std::ranges::count_if(at.second, [&](int face) { return state[face] > 0; });
+      return (count % 2 != 0) != is_joined(at.first);
+    });
+  };
+  if (const auto num_odd = decide(true); num_odd > 0) {  // a lip without a way along walls
+    std::vector<signed char> from_outside = state;
+    if (decide(false) >= num_odd) state = std::move(from_outside);
+  }
   return {state.begin(), state.end()};
 }
 

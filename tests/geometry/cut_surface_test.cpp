@@ -235,6 +235,30 @@ TEST(CutSkin, RandomCutsLeaveAClosedSurfaceOfTheSameVolume) {
   }
 }
 
+// Where they cross, a wall on one side of which the skin closes otherwise would add its volume or take it away. Of 200,
+// a lip or two may find no way along walls that both sides have.
+TEST(CutSkin, PlanesThatCrossKeepTheVolumeOfCoarseCages) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  const auto vector = [&] { return Vec3(normal(random), normal(random), normal(random)); };
+  int num_off = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const std::array<int, 3> n{3 + trial % 3, 3 + trial / 3 % 3, 3 + trial / 9 % 3};
+    const Vec3 size(n[0], n[1], n[2]);
+    Cutting cage(cubes(n, [](const Vec3&) { return true; }));
+    const CarriedSurface whole = ball(size / 2, 0.36 * size.minCoeff(), 6);
+    for (int cuts = 0; cuts < 2 + trial % 2; ++cuts) {
+      const Vec3 way = vector().normalized(), across = way.cross(vector()).normalized();
+      const Vec3 begin = size / 2 + 0.4 * vector() - 8 * way;
+      cage.pass(line({begin - 8 * across, begin + 8 * across}), (8 + normal(random)) * way);
+    }
+    const CarriedSurface skin = skin_of(cage, whole);
+    EXPECT_TRUE(boundary_edges(skin.faces).empty()) << trial;
+    num_off += std::abs(enclosed(skin.points, skin.faces) / enclosed(whole.points, whole.faces) - 1) > 0.005;
+  }
+  EXPECT_LE(num_off, 2);
+}
+
 // Within the body, up to its skin, and all of a lip.
 TEST(CutSkin, RemovedHexahedraBesideTheCutLeaveItClosed) {
   Cutting cage = ball_cage();
