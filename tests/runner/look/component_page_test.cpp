@@ -151,6 +151,16 @@ TEST_F(CommandPage, IsTheHelpOfEverySubcommand) {
   EXPECT_GT(count, 14) << "the walk has lost its object";
 }
 
+TEST_F(CommandPage, TellsOfAProgramThatLacksAPackageAndFailsWithAnyOther) {
+  for (const int code : {5, 1}) {
+    write("fake", "#!/bin/sh\nif [ \"$1\" = sweep ]; then echo 'needs numpy' >&2; exit " + std::to_string(code) +
+                      "; fi\nprintf 'Subcommands:\\n  sweep  many runs\\n'\n");
+    const Outcome printed = shell("chmod +x fake && bash '" + kLook + "man_page' ./fake 1.2.3");
+    EXPECT_EQ(printed.code == 0, code == 5) << printed.err;
+    EXPECT_EQ(has(printed.out, ".SH \"hexaplast sweep\"\n.nf\nneeds numpy\n.fi\n"), code == 5) << printed.out;
+  }
+}
+
 // They are written by hand.
 TEST_F(CommandPage, SynopsesOfTheDocumentationHaveEveryOption) {
   for (const auto& [command, page, beginning] : {std::tuple("run", "commands.md", "\nhexaplast run SCENE ["),
