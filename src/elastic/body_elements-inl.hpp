@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Elements of a body in lanes: their corners, their isolated rest shapes and what they are made of.
+// Elements of a body in lanes: their corners and their isolated rest shapes.
 #if defined(HEXAPLAST_ELASTIC_BODY_ELEMENTS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HEXAPLAST_ELASTIC_BODY_ELEMENTS_INL
 #undef HEXAPLAST_ELASTIC_BODY_ELEMENTS_INL
@@ -12,12 +12,6 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace hexaplast::HWY_NAMESPACE {
-
-/// What the elements of one register are made of.
-HEXAPLAST_INLINE MaterialLanes<Lanes<double>> material_of(const Model& model, int block, int lane) {
-  const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
-  return {model.settings, load(lame), load(lame + kBlock)};
-}
 
 /// The G of a register of elements, of those of all elements, into `plastic`; null: nothing has flowed.
 template <class V>

@@ -16,7 +16,8 @@ using V = Lanes<double>;
 /// One register of elements.
 struct EvaluatedLanes {
   EvaluatedLanes(const EvaluatedBlock& at, int lane)
-      : present(static_cast<std::uint32_t>(at.present) >> lane), of(material_of(at.model, at.block, lane)) {
+      : present(static_cast<std::uint32_t>(at.present) >> lane),
+        of(material_lanes<double>(at.model.settings, at.model.lame_blocks, at.block, lane)) {
     const Partition& partition = *at.model.partition;
     gather_shapes(partition, at.block, lane, present, at.plastic_rest, at.current, x, u);
     place_element(x, u, sampling_of(at.model.settings),

@@ -26,7 +26,7 @@ struct ExactCoefficients {
     ModeLanes<V> of_volume;
     gather_shapes(*model.partition, block, lane, present, at.plastic_rest.data(), at.current.data(), x, u);
     ElementLanes<kGeneral, V> element;
-    const MaterialLanes<V> of = material_of(model, block, lane);
+    const MaterialLanes<V> of = material_lanes<double>(model.settings, model.lame_blocks, block, lane);
     PlasticLanes<V> plastic;
     place_element(x, u, kind.sampling,
                   load_plastic(*model.partition, at.flowed_at(history, block), block, lane, plastic), element);

@@ -126,7 +126,7 @@ HEXAPLAST_NOINLINE void linearize_lanes(const LinearizePass& pass, ElementOperat
   decompose(element);
   const V volume = select_bits(present, element.rest.volume, V(0.0));
   store(volume, at.volume.data() + static_cast<std::size_t>(block) * kBlock + lane);
-  const MaterialLanes<V> of = material_of(model, block, lane);
+  const MaterialLanes<V> of = material_lanes<double>(model.settings, model.lame_blocks, block, lane);
   store_weights(op, volume, model.length, of.mu, of.lambda, block, lane);
   const PressureLanes<V> p = pressures(of, element, u, of_volume);
   CoefficientWriter<kBlock, kGeneral, V, typename Stored<Coef>::type> writer(element, op.kind, V(model.length),

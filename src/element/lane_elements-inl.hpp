@@ -7,6 +7,8 @@
 #define HEXAPLAST_ELEMENT_LANE_ELEMENTS_INL
 #endif
 
+#include <span>
+
 #include "base/tensors-inl.hpp"
 #include "base/transpose-inl.hpp"
 #include "element/element-inl.hpp"
@@ -30,6 +32,14 @@ struct LaneElements {
   }
   int number[V::kCount];
 };
+
+/// What the elements of one register are made of. lame_blocks: [Pa] mu and lambda of each block.
+template <class T>
+HEXAPLAST_INLINE MaterialLanes<Lanes<T>> material_lanes(const Settings& settings, std::span<const double> lame_blocks,
+                                                        int block, int lane) {
+  const double* lame = lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
+  return {settings, load_narrow<T>(lame), load_narrow<T>(lame + kBlock)};
+}
 
 /// Of numbers of G, sample by sample and column by column.
 template <class Numbers>

@@ -57,13 +57,6 @@ HEXAPLAST_INLINE std::uint32_t gather_elements(const Model& model, const Lineari
   return present;
 }
 
-/// What the elements of one register are made of.
-template <class T>
-HEXAPLAST_INLINE MaterialLanes<Lanes<T>> material_lanes(const Model& model, int block, int lane) {
-  const double* lame = model.lame_blocks.data() + static_cast<std::size_t>(block) * 2 * kBlock + lane;
-  return {model.settings, load_narrow<T>(lame), load_narrow<T>(lame + kBlock)};
-}
-
 /// A rate of the materials times dt.
 template <class T>
 HEXAPLAST_INLINE Lanes<T> per_step(const Model& model, const int* elements, double dt, double Material::*rate) {
@@ -214,7 +207,7 @@ HEXAPLAST_NOINLINE std::uint32_t flow_isolated_lanes(const Model& model, const L
   const LaneElements<V> here(*model.partition, block, lane);
   HistoryLanes<T, 9 * kCorners> plastic_inverse(here.number,
                                                 [&](int e) { return history.plastic_inverse[e][0].data(); });
-  const MaterialLanes<V> of = material_lanes<T>(model, block, lane);
+  const MaterialLanes<V> of = material_lanes<T>(model.settings, model.lame_blocks, block, lane);
   CornerLanes<V> x, u;
   gather_elements<T>(model, at, block, lane, x, u);
   IsolatedLanes<V> isolated;
@@ -303,7 +296,7 @@ HEXAPLAST_NOINLINE std::uint32_t relax_lanes(const Model& model, const Lineariza
   const LaneElements<D> here(*model.partition, block, lane);
   const Settings& settings = model.settings;
   const bool is_isolated = !history.plastic_inverse.empty();
-  const MaterialLanes<D> of = material_lanes<double>(model, block, lane);
+  const MaterialLanes<D> of = material_lanes<double>(model.settings, model.lame_blocks, block, lane);
   CornerLanes<D> x, u;
   gather_elements<double>(model, at, block, lane, x, u);
   HistoryLanes<double, 9 * kCorners> plastic_inverse;
