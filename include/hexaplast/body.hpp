@@ -100,8 +100,8 @@ class Body {
   void remove(std::span<const int> elements);
 
   /// Opens joints between hexahedra, which stay: nodes that no closed joint holds together any more are split. Between
-  /// two time steps; the order of the numbers does not matter, and those that are open already are passed over.
-  ///                                                                                            theory.md section 10
+  /// two time steps. The order of the numbers does not matter; those that are open already are passed over, and of one
+  /// that comes several times, as where blades meet it in one step, the first counts.            theory.md section 10
   /// joints: numbers of `joints()`. crossings: where what opens each of them passed, from the centre of its lowest
   /// hexahedron (0) to that of the next one (1), for those who draw the walls; 1/2 where none are given. They change
   /// no force. Returns for each new node, behind the present ones, the one that it was split from:

@@ -191,8 +191,10 @@ TEST_P(OpenedBody, RefusesWhatIsNoJoint) {
   EXPECT_EQ(moving.state_hash(), before);
   int inside = 0;
   while (moving.body.joints().hexahedra(inside).front() != 13) ++inside;
-  EXPECT_TRUE(moving.open(std::vector{inside, inside}).empty());  // other faces hold its nodes together
+  // other faces hold its nodes together
+  EXPECT_TRUE(moving.open(std::vector{inside, inside}, std::vector{0.25, 0.75}).empty());
   EXPECT_EQ(moving.body.opened().size(), 1u);
+  EXPECT_EQ(moving.body.crossings()[0], 0.25);
   const long revision = moving.body.revision();
   EXPECT_TRUE(moving.open(std::vector{inside}).empty());
   EXPECT_EQ(moving.body.revision(), revision);
