@@ -2,6 +2,7 @@
 #include "hexaplast/body.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +32,7 @@ double moved(double threshold, double before, double now) {
 }
 
 // To be raised with each change of History::serialize. Members of Material and Settings are part of the identity.
-constexpr std::uint32_t kSavedVersion = 9;
+constexpr std::uint32_t kSavedVersion = 10;
 constexpr SavedKind kSavedBody{{'H', 'X', 'P', 'B', 'O', 'D', 'Y', '\0'}, kSavedVersion, "body"};
 
 /// What saved members are: their names, in their order, and the words that enumerators stand for.
@@ -52,10 +53,21 @@ std::uint64_t identity_of(const Model& model) {
   Archive archive([&](const void* data, std::size_t size) { hash.add(data, size); });
   PointArray positions = model.initial_mesh().positions();
   std::vector<Hexahedron> hexahedra = model.initial_mesh().hexahedra();
-  Settings settings = model.settings;
   archive(positions, hexahedra);
-  serialize(archive, settings_rows(), settings);
   return hash.value();
+}
+
+/// Throws InputError that names the setting which differs.
+void require_settings(Archive& saved, const Settings& own) {
+  Settings settings;
+  serialize(saved, settings_rows(), settings);
+  for (const Row<Settings>& row : settings_rows()) {
+    const std::vector<double> values = row.values(own);
+    if (row.values(settings) != values)
+      throw InputError(fmt::format("the saved body has another {}, must be {}", row.member,
+                                   row.words.empty() ? fmt::format("{}", fmt::join(values, " "))
+                                                     : row.words[static_cast<std::size_t>(values[0])]));
+  }
 }
 
 void serialize_materials(Archive& archive, std::vector<Material>& materials) {
@@ -393,13 +405,18 @@ void Body::serialize(Archive& archive) {
 
 void Body::save(std::ostream& out) const {
   state_->backend->download();
-  write_saved(out, kSavedBody, identity_of(state_->model), [&](Archive& archive) { state_->write(archive); });
+  write_saved(out, kSavedBody, identity_of(state_->model), [&](Archive& archive) {
+    Settings settings = state_->model.settings;
+    hexaplast::serialize(archive, settings_rows(), settings);
+    state_->write(archive);
+  });
 }
 
 void Body::load(std::istream& in) {
   const std::vector<std::byte> bytes =
       read_saved(in, kSavedBody, identity_of(state_->model), greatest_saved_size(state_->model, state_->history));
   Archive contents{std::span<const std::byte>(bytes)};
+  require_settings(contents, state_->model.settings);
   auto [model, history] = state_->read(contents);
   if (contents.rest() != 0) throw InputError(fmt::format("the saved body has {} bytes too many", contents.rest()));
   state_->take(std::move(model), std::move(history), "load");

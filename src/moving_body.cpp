@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <sstream>
 #include <utility>
 
@@ -42,19 +44,31 @@ void check(const Motion& motion, const Body& body) {
 
 constexpr SavedKind kSavedForces{{'H', 'X', 'P', 'F', 'O', 'R', 'C', '\0'}, 2, "set of forces"};
 constexpr std::size_t kMaxSavedForces = std::size_t{1} << 32;
-constexpr SavedKind kSavedMotion{{'H', 'X', 'P', 'M', 'O', 'V', 'E', '\0'}, 5, "motion"};
+constexpr SavedKind kSavedMotion{{'H', 'X', 'P', 'M', 'O', 'V', 'E', '\0'}, 6, "motion"};
 
-/// Of what a motion is given besides its body, load and solver.
-std::uint64_t identity_of(const Motion& motion) {
-  StateHash hash;
+constexpr const char* kGiven[] = {
+    "density",          "dt",          "gravity[0]", "gravity[1]", "gravity[2]", "rayleigh_mass", "rayleigh_stiffness",
+    "velocity_damping", "first_order", "trapezoidal"};
+
+/// What a motion is given besides its body, load and solver.
+std::array<double, std::size(kGiven)> given(const Motion& motion) {
   const EulerSettings& euler = motion.euler;
-  for (const double number : {motion.density, motion.dt, motion.gravity.x(), motion.gravity.y(), motion.gravity.z(),
-                              euler.rayleigh_mass, euler.rayleigh_stiffness, euler.velocity_damping,
-                              euler.first_order ? 1.0 : 0.0, euler.trapezoidal ? 1.0 : 0.0}) {
-    const double bits = number + 0.0;  // -0 is 0
-    hash.add(&bits, sizeof bits);
-  }
-  return hash.value();
+  return {motion.density,
+          motion.dt,
+          motion.gravity.x(),
+          motion.gravity.y(),
+          motion.gravity.z(),
+          euler.rayleigh_mass,
+          euler.rayleigh_stiffness,
+          euler.velocity_damping,
+          euler.first_order ? 1.0 : 0.0,
+          euler.trapezoidal ? 1.0 : 0.0};
+}
+
+/// Numbers of nodes and elements: what fits on them is for the body to say.
+std::uint64_t identity_of(const Body& body) {
+  return static_cast<std::uint64_t>(body.copies().num_initial()) << 32 |
+         static_cast<std::uint32_t>(body.mesh().num_elements());
 }
 
 /// Throws InputError where forces cannot follow nodes that split.
@@ -108,7 +122,7 @@ MovingBody::MovingBody(Body made, Motion motion, std::unique_ptr<LinearSolver> s
       solver_(solver ? std::move(solver) : std::make_unique<CholeskySolver>()),
       dt_(motion.dt),
       settings_(motion.euler),
-      identity_(identity_of(motion)),
+      given_(given(motion)),
       held_(static_cast<std::size_t>(positions.rows()), kFree) {
   check(motion, body);
   body.set_time_step(dt_);
@@ -304,12 +318,13 @@ void MovingBody::arrive() {
 }
 
 void MovingBody::save(std::ostream& out) const {
-  write_saved(out, kSavedMotion, identity_, [&](Archive& archive) {
+  write_saved(out, kSavedMotion, identity_of(body), [&](Archive& archive) {
+    auto own = given_;
     PointArray x = positions, v = velocities;
     long steps = steps_;
     std::vector<unsigned char> held = held_;
     SolverMemory memory = euler_.memory();
-    archive(x, v, steps, held);
+    archive(own, x, v, steps, held);
     memory.serialize(archive);
   });
   body.save(out);
@@ -338,13 +353,18 @@ void MovingBody::load_forces(std::istream& in) {
 
 void MovingBody::load(std::istream& in) {
   const auto num_nodes = static_cast<std::size_t>(body.copies().num_initial() + kCorners * body.mesh().num_elements());
-  const std::size_t max = 64 + sizeof(SpectralRadii) + num_nodes * (9 * sizeof(double) + 1);
-  const std::vector<std::byte> bytes = read_saved(in, kSavedMotion, identity_, max);
+  const std::size_t max = 64 + sizeof given_ + sizeof(SpectralRadii) + num_nodes * (9 * sizeof(double) + 1);
+  const std::vector<std::byte> bytes = read_saved(in, kSavedMotion, identity_of(body), max);
   Archive archive{std::span<const std::byte>(bytes)};
   PointArray x, v;
   long steps = 0;
   std::vector<unsigned char> held;
   SolverMemory memory;
+  auto saved = given_;
+  archive(saved);
+  for (std::size_t k = 0; k < saved.size(); ++k)
+    if (saved[k] != given_[k])
+      throw InputError(fmt::format("the saved motion has another {}: {}, must be {}", kGiven[k], saved[k], given_[k]));
   archive(x, v, steps, held);
   memory.serialize(archive);
   const auto has_all = [&](const PointArray& field) { return field.rows() == x.rows() && field.allFinite(); };

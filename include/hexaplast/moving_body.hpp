@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <cstdint>
+#include <array>
 #include <functional>
 #include <iosfwd>
 #include <memory>
@@ -148,7 +148,7 @@ class MovingBody {
   std::unique_ptr<LinearSolver> solver_;
   double dt_;
   EulerSettings settings_;
-  std::uint64_t identity_;
+  std::array<double, 10> given_;     // what a saved motion must have too
   std::vector<unsigned char> held_;  // per node: free, fixed, or prescribed for the next step
   long steps_ = 0;
   PointArray positions_before_, velocities_before_;  // of the step under way

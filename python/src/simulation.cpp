@@ -431,7 +431,7 @@ void add_simulation(py::module_& module) {
            "Takes over what save() of a simulation with the same mesh, settings, density, dt, gravity, damping,\n"
            "instruments and grips returned; its solver may be another. What is damaged or another one's is a "
            "ValueError, which\n"
-           "names the instrument or grip that differs, and changes nothing")
+           "names what differs, and changes nothing")
       .def(py::pickle(in_turn([](Simulation& s) {
                         py::list tools;
                         for (const auto& tool : s.all<Tool>())

@@ -192,6 +192,19 @@ def test_scenes_stepped_by_an_executor_have_the_bits_that_they_have_alone():
     assert len(set(alone)) == 4
 
 
+def test_a_state_that_does_not_fit_tells_what_differs():
+    saved = hexaplast.Simulation(bar((1, 1, 2)), dt=0.01, gravity=(0, 0, -9.81)).save()
+    for given, told in (
+        ({"dt": 0.02, "gravity": (0, 0, -9.81)}, "dt: 0.01, must be 0.02"),
+        ({"dt": 0.01}, r"gravity\[2\]: -9.81, must be 0"),
+    ):
+        with pytest.raises(ValueError, match="the saved motion has another " + told):
+            hexaplast.Simulation(bar((1, 1, 2)), **given).load(saved)
+    for counts in (1, 1, 1), (1, 1, 9):
+        with pytest.raises(ValueError, match="another mesh"):
+            hexaplast.Simulation(bar(counts), dt=0.01, gravity=(0, 0, -9.81)).load(saved)
+
+
 def test_a_bar_that_is_cut_through_falls_apart_and_goes_on_from_what_was_saved():
     simulation = hexaplast.Simulation(bar((2, 2, 8), young_modulus=5000), gravity=(0, 0, -9.81), reactions=True)
     body = simulation.body

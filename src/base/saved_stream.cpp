@@ -50,8 +50,7 @@ std::vector<std::byte> read_saved(std::istream& in, const SavedKind& kind, std::
     throw InputError(
         fmt::format("the saved {} has format version {}, must be {}", kind.name, found.version, kind.version));
   if (of != identity)
-    throw InputError(
-        fmt::format("the saved {} has another mesh or other settings, or is of another version", kind.name));
+    throw InputError(fmt::format("the saved {} is of another mesh, or of another version", kind.name));
   if (size > max) throw InputError(fmt::format("the saved {} is damaged: {} bytes are announced", kind.name, size));
 
   std::vector<std::byte> bytes(size);
