@@ -118,7 +118,7 @@ void Simulation::reset() {
 
 void Simulation::serialize(Archive& archive) {
   long step = latest_.step;
-  archive(step);
+  archive(step, load_time_);
   scene_.serialize(archive);
   if (archive.reads()) latest_ = record_of(step, {}, 0);
 }
