@@ -21,7 +21,7 @@ namespace {
 using Name = std::array<char, 8>;
 
 constexpr Name kMagic = {'H', 'X', 'P', 'C', 'K', 'P', 'T', '\0'};
-constexpr std::uint32_t kFormatVersion = 21;
+constexpr std::uint32_t kFormatVersion = 20;
 constexpr std::size_t kNumKept = 2;
 
 Name padded(std::string_view name) {

@@ -118,9 +118,11 @@ void Simulation::reset() {
 
 void Simulation::serialize(Archive& archive) {
   long step = latest_.step;
-  archive(step, load_time_);
+  archive(step);
   scene_.serialize(archive);
-  if (archive.reads()) latest_ = record_of(step, {}, 0);
+  if (!archive.reads()) return;
+  latest_ = record_of(step, {}, 0);
+  load_time_ = scene_.time();
 }
 
 void Simulation::serialize_totals(Archive& archive) {
