@@ -50,7 +50,7 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock)
     const int place = child[(my.brick * kCorners + i) * kWidth + my.lane];
     const V mu = of_brick(moduli, 2 * kCorners, my, 2 * i);
     Mat<V> inverse = dual, columns;
-    if (place >= 0) {
+    if (place >= 0 && mu > 0) {
       const Mat<V> Gm = triangle(mean_of_finer, place), both = product_transposed(Gm, Gm);
       inverse = dual * Gm;
       sum += mu;
@@ -158,7 +158,7 @@ struct LevelNodes {
 /// fixed; without has_others the mass alone.
 __global__ void __launch_bounds__(kNodesOfBlock)
     set_finest(Layout at, const float4* partial, float factor, const float4* mass, const float4* rest, bool has_others,
-               float4* diagonal, float4* inverse, float4* follow) {
+               Blocks blocks, float4* diagonal, float4* inverse, float4* follow) {
   const int n = blockIdx.x * kNodesOfBlock + threadIdx.x;
   if (n >= at.num_nodes) return;
   float4 stiffness = sum_of_bricks(at, partial, n), m = mass[n], all = rest[n], D, inverted, part;
@@ -168,9 +168,12 @@ __global__ void __launch_bounds__(kNodesOfBlock)
         to_D = is_fixed || !has_others ? of_mass : with_others;
         const float own = factor * of_L + of_mass, sum = factor * of_L + to_D;
         to_inverse = sum > 0 ? 1 / sum : 0;
-        to_part = is_fixed ? 0 : to_D > of_mass && sum > 0 ? own / sum : 1;
+        to_part = is_fixed ? 0 : to_D > of_mass && own > 0 ? own / sum : 1;
       },
       stiffness, m, all, D, inverted, part);
+  if (const BlockEntry* block = blocks.at(n))  // by which such axes follow
+    for_each_axis_of(
+        block->alone, [](float alone, float& to) { to = alone == 0 ? 1 : to; }, part);
   diagonal[n] = D, inverse[n] = inverted, follow[n] = part;
 }
 

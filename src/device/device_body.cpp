@@ -44,7 +44,7 @@ std::unique_ptr<DeviceKernels> load(const std::string& name) {
   return std::unique_ptr<DeviceKernels>(kernels);
 }
 
-constexpr double kOfBlocks = 1e-10;  ///< of a product, that one by blocks may differ: rounding
+constexpr double kOfBlocks = 1e-12;  ///< of a product at a node, that one by blocks may differ: rounding
 
 /// [-] Corner ratio below which springs may act, in single precision.
 float thin_from(const Model& model) {
@@ -181,12 +181,16 @@ void DeviceBody::add_force(Points f) const {
   at.recovery.add_force(f);
 }
 
-void DeviceBody::add_product(double factor, ConstPoints dx, Points df) const {
-  const double scale = scale_to_one(std::sqrt(dot(dx, dx)));
-  to_nodes(bricks_, dx, scale, field_);
+void DeviceBody::multiply(double factor, ConstPoints p, Points Ap) const {
+  const double scale = scale_to_one(std::sqrt(dot(p, p)));
+  to_nodes(bricks_, p, scale, field_);
   product_.resize(field_.size());
   kernels_->multiply(1, field_.data(), product_.data());
-  from_nodes(bricks_, product_, df, [&](double& entry, double number) { entry -= factor / scale * number; });
+  from_nodes(bricks_, product_, Ap, [&](double& entry, double number) { entry += factor / scale * number; });
+}
+
+void DeviceBody::add_product(double factor, ConstPoints dx, Points df) const {
+  multiply(-factor, dx, df);
   at.recovery.add_product(-factor, dx, df);
 }
 
@@ -342,7 +346,7 @@ void DeviceCgSpace::set_blocks(std::span<const NodeBlock> blocks) {
 }
 
 /// The terms beside the body become a matrix of the kernels, unless they have no blocks for all that their product
-/// does.
+/// does, by nodes.
 bool DeviceCgSpace::set_terms() {
   if (others_.empty()) return false;
   const int num_nodes = bricks_.num_nodes();
@@ -350,26 +354,28 @@ bool DeviceCgSpace::set_terms() {
   terms_.clear();
   for (const NodalTerm& other : others_) other.op->add_blocks(other.factor, terms_);
   terms_.drop_unused();
+  if (terms_.leaves_out()) return false;
   field_ = irregular_numbers(num_nodes);
   product_.setZero(num_nodes, 3);
   for (const NodalTerm& other : others_) other.add_product(field_, product_);
-  const double size = product_.norm();
   std::vector<int> nodes, first = {0}, column;
   std::vector<double> blocks;
   for (int k = 0; k < num_nodes; ++k) {
     const int n = bricks_.node_of[k];
-    if (terms_.row(n).empty()) continue;
+    double size = 0;
     for (const BlockMatrix::Entry& entry : terms_.row(n)) {
       product_.row(n) -= field_.row(entry.column) * entry.block.transpose();
+      size += entry.block.norm() * field_.row(entry.column).norm();
       column.push_back(bricks_.device_node[entry.column]);
       for (int i = 0; i < 9; ++i) blocks.push_back(entry.block(i / 3, i % 3));
     }
+    if (!(product_.row(n).norm() <= kOfBlocks * size)) return false;
+    if (terms_.row(n).empty()) continue;
     nodes.push_back(k);
     first.push_back(static_cast<int>(column.size()));
   }
-  if (terms_.leaves_out() || !(product_.norm() <= kOfBlocks * size)) return false;
-  if (nodes.empty()) return true;
-  kernels_.set_terms(static_cast<int>(nodes.size()), nodes.data(), first.data(), column.data(), blocks.data());
+  if (!nodes.empty())
+    kernels_.set_terms(static_cast<int>(nodes.size()), nodes.data(), first.data(), column.data(), blocks.data());
   return true;
 }
 

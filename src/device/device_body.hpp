@@ -23,7 +23,7 @@ class DeviceCgSpace final : public CgSpace {
   void setup(const MatrixFreeSystem& system, const NodalPart* of_preconditioner);
 
   /// Whether cycles cost less than the diagonal's iterations (kBreakEven).
-  bool is_stiff() const { return stiffness_.stiff > stiffness_.all / 2; }
+  bool is_stiff() const { return stiffness_.stiff > stiffness_.free / 2; }
   /// Preconditions by cycles on the meshes `below`, which the kernels have. Returns whether the radii were valid.
   bool use_cycles(const DeviceLevels& below, SpectralRadii& radii);
 
@@ -82,6 +82,7 @@ class DeviceBody final : public KernelBackend, public DeviceVectors {
   }
   void renew() override;
 
+  void multiply(double factor, ConstPoints p, Points Ap) const override;
   CgSpace& space(const MatrixFreeSystem& system, const NodalPart* of_preconditioner) override;
   std::optional<bool> use_cycles(bool always, SpectralRadii& radii) override;
 

@@ -72,9 +72,10 @@ class DeviceKernels {
   struct Norms {
     double r_r = 0, r_z = 0;
   };
-  /// Sums of factor diag(L) over the degrees of freedom: all; where it is above break_even times the rest.
+  /// Sums of factor diag(L) over the degrees of freedom: all; free ones; those where it is above break_even times the
+  /// rest.
   struct Stiffness {
-    double all = 0, stiff = 0;
+    double all = 0, free = 0, stiff = 0;
   };
 
   virtual ~DeviceKernels() = default;

@@ -169,6 +169,13 @@ __device__ inline void for_each_axis(const F& f, Vectors&... at) {
   f(at.z...);
 }
 
+template <class F>
+__device__ inline void for_each_axis_of(const float (&numbers)[3], const F& f, float4& at) {
+  f(numbers[0], at.x);
+  f(numbers[1], at.y);
+  f(numbers[2], at.z);
+}
+
 /// Blocks of nodes; of_node null: none.
 struct Blocks {
   const int* of_node;  ///< or -1
@@ -743,26 +750,27 @@ __device__ inline double dot(const float4& a, const float4& b) {
 
 constexpr float kFixed = 1e38f;  ///< of a node that does not move: what else acts on it
 
-/// inverse = 1 / (factor diag(L) + rest), or 1; 0 where rest is kFixed or more. partial: of the diagonal, or null.
-/// scalars->sum: DeviceKernels::Stiffness.
+/// inverse = 1 / (factor diag(L) + rest), or 1; 0 where rest is kFixed or more, and there alone: next to nothing where
+/// nothing is. partial: of the diagonal, or null. scalars->sum: DeviceKernels::Stiffness.
 __global__ void __launch_bounds__(kNodesOfBlock)
     invert(Layout at, const float4* partial, float factor, const float4* rest, float break_even, float4* inverse,
            double* block_sum, Scalars* scalars) {
   const int n = blockIdx.x * kNodesOfBlock + threadIdx.x;
-  double mine[2] = {0, 0}, total[2];
+  double mine[3] = {0, 0, 0}, total[3];
   if (n < at.num_nodes) {
     const float4 sum = partial ? sum_of_bricks(at, partial, n) : make_float4(0, 0, 0, 0), more = rest[n];
     const auto one = [&](float stiffness, float other) {
       mine[0] += factor * stiffness;
       if (!(other < kFixed)) return 0.0f;
-      if (factor * stiffness > break_even * other) mine[1] += factor * stiffness;
+      mine[1] += factor * stiffness;
+      if (factor * stiffness > break_even * other) mine[2] += factor * stiffness;
       const float entry = factor * stiffness + other;
-      return partial ? entry > 0 ? 1 / entry : 0.0f : 1.0f;
+      return partial ? entry > 0 ? 1 / entry : 1e-30f : 1.0f;
     };
     inverse[n] = make_float4(one(sum.x, more.x), one(sum.y, more.y), one(sum.z, more.z), 0);
   }
   if (sum_of_blocks(mine, block_sum, scalars, total))
-    for (int c = 0; c < 2; ++c) scalars->sum[c] = total[c];
+    for (int c = 0; c < 3; ++c) scalars->sum[c] = total[c];
 }
 
 /// scalars->sum: of the hexahedra that are there, their values, and how many have the first and the second bit of their

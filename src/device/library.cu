@@ -187,7 +187,7 @@ class Kernels final : public DeviceKernels {
     launch(invert, node_blocks(), kNodesOfBlock, layout(), is_scaled ? static_cast<float4*>(a.partial) : nullptr,
            factor, a.others, break_even, a.inverse, a.block_sum, a.scalars);
     const Scalars now = scalars();
-    return {now.sum[0], now.sum[1]};
+    return {now.sum[0], now.sum[1], now.sum[2]};
   }
 
   /// From the sums that set_system left.
@@ -232,7 +232,8 @@ class Kernels final : public DeviceKernels {
       launch(one_number::diagonal, blocks(), kBricksOfBlock * kWidth, layout(), a.coef, a.weight, finest.of_diagonal);
     has_cycles_ = true;
     launch(set_finest, node_blocks(), kNodesOfBlock, layout(), finest.of_diagonal, factor_, a.diagonal, a.others,
-           has_others, finest.diagonal, finest.inverse, finest.follow);
+           has_others, has_others ? blocks_of_system() : Blocks{nullptr, nullptr}, finest.diagonal, finest.inverse,
+           finest.follow);
     for (std::size_t k = 1; k < levels_.size(); ++k) {
       const Level &finer = levels_[k - 1], &level = levels_[k];
       launch(descend, level.at.node_blocks(), kNodesOfBlock, Layout(level.at), level.of_diagonal, factor_,

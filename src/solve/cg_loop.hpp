@@ -16,7 +16,7 @@ namespace hexaplast {
 /// Whether exact_residual can be had.
 inline bool has_exact_products(const MatrixFreeSystem& system) {
   return !system.bodies.empty() && std::ranges::all_of(system.bodies, [](const KernelBody& body) {
-    return body.scratch && (body.exact_operator || body.double_operator);
+    return body.device || (body.scratch && (body.exact_operator || body.double_operator));
   });
 }
 

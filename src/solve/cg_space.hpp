@@ -63,6 +63,9 @@ class CgSpace {
 /// What every KernelBody::device is: L on a device, where the vectors of conjugate gradients are too.
 class DeviceVectors : public DeviceOperator {
  public:
+  /// Ap += factor L p, in the precision of the device; void is then what its vectors have.
+  virtual void multiply(double factor, ConstPoints p, Points Ap) const = 0;
+
   /// Those of a system of this body and other terms. of_preconditioner: its part that is not of L; null: there is none.
   virtual CgSpace& space(const MatrixFreeSystem& system, const NodalPart* of_preconditioner) = 0;
 
@@ -240,7 +243,8 @@ class SlotCgSpace final : public CgSpace {
   PointArray field_, product_;  // num_nodes x 3, for the terms beside the body
 };
 
-/// r = b - A x of a MatrixFreeSystem, in double precision: by exact operators where products are in single. x is
+/// r = b - A x of a MatrixFreeSystem, in double precision: by exact operators where products are in single, but for a
+/// body on a device. x is
 /// none of r and the system's scratch, b is not r. Returns |r|.
 double exact_residual(const MatrixFreeSystem& system, ConstPoints b, ConstPoints x, PointArray& r);
 

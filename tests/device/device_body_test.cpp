@@ -394,10 +394,97 @@ TEST(DeviceBody, SolvesByCyclesAsTheCpuDoes) {
     }
     EXPECT_LE(report[1].iterations, report[0].iterations + 2);
     EXPECT_LE(relative(x[1], x[0]), 1e-2);
+    PointArray product(slab.num_nodes(), 3), b = Random(3).field(slab.num_nodes(), 1);
+    slab.apply(x[1], product);
+    slab.project(b);
+    EXPECT_LE(relative(product, b), 2e-3);
     PointArray by_diagonal;
     const int iterations = solved(slab, Preconditioner::kDiagonal, 1e-3, 1000, by_diagonal).iterations;
     EXPECT_LE(iterations, tie > 0 ? 70 : 500);
   }
+}
+
+/// A diagonal, or blocks of one node each that only products know.
+struct OtherTerms final : NodalOperator {
+  void add_product(double factor, ConstPoints p, Points Fp) const override { Fp += factor * diagonal.cwiseProduct(p); }
+  bool has_diagonal() const override { return is_known; }
+  void add_diagonal(double factor, Points to) const override { to += factor * diagonal; }
+  void add_blocks(double factor, BlockMatrix& A) const override {
+    for (int n = 0; is_known && n < diagonal.rows(); ++n)
+      A.add(n, n, Mat3(factor * diagonal.row(n).transpose().asDiagonal()));
+  }
+  PointArray diagonal;
+  bool is_known = true;
+};
+struct SlabWithTerms final : LinearSystem {
+  int num_nodes() const override { return slab.num_nodes(); }
+  void apply(ConstPoints p, Points Ap) const override {
+    slab.apply(p, Ap);
+    terms.add_product(1, p, Ap);
+    slab.project(Ap);
+  }
+  bool matrix_free(MatrixFreeSystem& system) const override {
+    slab.matrix_free(system);
+    system.others.emplace_back(&terms);
+    return true;
+  }
+  Slab slab = Slab(regular_grid({6, 5, 5}, Vec3::Zero(), {.06, .05, .05}));
+  OtherTerms terms;
+};
+
+/// Found by a trial: blocks and a diagonal at the same nodes; weak terms without blocks beside stiff ones; nodes that
+/// have nothing but a term.
+TEST(DeviceBody, SolvesWithTermsOfAllKinds) {
+  enum Case { kBlocksAndDiagonal, kWeakWithoutBlocks, kOnlyABlock, kOnlyAnAxis };
+  for (const Case which : {kBlocksAndDiagonal, kWeakWithoutBlocks, kOnlyABlock, kOnlyAnAxis})
+    for (const Preconditioner by : {Preconditioner::kDiagonal, Preconditioner::kMultigrid}) {
+      SCOPED_TRACE(fmt::format("{} {}", static_cast<int>(which), static_cast<int>(by)));
+      SlabWithTerms system;
+      Slab& slab = system.slab;
+      Random random(7);
+      const int num_nodes = slab.num_nodes(), last = num_nodes - 1;
+      slab.add_body(0, slab.mesh.num_elements(), 5000, Precision::kMixed);
+      system.terms.diagonal.setZero(num_nodes, 3);
+      PointArray b = random.field(num_nodes, 1);
+      if (which == kBlocksAndDiagonal)
+        for (int n = 0; n < num_nodes; n += 2) {
+          const Vec3 normal = random.rotation().col(0);
+          slab.ties.add(n, n, 100 * normal * normal.transpose());
+          system.terms.diagonal(n, 0) = .01;
+        }
+      if (which == kWeakWithoutBlocks) {
+        system.terms.is_known = false;
+        for (int n = 0; n < num_nodes; ++n) {
+          if (n < 84) slab.ties.add(n, n, 1e9 * Vec3::UnitX() * Vec3::UnitX().transpose());
+          if (n >= 210) system.terms.diagonal(n, 2) = .02;
+        }
+        b.setZero();
+        b.bottomRows(42).col(2).setOnes();
+      }
+      if (which == kOnlyABlock || which == kOnlyAnAxis) {
+        slab.bodies.front().remove({{slab.mesh.num_elements() - 1}});
+        slab.diagonal.row(last).setZero();
+        const Vec3 normal(.6, .8, 0);
+        if (which == kOnlyABlock)
+          slab.ties.add(last, last, .1 * normal * normal.transpose());
+        else
+          system.terms.diagonal.row(last).setConstant(.1);
+        b.setZero();
+        b.row(100).setOnes();
+        b.row(last) = .01 * normal.transpose();
+      }
+      PointArray x[2];
+      SolveReport report[2];
+      for (int k = 0; k < 2; ++k) {
+        if (k == 1) slab.bodies.front().use_device("emulation");
+        slab.bodies.front().linearize(slab.mesh.positions());
+        x[k].setZero(num_nodes, 3);
+        report[k] = PreconditionedConjugateGradients(1e-3, 200, by).solve(system, b, x[k]);
+        EXPECT_TRUE(report[k].converged);
+      }
+      EXPECT_LE(report[1].iterations, report[0].iterations + 3);
+      EXPECT_LE(relative(x[1], x[0]), 1e-2);
+    }
 }
 
 /// A body has one set of vectors there: the solves of several threads take turns.
