@@ -17,6 +17,7 @@
 #include "body_state.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "hexaplast/material/rows.hpp"
+#include "hexaplast/solve/conjugate_gradients.hpp"
 #include "mesh/lumped_mass.hpp"
 
 namespace hexaplast::bench {
