@@ -13,6 +13,7 @@
 #include "picture/png_file.hpp"
 #include "picture/section_page.hpp"
 #include "record/files.hpp"
+#include "record/manifest.hpp"
 #include "record/recorded_run.hpp"
 #include "runner/command.hpp"
 #include "runner/run/common_options.hpp"

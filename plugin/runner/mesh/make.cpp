@@ -24,6 +24,7 @@
 #include "runner/run/common_options.hpp"
 #include "runner/run/scene_file.hpp"
 #include "runner/subcommand.hpp"
+#include "view/shown_scene.hpp"
 
 namespace hexaplast::runner {
 namespace {
