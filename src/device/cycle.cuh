@@ -31,14 +31,7 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock)
   const Place my;
   if (my.brick >= at.num_bricks) return;
   CornerLanes<V> u;
-  const double4_32a origin = x[node_of_corner(at, my, 0)];
-  const double quarter = 0.25 / length;
-  unrolled<8>([&](auto c) __attribute__((always_inline)) {
-    const double4_32a corner = x[node_of_corner(at, my, c)];
-    u.at[c][0] = V(static_cast<float>(quarter * (corner.x - origin.x)));
-    u.at[c][1] = V(static_cast<float>(quarter * (corner.y - origin.y)));
-    u.at[c][2] = V(static_cast<float>(quarter * (corner.z - origin.z)));
-  });
+  gather_about_corner(at, my, x, 0.25 / length, u);
   ModeLanes<V> current;
   modes(u, current);
   Mat<V> dual, B = {};

@@ -279,17 +279,22 @@ struct PlacedHexahedron {
   PolarLanes<V> mean;
   V a[3][3];
 };
+/// u = scale times what the corners are from the first of them, in double precision until they are numbers of a lane.
+__device__ inline void gather_about_corner(const Layout& at, const Place& my, const double4_32a* x, double scale,
+                                           CornerLanes<V>& u) {
+  const double4_32a origin = x[node_of_corner(at, my, 0)];
+  unrolled<8>([&](auto c) __attribute__((always_inline)) {
+    const double4_32a corner = x[node_of_corner(at, my, c)];
+    u.at[c][0] = V(static_cast<float>(scale * (corner.x - origin.x)));
+    u.at[c][1] = V(static_cast<float>(scale * (corner.y - origin.y)));
+    u.at[c][2] = V(static_cast<float>(scale * (corner.z - origin.z)));
+  });
+}
 /// mean_plastic: [brick][6][lane], the lower triangle of Gm, by columns.                            eq. P2, E10, E11c
 __device__ inline void place_hexahedron(const Layout& at, const Place& my, const float* rest, const double4_32a* x,
                                         const float* mean_plastic, PlacedHexahedron& to) {
   CornerLanes<V> u;
-  const double4_32a origin = x[node_of_corner(at, my, 0)];
-  unrolled<8>([&](auto c) __attribute__((always_inline)) {
-    const double4_32a corner = x[node_of_corner(at, my, c)];
-    u.at[c][0] = V(static_cast<float>(0.25 * (corner.x - origin.x)));
-    u.at[c][1] = V(static_cast<float>(0.25 * (corner.y - origin.y)));
-    u.at[c][2] = V(static_cast<float>(0.25 * (corner.z - origin.z)));
-  });
+  gather_about_corner(at, my, x, 0.25, u);
   modes(u, to.modes);
   Mat<V> edges;
   for (int k = 0; k < 9; ++k) {
