@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "device/kernels.cuh"
+#include "device/plastic.cuh"
 #include "reference.hpp"
 
 namespace hexaplast::one_number {

@@ -3,7 +3,7 @@
 // parallelepiped whose eight samples stand for its eight children.                              theory.md section 9.5
 #pragma once
 
-#include "device/kernels.cuh"
+#include "device/plastic.cuh"
 
 namespace hexaplast::one_number {
 
