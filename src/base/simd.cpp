@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "hexaplast/base/error.hpp"
-#include "hwy/highway.h"
+#include "hwy/targets.h"
 
 namespace hexaplast {
 
@@ -15,6 +15,7 @@ std::vector<std::int64_t> available() {
   std::vector<std::int64_t> sets;
   for (std::int64_t left = hwy::SupportedTargets() & HWY_TARGETS; left != 0; left &= left - 1)
     sets.push_back(left & -left);
+  if (sets.empty()) throw InputError("this processor has none of the instruction sets that Hexaplast was built for");
   return sets;
 }
 

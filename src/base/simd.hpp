@@ -7,11 +7,10 @@
 namespace hexaplast {
 
 /// The instruction set that the kernels use: the best of those that both this build and this machine have. Results of
-/// different sets differ in the last bits.
+/// different sets differ in the last bits. Throws InputError where there is none, as all of the following do.
 std::string simd_target();
 
-/// All sets that could be used here within the restriction of set_simd_target, best first; the last one is portable and
-/// takes one element at a time.
+/// All sets that could be used here within the restriction of set_simd_target, best first.
 std::vector<std::string> simd_targets();
 
 /// Restricts the kernels to one set; "" chooses again. Throws InputError for a set that simd_targets() does not name.

@@ -8,8 +8,10 @@
 #define HEXAPLAST_PLAIN_ELEMENT_INL
 #endif
 
+#include "base/tensors-inl.hpp"
+#include "element/element-inl.hpp"
 #include "element/isolated-inl.hpp"
-#include "element/lane_elements-inl.hpp"
+#include "element/relaxation-inl.hpp"
 #include "kinematics/gradients-inl.hpp"
 #include "material/law-inl.hpp"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The formulas of the elements for one element, of doubles.
+#define HEXAPLAST_ONE_NUMBER
 #include <cmath>
 
 #include "plain/flow-inl.hpp"

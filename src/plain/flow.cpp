@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#define HEXAPLAST_ONE_NUMBER
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -107,7 +108,7 @@ class Step {
   /// Fracture.                                                                                            theory.md 5.7
   void remove_broken() {
     for (int e = 0; e < model_.mesh.num_elements(); ++e) {
-      if (!outcomes_[e].yielded || !is_broken(model_, before_, next, e)) continue;
+      if (!outcomes_[e].yielded || !is_broken(model_, before_.yield_stress[e], next, e)) continue;
       next.alive[e] = 0;
       next.removed.push_back(e);
       ++report.removed;
@@ -185,7 +186,7 @@ FlowReport flow_isolated(const Model& model, ConstPoints x, double dt, History& 
           e, Element(initial, current, model.lame[e], model.settings, next.plastic_inverse_of(e)).samples(), next);
     if (!(next.is_finite(e) && std::isfinite(step.dissipated)))
       throw NumericalError(fmt::format("the plastic history of hexahedron {} is not finite", e));
-    if (!step.yielded || !is_broken(model, history, next, e)) continue;
+    if (!step.yielded || !is_broken(model, history.yield_stress[e], next, e)) continue;
     next.alive[e] = 0;
     next.removed.push_back(e);
     ++report.removed;

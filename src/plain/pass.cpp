@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "element/lane_elements-inl.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "plain/flow-inl.hpp"
 #include "plain/pass.hpp"

@@ -141,7 +141,7 @@ bool flow_elements(const Model& model, const Linearization& at, double dt, const
 int remove_broken(const Model& model, const History& history, FlowWorkspace& work) {
   int count = 0;
   for (int e = 0; e < model.mesh.num_elements(); ++e) {
-    if (!work.flows[e].yielded || !is_broken(model, history, work.trial, e)) continue;
+    if (!work.flows[e].yielded || !is_broken(model, history.yield_stress[e], work.trial, e)) continue;
     if (work.tear) {
       work.tear->broken.push_back(e);
       continue;

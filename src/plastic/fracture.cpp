@@ -23,11 +23,11 @@ bool may_tear(const std::vector<Material>& materials, const Settings& settings) 
          });
 }
 
-bool is_broken(const Model& model, const History& before, const History& next, int element) {
+bool is_broken(const Model& model, const CornerValues& tau_before, const History& next, int element) {
   const Material& material = model.material(element);
   for (int i = 0; i < kCorners && std::isfinite(material.fracture_stress); ++i) {
     const double tau = next.yield_stress[element][i];
-    if (tau > before.yield_stress[element][i] && tau > material.fracture_stress) return true;
+    if (tau > tau_before[i] && tau > material.fracture_stress) return true;
   }
   if (!std::isfinite(material.fracture_stretch)) return false;
   for (int i = 0; i < kCorners; ++i) {

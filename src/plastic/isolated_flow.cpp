@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#define HEXAPLAST_ONE_NUMBER
 #include "plastic/isolated_flow.hpp"
 
 #include <Eigen/Eigenvalues>

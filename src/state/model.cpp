@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/simd.hpp"
 #include "hexaplast/base/error.hpp"
 #include "mesh/trilinear.hpp"
 #include "state/history.hpp"
@@ -14,6 +15,7 @@ namespace hexaplast {
 
 Model::Model(HexMesh mesh_, std::vector<Material> materials_, Settings settings_)
     : mesh(std::move(mesh_)), copies(mesh.num_nodes()), materials(std::move(materials_)), settings(settings_) {
+  simd_target();  // or an error
   validate(settings);
   const int num_elements = mesh.num_elements();
   volume.resize(num_elements);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // The kernels on every instruction set of this machine; tests/plain compares all options.
+#define HEXAPLAST_ONE_NUMBER
 #include "base/simd.hpp"
 #include "base/tensors-inl.hpp"
+#include "hwy/targets.h"
 #include "kinematics/polar-inl.hpp"
 #include "kinematics/polar.hpp"
 #include "plain/plain.hpp"
@@ -128,6 +130,16 @@ TEST_P(OnEverySet, GiveTheSameBitsForAnyThreadCount) {
 TEST(Simd, NamesItsSetsAndRefusesOthers) {
   EXPECT_EQ(simd_target(), simd_targets().front());
   EXPECT_TRUE(refuses<InputError>([] { set_simd_target("ABACUS"); }, {"ABACUS", simd_targets().front()}));
+}
+
+TEST(Simd, RefusesBodiesOnAProcessorWithoutAnySet) {
+  hwy::SetSupportedTargetsForTest(HWY_SCALAR);
+  EXPECT_TRUE(refuses<InputError>(
+      [] {
+        Body(block({1, 1, 1}, 1), {Material{}});
+      },
+      {"this processor", "instruction sets"}));
+  set_simd_target("");
 }
 
 }  // namespace

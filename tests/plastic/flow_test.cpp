@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#define HEXAPLAST_ONE_NUMBER
 #include "kernel_backend.hpp"
 #include "kinematics/polar.hpp"
 #include "mesh/trilinear.hpp"
