@@ -297,7 +297,7 @@ FlowReport KernelBackend::flow(ConstPoints x, double dt) {
   FlowReport report = hexaplast::flow(model, at, dt, history, *flow_, branches);
   if (report.yielded > 0 && report.removed == 0 && branches.empty()) take_flow();
   skips_screening = 2 * report.yielded > model.mesh.num_elements();
-  if (flow_->tear) report.torn = torn_faces(x);
+  if (tear()) report.torn = torn_faces(x);
   return report;
 }
 

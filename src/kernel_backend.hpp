@@ -31,6 +31,11 @@ class KernelBackend : public Backend {
   Linearization at;
   bool skips_screening = false;  ///< most elements flowed in the latest plastic step: screening first would be in vain
 
+ protected:
+  Tear* tear() { return flow_ && flow_->tear ? &*flow_->tear : nullptr; }
+  /// That are to open after a step in which tear()->broken have passed their limits.
+  std::vector<int> torn_faces(ConstPoints x);
+
  private:
   /// The latest energy, and what has led to it.
   struct Evaluated {
@@ -48,7 +53,6 @@ class KernelBackend : public Backend {
   void set_positions(ConstPoints x);
   void take_history(int block);
   void take_flow();
-  std::vector<int> torn_faces(ConstPoints x);
   template <class Visit>
   void for_each_block_at(ConstPoints x, std::span<const BranchStep> steps, const Visit& visit);
 

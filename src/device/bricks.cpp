@@ -156,6 +156,8 @@ Bricks::Bricks(const Model& model, const History& history)
     set(11, model.lame[e].lambda);
     set(12, material.flow_rate);
     set(13, material.hardening);
+    set(14, material.fracture_stress);
+    set(15, material.fracture_stretch);
   }
 }
 

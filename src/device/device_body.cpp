@@ -4,14 +4,17 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <numeric>
 
 #include "element/samples.hpp"
 #include "hexaplast/base/error.hpp"
 #include "hexaplast/base/parallel.hpp"
 #include "mesh/trilinear.hpp"
+#include "plastic/fracture.hpp"
 #include "plastic/isolated_flow.hpp"
 #include "solve/constants.hpp"
 #include "solve/spectrum.hpp"
@@ -106,9 +109,6 @@ std::string not_on_device(const Model& model) {
   if (settings.rest_shape != RestShape::kIsolated) return "restShape must be isolated";
   if (settings.yield_norm != YieldNorm::kVonMises && model.can_flow()) return "yieldNorm must be vonMises";
   if (settings.num_branches() > 0) return "relaxation must be empty";
-  for (const Material& material : model.materials)
-    if (std::isfinite(material.fracture_stress) || std::isfinite(material.fracture_stretch))
-      return "hexahedra must not break (fractureStress, fractureStretch)";
   for (std::size_t e = 0; e < model.volume.size(); ++e) {
     if (model.is_thin()[e])
       return fmt::format("hexahedron {} is so thin that its coefficients leave half precision", e);
@@ -146,6 +146,10 @@ void DeviceBody::set_up(ConstPoints x) {
                     [&](int k, double& number) { numbers_[history_index(bricks_.num_bricks(), place, k)] = number; });
     }
     kernels_->set_history(numbers_.data());
+    status_.resize(places);
+    can_break_ = std::ranges::any_of(model.materials, [](const Material& material) {
+      return std::isfinite(std::min(material.fracture_stress, material.fracture_stretch));
+    });
     is_set_up_ = true;
     has_newer_history_ = false;
   }
@@ -231,30 +235,63 @@ FlowReport DeviceBody::flow(ConstPoints x, double dt) {
                      settings.yield_stress_measure == YieldStressMeasure::kCauchy);
   report.yielded = sums.second;
   double dissipated = sums.value;
+  near_limit_.clear();
+  if (sums.first > 0 || can_break_) kernels_->get_status(status_.data());
   if (sums.first > 0) dissipated += flow_left_over(x, dt, report);
   if (report.yielded == 0) return report;
+  for (std::size_t place = 0; can_break_ && place < status_.size(); ++place) {
+    const int e = bricks_.element[place];
+    if (!(status_[place] & kMayBreak) || e < 0 || !history.alive[e]) continue;
+    take_hexahedron(static_cast<int>(place));
+    near_limit_.push_back({e, history.yield_stress[e]});
+  }
   kernels_->take_flow();
   has_newer_history_ = true;
   ++history.version;
   history.dissipated_energy += dissipated;
+  if (!near_limit_.empty()) break_hexahedra(x, report);
   return report;
+}
+
+/// Brings the history of one to the host, that of the others has not come.
+void DeviceBody::take_hexahedron(int place) {
+  double numbers[kHistoryNumbers];
+  has_newer_history_ = true;
+  kernels_->get_hexahedron(place, numbers);
+  visit_history(history, bricks_.element[place], [&](int k, double& number) { number = numbers[k]; });
+}
+
+/// Those that have passed their limits go, or tear.
+void DeviceBody::break_hexahedra(ConstPoints x, FlowReport& report) {
+  std::vector<int> broken;
+  for (const auto& [e, tau_before] : near_limit_) {
+    take_hexahedron(bricks_.place_of[e]);
+    if (is_broken(model, tau_before, history, e)) broken.push_back(e);
+  }
+  if (broken.empty()) return;
+  std::ranges::sort(broken);
+  download();
+  if (tear()) {
+    tear()->broken = broken;
+    report.torn = torn_faces(x);
+    return;
+  }
+  for (const int e : broken) {
+    history.alive[e] = 0;
+    history.removed.push_back(e);
+  }
+  report.removed = static_cast<int>(broken.size());
+  forget();
 }
 
 /// What the kernels leave over: inverted hexahedra, nearly inverted ones, and those of more flow than their series
 /// reaches.
 double DeviceBody::flow_left_over(ConstPoints x, double dt, FlowReport& report) {
-  std::vector<std::uint8_t> is_left(bricks_.element.size());
-  kernels_->get_left(is_left.data());
-  has_newer_history_ = true;  // what the host has of these is written over
   double dissipated = 0;
-  for (std::size_t place = 0; place < is_left.size(); ++place) {
+  for (std::size_t place = 0; place < status_.size(); ++place) {
     const int e = bricks_.element[place];
-    if (!is_left[place] || e < 0 || !history.alive[e]) continue;
-    double numbers[kHistoryNumbers];
-    if (model.can_flow()) {
-      kernels_->get_hexahedron(static_cast<int>(place), numbers);
-      visit_history(history, e, [&](int k, double& number) { number = numbers[k]; });
-    }
+    if (!(status_[place] & kIsLeft) || e < 0 || !history.alive[e]) continue;
+    if (model.can_flow()) take_hexahedron(static_cast<int>(place));
     const Hexahedron& corners = model.mesh.hexahedra()[e];
     const ElementSamples samples = element_samples(gather(model.mesh.positions(), corners), gather(x, corners),
                                                    model.lame[e], model.settings, history.plastic_inverse_of(e));
@@ -264,9 +301,11 @@ double DeviceBody::flow_left_over(ConstPoints x, double dt, FlowReport& report) 
     if (!step.yielded) continue;
     ++report.yielded;
     dissipated += step.dissipated;
+    if (can_break_) near_limit_.push_back({e, history.yield_stress[e]});
     set_isolated(e, step, history);
     if (!history.is_finite(e) || !std::isfinite(step.dissipated))
       throw NumericalError(fmt::format("the plastic history of hexahedron {} is not finite", e));
+    double numbers[kHistoryNumbers];
     visit_history(history, e, [&](int k, double& number) { numbers[k] = number; });
     kernels_->set_hexahedron(static_cast<int>(place), numbers);
   }
@@ -278,10 +317,13 @@ CgSpace& DeviceBody::space(const MatrixFreeSystem& system, const NodalPart* of_p
   return space_;
 }
 
-std::optional<bool> DeviceBody::use_cycles(bool always, SpectralRadii& radii) {
-  if (!always && !space_.is_stiff()) return {};
+bool DeviceBody::has_coarse_meshes() const {
   const std::size_t below = model.coarse_meshes().size();
-  if (below == 0 || below >= SpectralRadii::kMaxLevels) return {};
+  return below > 0 && below < SpectralRadii::kMaxLevels;
+}
+
+std::optional<bool> DeviceBody::use_cycles(bool always, SpectralRadii& radii) {
+  if (!has_coarse_meshes() || (!always && !space_.is_stiff())) return {};
   if (!levels_) {
     levels_.emplace(model, history, bricks_);
     try {
@@ -474,6 +516,22 @@ void DeviceCgSpace::end(Points x) const {
   first_.resize(4 * static_cast<std::size_t>(bricks_.num_nodes()));
   kernels_.get_solution(first_.data());
   from_nodes(bricks_, first_, x, [&](double& entry, double number) { entry = number / scale_; });
+}
+
+void DeviceCgSpace::find_diagonal(double factor, Points diagonal) {
+  first_.assign(4 * static_cast<std::size_t>(bricks_.num_nodes()), 0);
+  kernels_.set_system(static_cast<float>(factor), first_.data(), first_.data(), true, static_cast<float>(kBreakEven));
+  std::vector<int> all(bricks_.num_nodes());
+  std::iota(all.begin(), all.end(), 0);
+  kernels_.get_diagonal(all.data(), bricks_.num_nodes(), first_.data());
+  from_nodes(bricks_, first_, diagonal, [](double& entry, double number) { entry = number; });
+}
+
+void DeviceCgSpace::add_preconditioned(ConstPoints r, Points z) {
+  begin(r, nullptr);
+  precondition();
+  kernels_.set_direction(0, first_.data());
+  from_nodes(bricks_, first_, z, [&](double& entry, double number) { entry += number / scale_; });
 }
 
 void DeviceCgSpace::residual(Points r) const {

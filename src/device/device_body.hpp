@@ -33,6 +33,8 @@ class DeviceCgSpace final : public CgSpace {
   double advance(double alpha) override;
   void end(Points x) const override;
   void residual(Points r) const override;
+  void find_diagonal(double factor, Points diagonal);
+  void add_preconditioned(ConstPoints r, Points z);
   bool is_preconditioned() const override { return is_scaled_; }
   double rounding() const override { return kSingleRounding; }
   double rounding_of_residual() override { return 0; }  // nobody on a device makes it smaller
@@ -82,13 +84,19 @@ class DeviceBody final : public KernelBackend, public DeviceVectors {
   }
   void renew() override;
 
+  int num_nodes() const override { return model.mesh.num_nodes(); }
   void multiply(double factor, ConstPoints p, Points Ap) const override;
   CgSpace& space(const MatrixFreeSystem& system, const NodalPart* of_preconditioner) override;
   std::optional<bool> use_cycles(bool always, SpectralRadii& radii) override;
+  bool has_coarse_meshes() const override;
+  void find_diagonal(double factor, Points diagonal) override { space_.find_diagonal(factor, diagonal); }
+  void add_preconditioned(ConstPoints r, Points z) override { space_.add_preconditioned(r, z); }
 
  private:
   void set_up(ConstPoints x);
+  void take_hexahedron(int place);
   double flow_left_over(ConstPoints x, double dt, FlowReport& report);
+  void break_hexahedra(ConstPoints x, FlowReport& report);
 
   const std::string name_;
   std::unique_ptr<DeviceKernels> kernels_;
@@ -96,6 +104,13 @@ class DeviceBody final : public KernelBackend, public DeviceVectors {
   std::optional<DeviceLevels> levels_;  // once they have been asked for
   DeviceCgSpace space_;
   bool is_set_up_ = false, has_newer_history_ = false;
+  bool can_break_ = false;  // some material has a limit
+  struct NearLimit {
+    int element;
+    CornerValues tau_before;  // [Pa]
+  };
+  std::vector<NearLimit> near_limit_;  // of the latest step
+  std::vector<std::uint8_t> status_;
   std::vector<double> positions_, numbers_;
   mutable std::vector<float> field_, product_;
 };

@@ -8,10 +8,11 @@ namespace hexaplast {
 
 inline constexpr int kBrick = 32;       ///< hexahedra of a brick, a warp of a GPU
 inline constexpr int kBrickNodes = 80;  ///< room for the nodes of a brick
-/// J^-1 / 2 (9), volume [m^3], mu, lambda [Pa], flow rate [1/s], hardening
-inline constexpr int kBrickNumbers = 14;
+/// J^-1 / 2 (9), volume [m^3], mu, lambda [Pa], flow rate [1/s], hardening, fracture stress [Pa] and stretch
+inline constexpr int kBrickNumbers = 16;
 inline constexpr int kHistoryNumbers =
     88;  ///< of a hexahedron: G, by entries, tau [Pa], accumulated strain; each of all samples
+inline constexpr std::uint8_t kIsLeft = 1, kMayBreak = 4;  ///< bits of the status of a hexahedron
 
 /// Hexahedra in bricks. Nodes have numbers of their own; arrays of nodes have four numbers per node.
 struct LayoutArrays {
@@ -95,8 +96,9 @@ class DeviceKernels {
 
   /// value [J] dissipated; how many hexahedra are left over; how many flow. Until take_flow the history is as before.
   virtual Sums flow(float dt, float least_det, bool is_true_stress) = 0;
-  virtual void get_left(std::uint8_t* is_left) = 0;  ///< [brick][kBrick]
-  /// One of those, by its place: before the step, and after it.
+  /// [brick][kBrick] of that step: kIsLeft; kMayBreak where a hexahedron has flowed to a limit, or near it.
+  virtual void get_status(std::uint8_t* status) = 0;
+  /// A hexahedron, by its place: before the step or, after take_flow, as it is; and after it.
   virtual void get_hexahedron(int place, double (&numbers)[kHistoryNumbers]) = 0;
   virtual void set_hexahedron(int place, const double (&numbers)[kHistoryNumbers]) = 0;
   virtual void take_flow() = 0;
@@ -134,7 +136,7 @@ class DeviceKernels {
   virtual void get_residual(float* r) = 0;
 };
 
-inline constexpr int kDeviceVersion = 3;                   ///< of the class above
+inline constexpr int kDeviceVersion = 4;                   ///< of the class above
 #define HEXAPLAST_DEVICE_ENTRY "hexaplast_device_kernels"  // DeviceKernels* (int version); null: another version
 
 }  // namespace hexaplast

@@ -111,7 +111,7 @@ __device__ inline V volume_of_placed(const PlacedHexahedron& h, ModeLanes<V>& gr
   return volume;
 }
 
-constexpr std::uint8_t kThin = 1, kLeft = 1, kFlows = 2;  ///< bits of the status of a hexahedron
+constexpr std::uint8_t kThin = 1, kFlows = 2;  ///< bits of the status of a hexahedron, beside kIsLeft and kMayBreak
 
 __device__ inline std::size_t place_of_sample(const Place& my, int count, int k, int i) {
   return ((static_cast<std::size_t>(my.brick) * count + k) * kCorners + i) * kWidth + my.lane;

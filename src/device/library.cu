@@ -155,10 +155,7 @@ class Kernels final : public DeviceKernels {
            a.status, a.value);
     return sums(a.value, a.status);
   }
-  void get_left(std::uint8_t* is_left) override {
-    arrays_.status.get(is_left);
-    for (std::size_t e = 0; e < arrays_.status.size(); ++e) is_left[e] = (is_left[e] & kLeft) != 0;
-  }
+  void get_status(std::uint8_t* status) override { arrays_.status.get(status); }
   void get_hexahedron(int place, double (&numbers)[kHistoryNumbers]) override {
     for_each_array(place, [&](int first, int count, double* at) {
       device::copy_rows(numbers + first, sizeof(double), before_.numbers + (at - after_.numbers), kLaneBytes, count);

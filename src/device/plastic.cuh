@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Plastic flow on a GPU.                                                                            theory.md section 5.9
+// Plastic flow on a GPU.                                                                            theory.md
+// section 5.9
 #pragma once
 
 #include "device/elastic.cuh"
@@ -48,14 +49,17 @@ struct KeptSamples {
   float at[kCorners][16][kWidth];  ///< S, then M (6); gamma |sigma|; face normals (9)
 };
 
+constexpr float kNoLimit = 1e30f, kNearLimit = 0.9999f;  ///< of the stretch at which hexahedra break
+
 struct FlowRule {
   float dt;                                     ///< [s]
   float least_det = 0.1f, least_corner = 0.3f;  ///< below these a hexahedron is left over
   bool is_true_stress = true;                   ///< YieldStressMeasure::kCauchy
 };
 
-/// History after a step at positions x. status: kLeft where a hexahedron is for the CPU, and keeps its history;
-/// kFlows. value: what it dissipates [J]. Three loops over samples find the stretches, what flows, and the new history.
+/// History after a step at positions x. status: kIsLeft where a hexahedron is for the CPU, and keeps its history;
+/// kFlows; kMayBreak. value: what it dissipates [J]. Three loops over samples find the stretches, what flows, and the
+/// new history.
 ///                                                                            eq. P6 to P12; plastic/flow_pass.cpp
 __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
     flow(Layout at, const float* rest, FlowRule rule, const double4_32a* x, Plastic<const double> before,
@@ -136,9 +140,10 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
   // of M without what is relieved below
   for (int n = 0; n < 3; ++n) work -= V(8.0f) * k_n[n] * along[n];
   const bool flows = fails == 0 && flowing > 0;
-  status[my.brick * kWidth + my.lane] = fails != 0 ? kLeft : flows ? kFlows : 0;
   value[my.brick * kWidth + my.lane] = flows ? float(eighth * volume * work) : 0.0f;
   const bool stays = fails != 0 || !(flowing > 0);
+  const float fracture_stress = of_rest(14), fracture_stretch = of_rest(15);
+  bool breaks = false;
 #pragma unroll 1
   for (int i = 0; i < kCorners; ++i) {
     Sym<V> M = kept.symmetric_at(my, i);
@@ -146,18 +151,27 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
     const Mat<V> log = matrix(M);
     const Mat<V> change = history_at(before.G, my, i) *
                           exponential_series(scaled(V(-1.0f), log), exponential_terms(dot(log, log), fails));
+    Mat<V> G;
     for (int k = 0; k < 9; ++k) {
       const std::size_t entry = place_of_sample(my, 9, k, i);
       const double old = before.G[entry], now = stays ? old : old + change.m[k / 3][k % 3];
       after.G[entry] = now;
+      G.m[k / 3][k % 3] = V(static_cast<float>(now));
+    }
+    if (fracture_stretch < kNoLimit) {  // no singular value of G^-1 is above its norm
+      const Mat<V> cof = cofactor(G);
+      const float least = kNearLimit * fracture_stretch * abs(dot(G.m[0], cof.m[0]));
+      breaks = breaks || !(dot(cof, cof) < least * least);
     }
     const std::size_t sample = place_of_sample(my, 1, 0, i);
     const double tau = before.tau[sample], harder = tau + hardening * kept.number_at(my, i, 6);
     const V mean = V(1.0f / 3) * trace(M);
     const V strain = sqrt(V(2.0f / 3) * squared_norm(Sym<V>{M.xx - mean, M.yy - mean, M.zz - mean, M.yz, M.zx, M.xy}));
     after.tau[sample] = stays ? tau : harder > 0 ? harder : 0;
+    breaks = breaks || (harder > tau && harder > fracture_stress);
     after.strain[sample] = before.strain[sample] + (stays ? 0 : strain);
   }
+  status[my.brick * kWidth + my.lane] = fails != 0 ? kIsLeft : flows ? breaks ? kFlows | kMayBreak : kFlows : 0;
 }
 
 /// The L of B = L L^T, [brick][6][lane]: its lower triangle by columns.

@@ -27,16 +27,9 @@ inline bool rounds_products(const MatrixFreeSystem& system) {
          });
 }
 
-/// Throws InputError where something else is in the system of a body on a device.
-inline void require_device_alone(const MatrixFreeSystem& system) {
-  if (!system.has_one_body() && std::ranges::any_of(system.bodies, [](const KernelBody& body) { return body.device; }))
-    throw InputError("a body on a device (attribute device) needs a solver of its own, without other bodies or ties");
-}
-
-/// The body of a system that is on a device, or null.
+/// The device that has all of a system, or null.
 inline DeviceVectors* device_of(const MatrixFreeSystem& system) {
-  require_device_alone(system);
-  return system.has_one_body() ? static_cast<DeviceVectors*>(system.bodies.front().device) : nullptr;
+  return system.has_one_body() ? device_of(system.bodies.front()) : nullptr;
 }
 
 /// b.b; throws NumericalError where it is beyond all numbers, as products of directions would be.

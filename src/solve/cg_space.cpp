@@ -311,8 +311,9 @@ double exact_residual(const MatrixFreeSystem& system, ConstPoints b, ConstPoints
   r.setZero(b.rows(), 3);  // the product, first
   for (const NodalTerm& other : system.others) other.add_product(x, r);
   for (const KernelBody& body : system.bodies) {
-    if (body.device) {
-      static_cast<DeviceVectors*>(body.device)->multiply(body.factor, x, r);
+    if (const DeviceVectors* device = device_of(body)) {
+      device->multiply(body.factor, x.middleRows(body.first_node, device->num_nodes()),
+                       r.middleRows(body.first_node, device->num_nodes()));
       continue;
     }
     const ChunkedProduct<double>& op = body.exact_operator ? *body.exact_operator : *body.double_operator;

@@ -63,6 +63,8 @@ class CgSpace {
 /// What every KernelBody::device is: L on a device, where the vectors of conjugate gradients are too.
 class DeviceVectors : public DeviceOperator {
  public:
+  virtual int num_nodes() const = 0;
+
   /// Ap += factor L p, in the precision of the device; void is then what its vectors have.
   virtual void multiply(double factor, ConstPoints p, Points Ap) const = 0;
 
@@ -72,7 +74,16 @@ class DeviceVectors : public DeviceOperator {
   /// Preconditions the latest space by cycles in place of its diagonal, if the mesh has any; and, unless always, if
   /// they cost less. radii: as of Multigrid::setup. Returns whether the radii were valid; nothing: by the diagonal.
   virtual std::optional<bool> use_cycles(bool always, SpectralRadii& radii) = 0;
+  virtual bool has_coarse_meshes() const = 0;
+
+  // Of one of several bodies, for their preconditioner.
+
+  virtual void find_diagonal(double factor, Points diagonal) = 0;  ///< of factor L
+  virtual void add_preconditioned(ConstPoints r, Points z) = 0;    ///< z += what the latest space makes of r
 };
+
+/// Null: the body is computed by the CPU.
+inline DeviceVectors* device_of(const KernelBody& body) { return static_cast<DeviceVectors*>(body.device); }
 
 /// A power of two that brings a number of this size near 1: to scale by it changes no bit, and keeps what is squared in
 /// single precision away from its limits.

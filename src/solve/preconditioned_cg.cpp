@@ -135,13 +135,12 @@ struct PreconditionedConjugateGradients::Spaces {
       nodal.setup(A, true, &system.constraints);
       return nodal;
     }
-    require_device_alone(system);
     const NodeGroup all{0, static_cast<int>(system.diagonal.rows())};
     const std::span<const NodeGroup> groups =
         system.has_one_body() ? std::span(&all, 1) : std::span<const NodeGroup>(several.find_groups(system));
     if (!system.others.empty()) lumped.find(system, groups);
     if (device_of(system)) return on_device(preconditioner);
-    const bool has_levels = std::ranges::any_of(system.bodies, [](const KernelBody& b) { return !b.levels.empty(); });
+    const bool has_levels = system.wants_levels && std::ranges::any_of(system.bodies, SeveralBodies::has_coarse_meshes);
     return precondition(
         A, has_levels && (preconditioner == Preconditioner::kMultigrid || is_stiff(nodal_part().diagonal)));
   }

@@ -10,6 +10,13 @@ namespace hexaplast {
 
 /// to += W B W from
 void SeveralBodies::Part::add_cycle(ConstPoints from, Points to) {
+  if (device) {
+    weighted = weight.asDiagonal() * from;
+    preconditioned.setZero(weighted.rows(), 3);
+    device->add_preconditioned(weighted, preconditioned);
+    to += weight.asDiagonal() * preconditioned;
+    return;
+  }
   r.resize(4 * static_cast<std::size_t>(partition->num_slots), 0.0f);
   z.resize(r.size(), 0.0f);
   const double scale = scale_to_one(from.cwiseAbs().maxCoeff());  // cycles are in single precision
@@ -36,10 +43,18 @@ void SeveralBodies::find_stiffness(const KernelBody& body, Part& part) {
         part.stiffness(n, i) = static_cast<double>(slots[4 * static_cast<std::size_t>(partition.slot_of_node[n]) + i]);
   };
   part.first_node = body.first_node;
-  if (body.single_operator)
+  part.device = device_of(body);
+  if (part.device) {
+    part.stiffness.setZero(part.device->num_nodes(), 3);
+    part.device->find_diagonal(body.factor, part.stiffness);
+  } else if (body.single_operator)
     find(*body.single_operator, part.r);
   else
     find(*body.double_operator, slots_);
+}
+
+bool SeveralBodies::has_coarse_meshes(const KernelBody& body) {
+  return device_of(body) ? device_of(body)->has_coarse_meshes() : !body.levels.empty();
 }
 
 const std::vector<NodeGroup>& SeveralBodies::find_groups(const MatrixFreeSystem& system) {
@@ -98,7 +113,7 @@ bool SeveralBodies::setup(const MatrixFreeSystem& system, const NodalPart& rest,
       const double sum = sum_[part.first_node + n];
       part.weight[n] = sum > 0 ? part.weight[n] / sum : 0;
     }
-    part.cycles = cycles && !body.levels.empty();
+    part.cycles = cycles && has_coarse_meshes(body);
     if (!part.cycles) {
       part.rows(weight_of_rest_) += part.weight;
       continue;
@@ -113,9 +128,17 @@ bool SeveralBodies::setup(const MatrixFreeSystem& system, const NodalPart& rest,
       const int own = node - part.first_node;
       if (own >= 0 && own < num_nodes && part.weight[own] > 0) part.blocks.push_back({own, part.weight[own] * block});
     }
-    are_known |= part.multigrid.setup(
-        body, {.diagonal = part.diagonal, .free = part.free, .blocks = part.blocks, .own_diagonal = &part.own_diagonal},
-        radii[i]);
+    const NodalPart own{
+        .diagonal = part.diagonal, .free = part.free, .blocks = part.blocks, .own_diagonal = &part.own_diagonal};
+    if (!part.device) {
+      are_known |= part.multigrid.setup(body, own, radii[i]);
+      continue;
+    }
+    part.of_device.bodies = {body};
+    part.of_device.diagonal = part.own_diagonal;
+    part.of_device.constraints.free = part.free;
+    part.device->space(part.of_device, &own);
+    are_known |= part.device->use_cycles(true, radii[i]).value_or(false);
   }
 
   blocks_.clear();

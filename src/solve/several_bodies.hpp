@@ -43,13 +43,16 @@ class SeveralBodies final : public NodalPreconditioner {
   }
   void apply(const PointArray& r, PointArray& z) override;
 
+  static bool has_coarse_meshes(const KernelBody& body);
+
  private:
   struct Part {
     bool cycles = false;
-    const Partition* partition = nullptr;
-    int first_node = 0;      // of the body's; what follows is of its nodes
-    Eigen::VectorXd weight;  // per node
-    PointArray stiffness;    // diagonal of the body's operator
+    const Partition* partition = nullptr;  // of a body on the CPU
+    DeviceVectors* device = nullptr;       // of another one
+    int first_node = 0;                    // of the body's; what follows is of its nodes
+    Eigen::VectorXd weight;                // per node
+    PointArray stiffness;                  // diagonal of the body's operator
 
     auto rows(auto& of_all) const { return of_all.middleRows(first_node, stiffness.rows()); }
     PointArray diagonal, own_diagonal;  // weighted
@@ -57,6 +60,8 @@ class SeveralBodies final : public NodalPreconditioner {
     std::vector<NodeBlock> blocks;
     Multigrid multigrid;
     AlignedVector<float> r, z;
+    MatrixFreeSystem of_device;
+    PointArray weighted, preconditioned;
 
     void add_cycle(ConstPoints from, Points to);
   };

@@ -291,6 +291,34 @@ TEST(DeviceBody, FollowsRemovalsCutsAndOtherMaterials) {
   EXPECT_NEAR(device.dissipated_energy(), cpu.dissipated_energy(), 1e-4 * cpu.dissipated_energy());
 }
 
+TEST(DeviceBody, BreaksAndTearsAsOnTheCpu) {
+  for (const Fracture fracture : {Fracture::kCell, Fracture::kFace}) {
+    Settings settings = kMixed;
+    settings.fracture = fracture;
+    const HexMesh mesh = regular_grid({7, 5, 6}, {0, 0, 0}, {.7, .4, .6});
+    Random random(8);
+    std::vector<Material> materials(mesh.num_elements(), kFlowing);
+    for (Material& material : materials)
+      if (random.uniform(0, 1) < .5)
+        material.fracture_stress = random.uniform(320, 600);
+      else
+        material.fracture_stretch = random.uniform(1.02, 1.2);
+    Body cpu(mesh, materials, settings), device = on_device(Body(mesh, materials, settings));
+    std::size_t torn = 0;
+    for (int step = 0; step < 12; ++step) {
+      const PointArray x = deformed(cpu, .01, 20 + step);
+      const FlowReport of_cpu = cpu.flow(x, .02), of_device = device.flow(x, .02);
+      EXPECT_EQ(of_device.yielded, of_cpu.yielded) << step;
+      EXPECT_EQ(of_device.removed, of_cpu.removed) << step;
+      EXPECT_EQ(of_device.torn, of_cpu.torn) << step;
+      torn += of_cpu.torn.size();
+      EXPECT_LE(relative(force_at(device, x), force_at(cpu, x)), 3e-5);
+    }
+    EXPECT_TRUE(std::ranges::equal(device.removed(), cpu.removed()));
+    EXPECT_GE(fracture == Fracture::kCell ? cpu.removed().size() : torn, 20U);
+  }
+}
+
 TEST(DeviceBody, RefusesByName) {
   const auto refusal = [](Body body, const std::string& name = "emulation") -> std::string {
     body.set_time_step(.01);
@@ -315,16 +343,10 @@ TEST(DeviceBody, RefusesByName) {
   const HexMesh cube = regular_grid({1, 1, 1}, {0, 0, 0}, {1, 1, 1});
   EXPECT_EQ(refusal(Body(cube, {Material{}}, {.law = ElasticLaw::kNeoHookean, .precision = Precision::kMixed})),
             "device emulation: law must be corotated");
-  Material breaking = kFlowing;
-  breaking.fracture_stretch = 1.5;
-  EXPECT_EQ(refusal(Body(cube, {breaking}, kMixed)),
-            "device emulation: hexahedra must not break (fractureStress, fractureStretch)");
   EXPECT_EQ(refusal(Body(distorted_block({2, 2, 2}, .1, .1, 3), {Material{}}, kMixed)),
             "device emulation: hexahedron 0 is no parallelepiped");
   EXPECT_EQ(refusal(yielding_bar(kMixed), "vulkan"), "device vulkan: must be cpu, cuda or emulation");
   Body device = on_device(block());
-  device.linearize(device.mesh().positions());
-  EXPECT_THROW(device.set_materials({breaking}), InputError);
   device.linearize(device.mesh().positions());
   const std::string of_card = refusal(yielding_bar(kMixed), "cuda");
   EXPECT_TRUE(of_card == "nothing" || of_card.starts_with("device cuda: ")) << of_card;
@@ -402,6 +424,43 @@ TEST(DeviceBody, SolvesByCyclesAsTheCpuDoes) {
     const int iterations = solved(slab, Preconditioner::kDiagonal, 1e-3, 1000, by_diagonal).iterations;
     EXPECT_LE(iterations, tie > 0 ? 70 : 500);
   }
+}
+
+/// Two bodies that share nodes, tied to each other and to the ground; the second one on a device, or both.
+TEST(DeviceBody, SolvesForSeveralBodiesAsTheCpuDoes) {
+  for (const Preconditioner by : {Preconditioner::kDiagonal, Preconditioner::kMultigrid})
+    for (const bool slides : {false, true}) {
+      SCOPED_TRACE(fmt::format("{} {}", by == Preconditioner::kMultigrid, slides));
+      Slab slab(regular_grid({14, 12, 5}, Vec3::Zero(), kSlabSize));
+      const int count = slab.mesh.num_elements();
+      slab.add_body(0, count / 3, 1e6, Precision::kMixed);
+      slab.add_body(count / 3, count, 1e4, Precision::kMixed);
+      for (int n = 0; n < slab.num_nodes(); n += 15) slab.held.push_back(n);
+      slab.slides = slides;
+      for (int n = 40; n < slab.num_nodes(); n += 40) {
+        const Mat3 tie = 1e3 * kSlabStep * kSlabStep * Vec3(1, 2, 2) * Vec3(1, 2, 2).transpose() / 9;
+        slab.ties.add(n, n, tie);
+        slab.ties.add(n, n - 39, -tie);
+        slab.ties.add(n - 39, n, -tie);
+        slab.ties.add(n - 39, n - 39, tie);
+      }
+      PointArray x[3], product(slab.num_nodes(), 3), b = Random(3).field(slab.num_nodes(), 1);
+      slab.project(b);
+      SolveReport report[3];
+      for (int k = 0; k < 3; ++k) {
+        if (k > 0) slab.bodies[2 - k].use_device("emulation");
+        for (Body& body : slab.bodies) body.linearize(stretched(slab.mesh));
+        x[k].setZero(slab.num_nodes(), 3);
+        report[k] = PreconditionedConjugateGradients(1e-4, 600, by).solve(slab, b, x[k]);
+        EXPECT_TRUE(report[k].converged);
+        EXPECT_EQ(report[k].preconditioner,
+                  by == Preconditioner::kDiagonal ? PreconditionedBy::kDiagonal : PreconditionedBy::kMultigrid);
+        EXPECT_LE(report[k].iterations, 1.1 * report[0].iterations + 2);
+        EXPECT_LE(relative(x[k], x[0]), 1e-2);
+        slab.apply(x[k], product);
+        EXPECT_LE(relative(product, b), 3e-3);  // coefficients are half
+      }
+    }
 }
 
 /// A diagonal, or blocks of one node each that only products know.
