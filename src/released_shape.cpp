@@ -204,7 +204,6 @@ Body elastic(const Model& model) {
   for (const Material& material : model.materials)
     materials.push_back({.young_modulus = material.young_modulus, .poisson_ratio = material.poisson_ratio});
   Settings settings = model.settings;
-  settings.recovery = RecoveryMode::kNone;
   settings.precision = Precision::kDouble;
   settings.relaxation.clear();  // which is over
   settings.implementation = Implementation::kAuto;

@@ -159,7 +159,7 @@ RunReport Simulation::run(long steps, const py::object& forces) {
   for (long k = 0; k < steps; ++k) {
     {
       const py::gil_scoped_release others_may_run;
-      advance(external, report);
+      advance(forces.is_none() ? PointArray::Zero(num_nodes(), 3) : external, report);
     }
     warn(take_warnings());
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();

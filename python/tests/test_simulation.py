@@ -86,6 +86,21 @@ def test_led_nodes_arrive_and_then_stand_still():
     assert (simulation.positions[top, 2] < places[:, 2]).all()
 
 
+def test_runs_without_forces_go_on_where_nodes_split():
+    made = []
+    for _ in range(2):
+        positions, hexahedra = hexaplast.grid((2, 2, 4), (0, 0, 0), (0.02, 0.02, 0.04))
+        material = hexaplast.Material(young_modulus=5000, yield_stress=200, flow_rate=30, hardening=1, fracture_stress=240)
+        body = hexaplast.Body(positions, hexahedra, material, hexaplast.Settings(fracture="face"))
+        made.append(hexaplast.Simulation(body, gravity=(0, 0, -200)))
+        made[-1].fix(positions[:, 2] == 0.04)
+    made[0].run(25)
+    for _ in range(25):
+        made[1].step()
+    assert made[0].body.num_nodes > 45
+    assert (made[0].positions == made[1].positions).all()
+
+
 def test_set_state_replaces_positions_and_velocities():
     simulation = hexaplast.Simulation(bar(), gravity=(0, 0, 0))
     x = simulation.body.initial_positions + [1, 2, 3]
