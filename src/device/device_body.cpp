@@ -140,11 +140,10 @@ void DeviceBody::set_up(ConstPoints x) {
     }
     const int places = static_cast<int>(bricks_.element.size());
     numbers_.resize(static_cast<std::size_t>(places) * kHistoryNumbers);
-    for (int place = 0; place < places; ++place) {
-      const int first = place / kBrick * kBrick, e = bricks_.element[bricks_.element[place] < 0 ? first : place];
-      visit_history(history, e,
+    parallel_for(places, [&](int place) {
+      visit_history(history, bricks_.like(place),
                     [&](int k, double& number) { numbers_[history_index(bricks_.num_bricks(), place, k)] = number; });
-    }
+    });
     kernels_->set_history(numbers_.data());
     status_.resize(places);
     can_break_ = std::ranges::any_of(model.materials, [](const Material& material) {
