@@ -267,22 +267,22 @@ class PlaneForceField final : public scene::ForceField,
   }
 
   void add_force(double, ConstPoints x, ConstPoints v, Points f) override {
-    obstacle_.touching_at(x, touching_);
+    obstacle_.stiff_at(x, v, stiff_);
     obstacle_.add_force(x, v, f);
   }
   void add_load(double, ConstPoints x, ConstPoints v, Points f) const override { obstacle_.add_force(x, v, f); }
   void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
-    obstacle_.add_stiffness_product(touching_, factor, dx, df);
+    obstacle_.add_stiffness_product(stiff_, factor, dx, df);
   }
   void add_stiffness_blocks(double factor, BlockMatrix& A) const override {
-    obstacle_.add_stiffness_blocks(touching_, factor, A);
+    obstacle_.add_stiffness_blocks(stiff_, factor, A);
   }
-  bool is_in_matrix() const override { return !touching_.empty(); }
+  bool is_in_matrix() const override { return !stiff_.empty(); }
   double rayleigh_stiffness() const override { return rayleigh_stiffness_; }
 
  private:
   Obstacle obstacle_;
-  std::vector<int> touching_;  // nodes, at the positions of the latest forces
+  std::vector<int> stiff_;  // nodes, at the positions of the latest forces
   double rayleigh_stiffness_ = 0;
 };
 

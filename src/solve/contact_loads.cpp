@@ -28,10 +28,17 @@ void add_pressure(const Quad& face, double pressure, ConstPoints x, Points f) {
   add_pressure(Triangle{face[0], face[2], face[3]}, pressure, x, f);
 }
 
-void Obstacle::touching_at(ConstPoints x, std::vector<int>& touching) const {
-  touching.clear();
-  for (int node = 0; node < static_cast<int>(x.rows()); ++node)
-    if (gap(x, node) < 0) touching.push_back(node);
+Eigen::RowVector3d Obstacle::unlimited_force(double d, ConstPoints v, int node) const {
+  return -stiffness * d * normal.transpose() + damping * d * v.row(node);
+}
+
+void Obstacle::stiff_at(ConstPoints x, ConstPoints v, std::vector<int>& stiff) const {
+  require_rows("Obstacle::stiff_at", "v", v, x.rows());
+  stiff.clear();
+  for (int node = 0; node < static_cast<int>(x.rows()); ++node) {
+    const double d = gap(x, node);
+    if (d < 0 && !is_limited(unlimited_force(d, v, node).norm())) stiff.push_back(node);
+  }
 }
 
 void Obstacle::add_force(ConstPoints x, ConstPoints v, Points f) const {
@@ -40,24 +47,24 @@ void Obstacle::add_force(ConstPoints x, ConstPoints v, Points f) const {
   for (int node = 0; node < static_cast<int>(x.rows()); ++node) {
     const double d = gap(x, node);
     if (!(d < 0)) continue;
-    Eigen::RowVector3d force = -stiffness * d * normal.transpose() + damping * d * v.row(node);
+    Eigen::RowVector3d force = unlimited_force(d, v, node);
     const double size = force.norm();
-    if (max_force > 0 && size > max_force) force *= max_force / size;
+    if (is_limited(size)) force *= max_force / size;
     f.row(node) += share_of(node) * force;
   }
 }
 
-void Obstacle::add_stiffness_product(std::span<const int> touching, double factor, ConstPoints dx, Points df) const {
-  require_nodes("Obstacle::add_stiffness_product", touching, dx.rows());
+void Obstacle::add_stiffness_product(std::span<const int> stiff, double factor, ConstPoints dx, Points df) const {
+  require_nodes("Obstacle::add_stiffness_product", stiff, dx.rows());
   require_rows("Obstacle::add_stiffness_product", "df", df, dx.rows());
-  for (const int node : touching)
+  for (const int node : stiff)
     df.row(node) -= share_of(node) * factor * stiffness * dx.row(node).dot(normal) * normal.transpose();
 }
 
-void Obstacle::add_stiffness_blocks(std::span<const int> touching, double factor, BlockMatrix& A) const {
-  require_nodes("Obstacle::add_stiffness_blocks", touching, A.num_nodes());
+void Obstacle::add_stiffness_blocks(std::span<const int> stiff, double factor, BlockMatrix& A) const {
+  require_nodes("Obstacle::add_stiffness_blocks", stiff, A.num_nodes());
   const Mat3 block = -factor * stiffness * normal * normal.transpose();
-  for (const int node : touching) A.add(node, node, share_of(node) * block);
+  for (const int node : stiff) A.add(node, node, share_of(node) * block);
 }
 
 }  // namespace hexaplast

@@ -23,7 +23,7 @@ void add_pressure(const Quad& face, double pressure, ConstPoints x, Points f);
 ///   d = n.x - distance  < 0:   f = -stiffness d n + damping d v,    K = -stiffness n n^T
 ///
 /// The damping is thus stronger the deeper a node is, acts in all directions, and has no part in K. n is taken as it
-/// is: not a unit vector, it scales d and f.
+/// is: not a unit vector, it scales d and f. Where |f| is limited, K = 0; SOFA keeps the K above.
 struct Obstacle {
   Vec3 normal = Vec3::UnitY();
   double distance = 0;             ///< [m]
@@ -32,17 +32,19 @@ struct Obstacle {
   double max_force = 0;            ///< [N] on a node; 0: no limit
   std::vector<double> share = {};  ///< per node (NodeCopies::share), of what it feels; empty: all are whole
 
-  /// The nodes that touch it, ascending, to which the stiffness below refers.
-  void touching_at(ConstPoints x, std::vector<int>& touching) const;
+  /// The nodes that touch it with a force below the limit, ascending, to which the stiffness below refers.
+  void stiff_at(ConstPoints x, ConstPoints v, std::vector<int>& stiff) const;
 
   /// f += its forces.
   void add_force(ConstPoints x, ConstPoints v, Points f) const;
 
-  void add_stiffness_product(std::span<const int> touching, double factor, ConstPoints dx, Points df) const;
-  void add_stiffness_blocks(std::span<const int> touching, double factor, BlockMatrix& A) const;
+  void add_stiffness_product(std::span<const int> stiff, double factor, ConstPoints dx, Points df) const;
+  void add_stiffness_blocks(std::span<const int> stiff, double factor, BlockMatrix& A) const;
 
  private:
   double gap(ConstPoints x, int node) const { return x.row(node).dot(normal) - distance; }
+  Eigen::RowVector3d unlimited_force(double d, ConstPoints v, int node) const;
+  bool is_limited(double size) const { return max_force > 0 && size > max_force; }
   double share_of(int node) const { return share.empty() ? 1 : share[node]; }
 };
 

@@ -272,6 +272,11 @@ TEST_F(SizesOfCalls, OfGripsLoadsAndObstacles) {
       {"add_pressure", "f", kRows, [&](PointArray& wrong) { add_pressure(triangle, 1, x, wrong); }},
       {"Obstacle::add_force", "v", kRows, [&](PointArray& wrong) { wall.add_force(x, wrong, f); }},
       {"Obstacle::add_force", "f", kRows, [&](PointArray& wrong) { wall.add_force(x, v, wrong); }},
+      {"Obstacle::stiff_at", "v", kRows,
+       [&](PointArray& wrong) {
+         std::vector<int> stiff;
+         wall.stiff_at(x, wrong, stiff);
+       }},
       {"Obstacle::add_stiffness_product", "df", kRows,
        [&](PointArray& wrong) { wall.add_stiffness_product(touching, 1, x, wrong); }},
       {"add_tangential_forces", "f", kRows,

@@ -92,6 +92,15 @@ TEST(SurfacePressure, TakesQuadsAndTriangles) {
   EXPECT_EQ(total("<SurfacePressureForceField name='load' pressure='3'/>"), Vec3(0, 0, 12));
 }
 
+TEST(Plane, PushesNoHarderThanItsLimitInAnImplicitStep) {
+  scene::Scene scene = read_and_init(
+      "<Node dt='0.01' gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver/><SparseLDLSolver/>"
+      "<MechanicalObject name='nodes' position='0 0 -1' velocity='0 0 -1'/><UniformMass vertexMass='1'/>"
+      "<PlaneForceField normal='0 0 1' damping='0' maxForce='0.5'/></Node>");
+  scene.step();
+  EXPECT_NEAR(at<scene::MechanicalState>(scene, "nodes").velocities()(0, 2), -1 + 0.01 * 0.5, 1e-14);
+}
+
 // A mass of 1 kg thrown against a wall at z = 0 with k = 500, c = 5, by the implicit scheme with K and without the
 // wall's damping in the matrix.
 TEST(Plane, CatchesAMassByTheDiscreteLaw) {

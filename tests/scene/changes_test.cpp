@@ -96,7 +96,7 @@ constexpr attributes::Example kMoreScenes[] = {
 <SphereROI name="tumour" centers="0.05 0.05 0.2" radii="0.2" strict="false"/>
 <MaterialRegion name="hard" hexahedra="@tumour.hexahedraInROI" youngModulus="3e5" yieldStress="10"
     plasticFlowRate="20" hardening="0.5" rotationYield="0.0001" rotationFlowRate="5" fractureStress="900"/>)xml"},
-    {"PlaneForceField", R"xml(<PlaneForceField normal="0 0 -1" d="-0.39" stiffness="300" damping="2" maxForce="0.5"
+    {"PlaneForceField", R"xml(<PlaneForceField normal="0.28 0 -0.96" d="-0.366" stiffness="100" damping="2" maxForce="1"
     rayleighStiffness="0.1"/>)xml"},
     {"SpringForceField", R"xml(<SpringForceField indices1="72 80" indices2="60 70" stiffness="20 30" damping="0.1 0.2"
     lengths="0.2 0.01" rayleighStiffness="0.1"/>)xml"},

@@ -37,38 +37,41 @@ TEST(Obstacle, PushesBackWhatIsBehindItAndNothingElse) {
   v << 1, 2, 3, 1, 2, 3, -1, 0, 2;
   PointArray f = PointArray::Zero(3, 3);
   wall.add_force(x, v, f);
-  std::vector<int> touching{7};
-  wall.touching_at(x, touching);
-  EXPECT_EQ(touching, (std::vector<int>{0, 2}));
+  std::vector<int> stiff{7};
+  wall.stiff_at(x, v, stiff);
+  EXPECT_EQ(stiff, (std::vector<int>{0, 2}));
   EXPECT_TRUE(f.row(0).isApprox(200 * Eigen::RowVector3d(0.6, 0, 0.8) - 3 * v.row(0), 1e-14));
   EXPECT_TRUE(f.row(1).isZero(0));
   EXPECT_TRUE(f.row(2).isApprox(0.24 * (200 * Eigen::RowVector3d(0.6, 0, 0.8) - 3 * v.row(2)), 1e-13));
 }
 
-TEST(Obstacle, LimitsItsForce) {
+TEST(Obstacle, LimitsItsForceAndHasNoStiffnessThere) {
   const Obstacle weak{.stiffness = 1000, .damping = 0, .max_force = 5};
-  PointArray x(2, 3), v = PointArray::Zero(2, 3), f = PointArray::Zero(2, 3);
-  x << 0, -2, 0, 0, 0.001, 0;
+  PointArray x(3, 3), v = PointArray::Zero(3, 3), f = PointArray::Zero(3, 3);
+  x << 0, -2, 0, 0, 0.001, 0, 0, -0.004, 0;
   weak.add_force(x, v, f);
-  EXPECT_TRUE(f.isApprox((PointArray(2, 3) << 0, 5, 0, 0, 0, 0).finished(), 1e-15));
+  EXPECT_TRUE(f.isApprox((PointArray(3, 3) << 0, 5, 0, 0, 0, 0, 0, 4, 0).finished(), 1e-15));
+  std::vector<int> stiff;
+  weak.stiff_at(x, v, stiff);
+  EXPECT_EQ(stiff, std::vector<int>{2});
 }
 
 TEST(Obstacle, StiffnessIsTheSlopeOfItsForceAndEqualToItsBlocks) {
   const Obstacle wall{.normal = Vec3(0.6, 0, 0.8), .distance = 1, .stiffness = 200, .damping = 0};
   Random random(3);
   const PointArray x = random.field(4, 0.3), dx = random.field(4, 1), v = PointArray::Zero(4, 3);  // all are behind
-  std::vector<int> touching;
-  wall.touching_at(x, touching);
-  ASSERT_EQ(touching.size(), 4u);
+  std::vector<int> stiff;
+  wall.stiff_at(x, v, stiff);
+  ASSERT_EQ(stiff.size(), 4u);
 
   PointArray df = PointArray::Zero(4, 3), ahead = df, behind = df;
-  wall.add_stiffness_product(touching, 2, dx, df);
+  wall.add_stiffness_product(stiff, 2, dx, df);
   wall.add_force(x + 1e-3 * dx, v, ahead);
   wall.add_force(x - 1e-3 * dx, v, behind);
   EXPECT_TRUE(agrees(df, 2 * (ahead - behind) / 2e-3, 1e-10));
 
   BlockMatrix A(4);
-  wall.add_stiffness_blocks(touching, 2, A);
+  wall.add_stiffness_blocks(stiff, 2, A);
   for (int n = 0; n < 4; ++n) {
     ASSERT_EQ(A.row(n).size(), 1u);
     EXPECT_TRUE(agrees(A.row(n)[0].block * dx.row(n).transpose(), df.row(n).transpose(), 1e-14));

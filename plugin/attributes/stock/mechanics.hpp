@@ -139,7 +139,8 @@ inline constexpr Table kPlaneForceField{
     real("stiffness", {.initial = "500", .unit = "N/m", .range = kNotNegative}, "Force on a node per depth."),
     real("damping", {.initial = "5", .unit = "N s/m^2", .range = kNotNegative},
          "Force against the velocity of a node, per velocity and depth."),
-    real("maxForce", {.initial = "0", .unit = "N", .range = kNotNegative}, "Largest force on a node; 0: no limit."),
+    real("maxForce", {.initial = "0", .unit = "N", .range = kNotNegative},
+         "Largest force on a node, which is constant then; 0: no limit."),
     kForceRayleigh,
 };
 
