@@ -133,7 +133,9 @@ inline constexpr Table kSurfacePressureForceField{
 };
 
 inline constexpr Table kPlaneForceField{
-    force_field("PlaneForceField", "An elastic obstacle behind a plane."),
+    force_field("PlaneForceField",
+                "An elastic obstacle behind a plane. A node that touches it at the beginning of a step does so to its "
+                "end: one that leaves at v is held back by up to stiffness dt v."),
     vector3("normal", {.initial = "0 1 0"}, "Points away from the obstacle. Taken as it is: give a unit vector."),
     real("d", {.initial = "0", .unit = "m"}, "The plane is normal.x = d."),
     real("stiffness", {.initial = "500", .unit = "N/m", .range = kNotNegative}, "Force on a node per depth."),
