@@ -218,8 +218,15 @@ class RestShapeSpringsForceField final : public scene::ForceField,
     bwd_init();
   }
 
+  // The other state may move before this one does.
+  void begin_step() override {
+    follow_anchors();
+    is_in_step_ = true;
+  }
+  void end_step(double) override { is_in_step_ = false; }
+
   void add_force(double, ConstPoints x, ConstPoints, Points f) override {
-    for (std::size_t i = 0; i < anchors_.size(); ++i) rest_.row(nodes_[i]) = external_->positions().row(anchors_[i]);
+    if (!is_in_step_) follow_anchors();
     add_anchor_forces(nodes_, stiffness_, external_ ? rest_ : state_->rest_positions(), x, f);
   }
   void add_stiffness_product(double factor, ConstPoints dx, Points df) const override {
@@ -243,6 +250,10 @@ class RestShapeSpringsForceField final : public scene::ForceField,
   }
 
  private:
+  void follow_anchors() {
+    for (std::size_t i = 0; i < anchors_.size(); ++i) rest_.row(nodes_[i]) = external_->positions().row(anchors_[i]);
+  }
+
   /// One to each copy of a node, by its share. An anchor keeps its number.
   void spread_springs() {
     const parts::SpreadNodes spread = parts::spread(given_, state_->copies());
@@ -264,7 +275,8 @@ class RestShapeSpringsForceField final : public scene::ForceField,
   std::vector<double> stiffness_;               // [N/m] of each
   scene::MechanicalState* external_ = nullptr;  // null: the rest positions count
   std::vector<int> anchors_;                    // node of the external state for each of the nodes
-  PointArray rest_;                             // [m] where the external state has them
+  PointArray rest_;                             // [m] where the external state has them, at the beginning of a step
+  bool is_in_step_ = false;
   double rayleigh_stiffness_ = 0;
 };
 

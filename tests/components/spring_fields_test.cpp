@@ -67,6 +67,25 @@ TEST(RestShapeSpringsForceField, PullsToWhereAnotherStateIs) {
        {"points='0 1' stiffness='1 2 3'", field + "stiffness: 3 values given" + as_many + " one or as many"}});
 }
 
+TEST(RestShapeSpringsForceField, PullsToWhereAnotherStateWasWhicheverMovesFirst) {
+  const std::string moves = "<EulerImplicitSolver/><CGLinearSolver/>",
+                    hook = node("hook", moves +
+                                            "<MechanicalObject name='state' position='1 0 0' velocity='1 0 0'/>"
+                                            "<UniformMass vertexMass='1'/>"),
+                    body = node("body", moves +
+                                            "<MechanicalObject name='state' position='0 0 0'/>"
+                                            "<UniformMass vertexMass='1'/><RestShapeSpringsForceField "
+                                            "external_rest_shape='@/hook/state' stiffness='10'/>");
+  const std::string root = "<Node gravity='0 0 0'><DefaultAnimationLoop/>";
+  scene::Scene before = read_and_init(root + hook + body + "</Node>"),
+               behind = read_and_init(root + body + hook + "</Node>");
+  for (int step = 0; step < 3; ++step) {
+    before.step();
+    behind.step();
+    EXPECT_EQ(positions(before, "body"), positions(behind, "body"));
+  }
+}
+
 const std::string kElastic = "<HexahedronElastoplasticFEMForceField youngModulus='3000' poissonRatio='.4'/>",
                   kPlastic =
                       "<HexahedronElastoplasticFEMForceField youngModulus='3000' poissonRatio='.4' "
