@@ -40,8 +40,11 @@ double Probe::read(std::span<const double> values, std::span<const unsigned char
   if (count == 0) throw OptionError("value", "holds no number");
   if (values.size() != static_cast<std::size_t>(count) * width_)
     throw OptionError("value", fmt::format("holds {} numbers, must be {} for each entry", values.size(), width_));
-  std::vector<int> entries = options_.indices;
-  if (entries.empty()) {
+  std::vector<int> entries;
+  if (options_.indices) {
+    entries = *options_.indices;
+    if (entries.empty()) throw OptionError("indices", "holds none, must hold at least one of the entries");
+  } else {
     entries.resize(static_cast<std::size_t>(count));
     std::iota(entries.begin(), entries.end(), 0);
   }

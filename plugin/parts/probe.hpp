@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,10 +16,10 @@ struct ProbeOptions {
   enum class Component { kX, kY, kZ, kNorm };
   enum class Statistic { kMean, kSum, kMin, kMax };
 
-  std::vector<int> indices = {};           ///< of the entries that count; empty: all
-  Component component = Component::kNorm;  ///< of vectors
-  Statistic statistic = Statistic::kMean;  ///< over the entries
-  bool change = false;                     ///< since the first reading
+  std::optional<std::vector<int>> indices = {};  ///< of the entries that count; none: all
+  Component component = Component::kNorm;        ///< of vectors
+  Statistic statistic = Statistic::kMean;        ///< over the entries
+  bool change = false;                           ///< since the first reading
 
   static void each(auto& options, const auto& visit) {
     HEXAPLAST_OPTION(indices);

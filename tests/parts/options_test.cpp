@@ -162,8 +162,12 @@ TEST(Options, OutsideTheRangesOfTheTableAreRefused) {
 
 TEST(Probe, RefusesEntriesThatAreNotThere) {
   const std::vector<double> values = {1, 2};
-  EXPECT_EQ(refused([&] { Probe({.indices = {2}}, 1).read(values); }), "indices: holds 2, must lie in [0, 2)");
-  EXPECT_EQ(refused([&] { Probe({.indices = {-1}}, 1).read(values); }), "indices: holds -1, must lie in [0, 2)");
+  const auto refusal = [&](const std::vector<int>& indices) {
+    return refused([&] { Probe({.indices = indices}, 1).read(values); });
+  };
+  EXPECT_EQ(refusal({2}), "indices: holds 2, must lie in [0, 2)");
+  EXPECT_EQ(refusal({-1}), "indices: holds -1, must lie in [0, 2)");
+  EXPECT_EQ(refusal({}), "indices: holds none, must hold at least one of the entries");
   EXPECT_EQ(refused([&] { Probe({}, 3).read(std::vector<double>(7)); }),
             "value: holds 7 numbers, must be 3 for each entry");
 }

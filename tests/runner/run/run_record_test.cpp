@@ -373,6 +373,7 @@ TEST_F(Probes, ThatCannotBeReadAreRefused) {
            {"<Probe name='tip'/>", "14: error: Probe.value: is not given: there is nothing to record"},
            {"<Probe name='tip' value='@nodes.position' indices='81'/>",
             "14: error: Probe.indices: holds 81, must lie in [0, 81)"},
+           {"<Probe name='tip' value='@nodes.position' indices=''/>", "14: error: Probe.indices: holds none"},
            {"<Probe name='tip' value='@nodes.position' component='w'/>", "14: error: Probe.component"},
            {"<Probe name='tip' value='@body.volume' component='z'/>",
             "14: error: Probe.component: is given for a value that holds no vectors"},
