@@ -156,7 +156,8 @@ Table(const Description&, const Rows&...) -> Table<(kNumRows<Rows> + ...)>;
 inline constexpr std::array kCommon = {
     free_text("name", "Name in links; default: ClassName1, ClassName2, ..."),
     link("src",
-         "A component, mostly a loader: every attribute that it has too, and that is not given here, follows its."),
+         "A component, mostly a loader: every attribute that it is given or computes, and that is not given here, "
+         "follows its."),
 };
 
 /// Of force fields that have a stiffness.

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "attributes/texts.hpp"
 #include "scene/interfaces.hpp"
@@ -92,7 +93,10 @@ class Resolver {
  public:
   explicit Resolver(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
-  void resolve(Data& data, Node& node) {
+  void resolve(Data& data) {
+    if (!resolved_.insert(&data).second) return;
+    auto* const component = dynamic_cast<Component*>(&data.owner());
+    Node& node = component ? component->node() : dynamic_cast<Node&>(data.owner());
     const std::string_view path = std::string_view(data.link()).substr(1);
     if (data.attribute().type == Type::kLink) {
       const PathResult found = resolve_path(node, path);
@@ -141,11 +145,13 @@ class Resolver {
                             attributes::describe(data.attribute().type)));
   }
 
-  // src="@loader": every attribute that the loader has too and that is not given follows the loader's, but for those
-  // that say how the loader itself goes to work.
+  // src="@loader": every attribute that is not given follows the loader's, where that was given or is computed, but for
+  // those that say how the loader itself goes to work.
   void follow_all(Data& src, Object& loader) {
     static constexpr std::string_view kOwnOfLoaders[] = {"filename", "triangulate", "translation",
                                                          "rotation", "scale3d",     "scale"};
+    if (&loader == &src.owner()) return refuse(src, "leads back to itself");
+    if (Data* its = loader.find_data(kSource); !its->link().empty()) resolve(*its);  // which gives it more
     bool has_common = false;
     for (const auto& source : loader.all_data()) {
       const attributes::Attribute& offered = source->attribute();
@@ -156,7 +162,10 @@ class Resolver {
       Data* data = namesake(src.owner(), offered);
       if (!data) continue;
       has_common = true;
-      if (!data->is_given()) connect(*data, *source, fmt::format("{}.{}", src.link(), offered.name));
+      const bool is_computed =
+          offered.access == attributes::Access::kOutput || offered.access == attributes::Access::kState;
+      if (!data->is_given() && (source->is_given() || is_computed))
+        connect(*data, *source, fmt::format("{}.{}", src.link(), offered.name));
     }
     if (!has_common && !is_unknown(loader))
       refuse(src, fmt::format("leads to {}, which has no attribute that belongs here", describe(loader)));
@@ -172,6 +181,7 @@ class Resolver {
 
   static constexpr std::string_view kSource = "src";
   Diagnostics& diagnostics_;
+  std::set<const Data*> resolved_;
 };
 
 bool runs_in_a_circle(const Data& data) {
@@ -233,14 +243,12 @@ std::string hint_of(const Object& object, std::string_view name, const std::vect
   return instead.empty() ? did_you_mean(name, names) : std::string(instead);
 }
 
-void resolve_link(Data& data, Diagnostics& diagnostics) {
-  auto* const component = dynamic_cast<Component*>(&data.owner());
-  Resolver(diagnostics).resolve(data, component ? component->node() : dynamic_cast<Node&>(data.owner()));
-}
+void resolve_link(Data& data, Diagnostics& diagnostics) { Resolver(diagnostics).resolve(data); }
 
 void resolve_links(Node& root, Diagnostics& diagnostics) {
+  Resolver resolver(diagnostics);
   for_each_data(root, [&](Data& data) {
-    if (!data.link().empty() && !data.source()) resolve_link(data, diagnostics);
+    if (!data.link().empty() && !data.source()) resolver.resolve(data);
   });
   for_each_data(root, [&](Data& data) {
     if (runs_in_a_circle(data)) refuse_link(diagnostics, data, data.link(), "leads back to itself");
