@@ -18,6 +18,8 @@ PointArray loads_at(double time, scene::Scene& scene, scene::MechanicalState& st
     mass->add_gravity(scene.root().clock().gravity, loads);
   for (scene::ForceField* field : scene.root().all<scene::ForceField>())
     if (!field->body() && scene::acts_on(*field, state)) field->add_force(time, rest, at_rest, loads);
+  for (const scene::Mapping* mapping : scene.root().all<scene::Mapping>())
+    if (mapping->input() == &state) mapping->add_transposed(loads_at(time, scene, *mapping->output()), loads);
   return loads;
 }
 

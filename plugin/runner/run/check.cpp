@@ -64,6 +64,14 @@ bool is_joined(const scene::Node& root, const scene::MechanicalState& state) {
          });
 }
 
+/// [kg] of the state and of those that follow it.
+double moved_mass(scene::Node& root, scene::MechanicalState& state) {
+  double mass = scene::total_mass(scene::masses_of(root, state), state);
+  for (const scene::Mapping* mapping : root.all<scene::Mapping>())
+    if (mapping->input() == &state) mass += moved_mass(root, *mapping->output());
+  return mass;
+}
+
 /// Time [s] of the first step at which the loads on a state are largest, among `num_steps`, and their size [N] then.
 std::pair<double, double> greatest_loads(scene::Scene& scene, scene::MechanicalState& state, long num_steps) {
   const long stride = (num_steps + kMaxMoments - 1) / kMaxMoments;
@@ -124,11 +132,10 @@ Findings look_at(scene::Scene& scene) {
   }
 
   for (const scene::SceneBody& body : scene::bodies_of(scene)) {
-    const std::vector<scene::Mass*> masses = scene::masses_of(scene.root(), *body.state);
     const ModelCheck& model =
         found.bodies
             .emplace_back(Findings::Body{
-                body.name, check_model(*body.field->body(), scene::total_mass(masses, *body.state), found.dt)})
+                body.name, check_model(*body.field->body(), moved_mass(scene.root(), *body.state), found.dt)})
             .model;
     found.num_hexahedra += body.field->body()->mesh().num_elements();
     std::ranges::copy(model_warnings(model, Names::kScenes), std::back_inserter(found.warnings));

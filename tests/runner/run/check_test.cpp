@@ -52,6 +52,19 @@ TEST_F(Command, CheckSaysWhatASceneMeans) {
     EXPECT_TRUE(has(text.out, part));
 }
 
+// A point at the middle of the bar, with 3 kg and 8 N.
+TEST_F(Command, CheckSeesLoadsAndMassesOfPointsThatFollow) {
+  std::string scene = bar(kHeld);
+  scene.insert(scene.rfind("</Node>"),
+               "<Node name='point'><MechanicalObject position='.5 .25 .25'/><BarycentricMapping/><UniformMass "
+               "totalMass='3'/><ConstantForceField forces='0 8 0'/></Node>");
+  write("bar.scn", scene);
+  const Json found = Json::parse(succeeds("check bar.scn --json").out);
+  EXPECT_NEAR(found["load"][0], 6, 1e-9);
+  EXPECT_NEAR(found["load"][1], 8, 1e-9);
+  EXPECT_NEAR(found["body"]["mass"], 5, 1e-9);
+}
+
 // The loader skips all cells of the file: what it says explains why the topology has no hexahedra.
 TEST_F(Command, WarningsStandBeforeTheErrorsThatTheyExplain) {
   write("second_order.msh", content(HEXAPLAST_TEST_DATA "/meshes/second_order.msh"));
