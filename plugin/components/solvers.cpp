@@ -120,11 +120,14 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
     system().require_mass();
     const EulerSettings settings = euler_settings();
     SolverMemory kept = euler_ ? std::move(euler_->memory()) : SolverMemory();  // bwd_init comes again: Scene::add
+    has_inertia_ = !settings.first_order;
     euler_.emplace(settings);
     euler_->memory() = std::move(kept);
     if (balance_ || keeps_supports_) euler_->measure_energy();
     warn_of_growing_vibrations(settings);
   }
+
+  double kinetic_energy() const override { return has_inertia_ ? SystemSolver::kinetic_energy() : 0; }
 
   SolveReport solve(double time, double dt) override {
     update_balance();
@@ -136,11 +139,11 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
       return report;
     }
     system().follow();
-    balance_->add_step(euler_->energy(), inertial_energy(), system().elastic_energy(), system().recovery_work());
+    balance_->add_step(euler_->energy(), kinetic_energy(), system().elastic_energy(), system().recovery_work());
     stepped_to_ = system().positions();
     system().project_motion(time);
     balance_->add_motion_of_supports(
-        inertial_energy(), system().positions() == stepped_to_ ? balance_->elastic : system().elastic_energy());
+        kinetic_energy(), system().positions() == stepped_to_ ? balance_->elastic : system().elastic_energy());
     pending_ = Pending::kFlow;
     return report;
   }
@@ -238,13 +241,10 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
                       frequency, dt, dt * frequency, stable, stable / frequency));
   }
 
-  /// [J] kinetic energy, where masses have inertia.
-  double inertial_energy() { return boolean("firstOrder") ? 0 : kinetic_energy(); }
-
   /// Bodies flow at the end of a step, and return to their beginning, after this: the balance learns of it when the
   /// next step begins, or when somebody asks.
   void update_balance() {
-    if (balance_ && pending_ == Pending::kBeginning) balance_->begin(inertial_energy(), system().elastic_energy());
+    if (balance_ && pending_ == Pending::kBeginning) balance_->begin(kinetic_energy(), system().elastic_energy());
     if (balance_ && pending_ == Pending::kFlow) balance_->add_flow(system().elastic_energy());
     if (balance_ && pending_ == Pending::kChange) balance_->add_change(system().elastic_energy());
     pending_ = Pending::kNothing;
@@ -252,6 +252,7 @@ class EulerImplicitSolver final : public SystemSolver, public scene::Supports {
 
   enum class Pending { kNothing, kBeginning, kFlow, kChange };
 
+  bool has_inertia_ = true;
   bool keeps_supports_ = false;
   PointArray support_forces_ = PointArray(0, 3);
   std::optional<ImplicitEuler> euler_;

@@ -77,6 +77,16 @@ TEST(EulerImplicitSolver, AFreeMassFollowsTheDiscreteLawOfEachScheme) {
   EXPECT_DOUBLE_EQ(fall("firstOrder='true' rayleighMass='0.4'"), 7 - 2 * 0.5 * 10);
 }
 
+TEST(EulerImplicitSolver, HasNoKineticEnergyWithoutInertia) {
+  for (const bool first_order : {false, true}) {
+    scene::Scene scene = read_and_init(
+        std::string("<Node gravity='0 0 0'><DefaultAnimationLoop/><EulerImplicitSolver name='euler' firstOrder='") +
+        (first_order ? "true" : "false") +
+        "'/><CGLinearSolver/><MechanicalObject position='0 0 0' velocity='0 0 3'/><UniformMass totalMass='2'/></Node>");
+    EXPECT_EQ(at<scene::OdeSolver>(scene, "euler").kinetic_energy(), first_order ? 0 : 9);
+  }
+}
+
 /// A slab of 2 x 2 x 2 hexahedra, held at one side and falling.
 std::string slab(const std::string& preconditioner) {
   return "<Node dt='0.01' gravity='0 0 -9.81'><DefaultAnimationLoop/><EulerImplicitSolver rayleighMass='0.1' "
