@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "attributes/stock.hpp"
@@ -82,6 +83,8 @@ class RegionOfInterest : public scene::Engine {
   }
 };
 
+constexpr double kSkew = 0.01;  // cosine of a right angle whose corners were written with few digits
+
 /// Ten numbers for each.
 std::vector<OrientedBox> oriented_boxes(scene::Object& owner, std::string_view attribute) {
   const std::vector<double>& numbers = owner.reals(attribute);
@@ -90,7 +93,11 @@ std::vector<OrientedBox> oriented_boxes(scene::Object& owner, std::string_view a
   std::vector<OrientedBox> boxes;
   for (std::size_t b = 0; b < numbers.size(); b += 10) {
     const double* box = &numbers[b];
-    boxes.push_back({Vec3(box), Vec3(box + 3), Vec3(box + 6), box[9]});
+    const auto& [p0, p1, p2, depth] = boxes.emplace_back(OrientedBox{Vec3(box), Vec3(box + 3), Vec3(box + 6), box[9]});
+    const Vec3 along = p1 - p0, across = p2 - p1;
+    if (!(std::abs(along.dot(across)) < kSkew * along.norm() * across.norm()))
+      owner.reject(attribute, fmt::format("the corners of box {} are not those of a rectangle", b / 10));
+    if (depth <= 0) owner.reject(attribute, fmt::format("the thickness of box {} is {}, must be > 0", b / 10, depth));
   }
   return boxes;
 }

@@ -92,6 +92,11 @@ TEST(Selections, RefuseWhatCannotBe) {
   expect_errors(
       four_nodes,
       {{"<BoxROI orientedBox='1 2 3'/>", "BoxROI.orientedBox: 3 numbers given, must be groups of 10"},
+       {"<BoxROI orientedBox='0 0 0  1 0 0  2 0 0  1'/>",
+        "BoxROI.orientedBox: the corners of box 0 are not those of a rectangle"},
+       {"<PlaneROI plane='0 0 0  1 0 0  1 1 0  1  0 0 0  1 0 0  2 1 0  1'/>",
+        "PlaneROI.plane: the corners of box 1 are not those of a rectangle"},
+       {"<PlaneROI plane='0 0 0  1 0 0  1 1 0  0'/>", "PlaneROI.plane: the thickness of box 0 is 0, must be > 0"},
        {"<BoxROI box='-1 -1 -1 1 2 2' hexahedra='0 1 2 12 0 1 2 3'/>", "BoxROI.hexahedra: 12 must lie in [0, 4)"},
        {"<SphereROI centers='0 0 0' radii='1 2'/>",
         "SphereROI.radii: 2 radii given for 1 centers, must be one or as many"},
