@@ -12,6 +12,7 @@
 #include "components/cells.hpp"
 #include "components/components.hpp"
 #include "components/part.hpp"
+#include "hexaplast/base/corners.hpp"
 #include "parts/spread_nodes.hpp"
 #include "scene/interfaces.hpp"
 #include "solve/contact_loads.hpp"
@@ -177,9 +178,29 @@ class FaceLoad : public PrescribedLoad, public scene::Stateful {
   bool has_lost_faces_ = false;
 };
 
+/// How many of the faces lie between two of the hexahedra.
+long num_between(std::span<const Quad> faces, std::span<const Hexahedron> hexahedra) {
+  std::vector<Quad> sides;
+  sides.reserve(kFaces.size() * hexahedra.size());
+  for (const Hexahedron& hexahedron : hexahedra)
+    for (const auto& side : kFaces) sides.push_back(sorted(face_of(hexahedron, side)));
+  std::ranges::sort(sides);
+  return std::ranges::count_if(
+      faces, [&](const Quad& face) { return std::ranges::equal_range(sides, sorted(face)).size() > 1; });
+}
+
 class SurfacePressureForceField final : public FaceLoad {
  public:
   SurfacePressureForceField() : FaceLoad(attributes::kSurfacePressureForceField) {}
+
+  void bwd_init() override {
+    std::vector<Quad> loaded = quads_;
+    std::erase_if(loaded, [&](const Quad& face) { return !lies_in_box(face, state().positions()); });
+    if (const long inside = num_between(loaded, fitting_topology().hexahedra()); inside > 0)
+      remark(scene::Severity::kWarning, {},
+             fmt::format("{} of {} quads lie between two hexahedra, and load the inside of the body", inside,
+                         loaded.size()));
+  }
 
   void init() override {
     scene::Topology& topology = fitting_topology();

@@ -81,6 +81,15 @@ TEST(SurfacePressure, ActsOnTheFacesOfABoxAtTheirPresentShape) {
   EXPECT_TRUE(force_of(scene, "load", 0).isZero(0));
 }
 
+TEST(SurfacePressure, WarnsOfFacesInsideTheBody) {
+  scene::Scene all = read_and_init(box("<SurfacePressureForceField/>")),
+               one = read_and_init(box("<SurfacePressureForceField min='3.9 -1 -1' max='4.1 2 4'/>"));
+  EXPECT_EQ(warnings_of(all),
+            "test.scn:1: warning: SurfacePressureForceField: 1 of 11 quads lie between two hexahedra, and load the "
+            "inside of the body\n");
+  EXPECT_EQ(warnings_of(one), "");
+}
+
 TEST(SurfacePressure, TakesQuadsAndTriangles) {
   const std::string mesh =
       "<MeshTopology name='mesh' position='0 0 0  2 0 0  2 2 0  0 2 0' quads='0 1 2 3' triangles='0 1 2  0 3 2'/>"
