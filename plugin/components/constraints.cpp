@@ -112,6 +112,15 @@ class KeyedMotion final : public NodeConstraint, public scene::Stateful {
     anchors_ = state_->positions();
   }
 
+  void bwd_init() override {
+    for (const KeyedMotion* other : node().root().all<KeyedMotion>()) {
+      if (other == this) return;
+      if (other->stage() == Stage::kReady && contradicts(*other))
+        remark(scene::Severity::kWarning, {},
+               fmt::format("moves nodes that '{}' moves too at that time", other->name()));
+    }
+  }
+
   // It goes on from where the nodes began. Those that join in a run begin where they are then.
   void refresh(std::span<const std::string_view>) override {
     std::vector<int> before = nodes_;
@@ -179,6 +188,13 @@ class KeyedMotion final : public NodeConstraint, public scene::Stateful {
   bool is_active() const override { return lies_between_keys(phase_at(times_, node().clock().time)); }
   bool lies_between_keys(const KeyPhase& phase) const {
     return phase.key >= 0 && phase.key + 1 < static_cast<int>(times_.size());
+  }
+
+  bool contradicts(const KeyedMotion& other) const {
+    const auto both_hold = [&](int axis) { return held_[axis] && other.held_[axis]; };
+    return state_ == other.state_ && times_.front() < other.times_.back() && other.times_.front() < times_.back() &&
+           std::ranges::any_of(std::array{0, 1, 2}, both_hold) &&
+           std::ranges::find_first_of(nodes_, other.nodes_) != nodes_.end();
   }
 
   void read() {

@@ -243,6 +243,21 @@ TEST(LinearMovement, LagsByOneStepAndReleasesAtTheLastKey) {
   }
 }
 
+TEST(LinearMovement, WarnsOfASecondMotionOfANodeAtThatTime) {
+  const auto warnings = [](const std::string& indices, const std::string& times, const std::string& partial = "") {
+    scene::Scene scene = read_and_init(four_nodes(
+        "<PartialLinearMovementProjectiveConstraint name='a' indices='0 2' keyTimes='0 1' movements='0 0 0  1 0 0' "
+        "movedDirections='1 0 0'/><PartialLinearMovementProjectiveConstraint indices='" +
+        indices + "' keyTimes='" + times + "' movements='0 0 0  2 0 0' " + partial + "/>"));
+    return warnings_of(scene);
+  };
+  EXPECT_EQ(warnings("1 2", "0.5 2"),
+            "test.scn:1: warning: PartialLinearMovementProjectiveConstraint: moves nodes that 'a' moves too at that "
+            "time\n");
+  EXPECT_EQ(warnings("1 3", "0.5 2") + warnings("1 2", "1 2") + warnings("1 2", "0.5 2", "movedDirections='0 1 1'"),
+            "");
+}
+
 TEST(LinearMovement, BeginsWithItsFirstKey) {
   scene::Scene scene = read_and_init(
       four_nodes("<LinearMovementProjectiveConstraint indices='0' keyTimes='0.5 9.5' movements='4 5 5  13 5 5'/>"));
