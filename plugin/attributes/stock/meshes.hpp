@@ -169,7 +169,10 @@ inline constexpr Table kPlaneROI{
 inline constexpr Table kMeshROI{
     engine("MeshROI", "Finds what a closed surface of triangles encloses."),
     vectors3("ROIposition", {.unit = "m"}, "Points of a surface."),
-    indices("ROItriangles", "Its triangles. It must be closed and oriented; several points may lie at one place."),
+    indices(
+        "ROItriangles",
+        "Its triangles. It must be closed and oriented; several points may lie at one place. What lies on it may count "
+        "as inside or as outside."),
     output(boxes("box", {.unit = "m"}, "Around the surface.")),
     region_rows("false"),
 };
