@@ -64,6 +64,19 @@ bool is_joined(const scene::Node& root, const scene::MechanicalState& state) {
          });
 }
 
+/// Whether springs hold the state, or one that follows it, against a translation.
+bool is_held(const scene::Node& root, scene::MechanicalState& state, const Vec3& along) {
+  const PointArray dx = along.transpose().replicate(state.num_nodes(), 1);
+  PointArray df = PointArray::Zero(state.num_nodes(), 3);
+  for (const scene::ForceField* field : root.all<scene::ForceField>())
+    if (!field->body() && !field->is_one_sided() && !dynamic_cast<const scene::Load*>(field) &&
+        scene::acts_on(*field, state))
+      field->add_stiffness_product(1, dx, df);
+  return !df.isZero(0) || std::ranges::any_of(root.all<scene::Mapping>(), [&](const scene::Mapping* mapping) {
+    return mapping->input() == &state && is_held(root, *mapping->output(), along);
+  });
+}
+
 /// [kg] of the state and of those that follow it.
 double moved_mass(scene::Node& root, scene::MechanicalState& state) {
   double mass = scene::total_mass(scene::masses_of(root, state), state);
@@ -128,7 +141,8 @@ Findings look_at(scene::Scene& scene) {
     found.load += load;
     found.load_size += size;
     const bool is_out_of_balance = load.norm() > 1e-9 * size;  // more than rounding
-    is_pushed = is_pushed || (is_out_of_balance && num_free == state->num_nodes() && !is_joined(scene.root(), *state));
+    is_pushed = is_pushed || (is_out_of_balance && num_free == state->num_nodes() && !is_joined(scene.root(), *state) &&
+                              !is_held(scene.root(), *state, load));
   }
 
   for (const scene::SceneBody& body : scene::bodies_of(scene)) {

@@ -194,6 +194,8 @@ TEST_F(Command, CheckWarnsOfUnwiseChoices) {
                             "</Node>");
     EXPECT_EQ(hexaplast("check joined.scn").err.find("moves away") == std::string::npos, !spring.empty());
   }
+  write("springs.scn", bar("<RestShapeSpringsForceField points='0' stiffness='9'/>"));
+  EXPECT_EQ(succeeds("check springs.scn").err, "");
   write("held.scn", bar(kHeld));
   EXPECT_EQ(hexaplast("check held.scn --set body.poissonRatio=0.495 --set body.volumetric=sample").err,
             "held.scn: warning: poissonRatio = 0.495: above 0.49 hexahedra lock in bending unless volumetric is "
