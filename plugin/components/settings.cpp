@@ -52,6 +52,7 @@ class AttributeChange final : public scene::Component, public scene::Stateful {
 
   void begin_step() override {
     const auto due = parts::num_come(times_, node().clock().time);
+    if (!is_given("values")) reject("values", "is not given");
     if (due <= num_done_) return;
     num_done_ = due;
     put();

@@ -8,7 +8,6 @@
 namespace hexaplast::parts {
 
 /// In scenes: AttributeChange.values. The texts between semicolons, without blanks around them; none for a blank one.
-/// An empty text has no value.
 std::vector<std::optional<std::string_view>> values_of_changes(std::string_view text);
 
 }  // namespace hexaplast::parts

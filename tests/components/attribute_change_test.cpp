@@ -38,6 +38,14 @@ TEST(AttributeChange, HappensAtTheFirstStepFromItsTimeOn) {
   }
 }
 
+TEST(AttributeChange, OneEmptyValueTakesTheValueAway) {
+  scene::Scene scene = read_and_init(change("attribute='yieldStress' keyTimes='0.1' values=''"));
+  run(scene, 1);
+  EXPECT_EQ(body(scene).material(2).yield_stress, 100);
+  run(scene, 1);
+  EXPECT_EQ(body(scene).material(2).yield_stress, Material().yield_stress);
+}
+
 // Each alone would put the fracture below the yield, on the way there and back.
 TEST(AttributeChange, ThoseOfOneTimeHappenTogether) {
   scene::Scene scene = read_and_init(beam(
@@ -143,6 +151,7 @@ TEST(AttributeChange, RefusesWhatItCannotChange) {
            {change("attribute='poissonRatio' keyTimes='1 2' values='0.3; 0.7'"),
             "values: " + body + ".poissonRatio: 0.7 must lie in [0, 0.5)"},
            {change("attribute='youngModulus' keyTimes='1 2' values='3'"), "values: 1 values given for 2 times"},
+           {change("attribute='youngModulus' keyTimes='1'"), "values: is not given"},
            {change("attribute='youngModulus' keyTimes='2 1' values='3; 4'"), "keyTimes: 2 is followed by 1"},
            {change("attribute='youngModulus'"), "keyTimes: is empty"},
            {beam("",

@@ -216,7 +216,7 @@ TEST(Instrument, HasSamplesFromWhenItFirstComesNear) {
 TEST(AttributeChange, HasValuesWithoutBlanksAroundThem) {
   using Values = std::vector<std::optional<std::string_view>>;
   EXPECT_EQ(values_of_changes(" true; false ;; 1 2\n"), (Values{"true", "false", std::nullopt, "1 2"}));
-  EXPECT_EQ(values_of_changes(""), Values());
+  EXPECT_EQ(values_of_changes(""), Values{std::nullopt});
 }
 
 constexpr double kStep = 0.1;  // [s]

@@ -103,6 +103,7 @@ void AttributeChange::bwdInit()
                 const auto& times = d_keyTimes.getValue();
                 m_times.assign(times.begin(), times.end());
                 parts::check_key_times("key_times", m_times, "values", m_values.size());
+                if (!d_values.isSet()) throw parts::OptionError("values", "is not given");
                 using sofa::type::Vec3, sofa::type::vector;
                 m_parent = m_data->getParent();
                 m_parentOwner = m_parent ? m_parent->getOwner() : nullptr;
