@@ -19,6 +19,11 @@ namespace {
 class RunSettings final : public scene::Component {
  public:
   RunSettings() : Component(attributes::kRunSettings) {}
+
+  void bwd_init() override {
+    if (const RunSettings* first = node().root().all<RunSettings>().front(); first != this)
+      remark(scene::Severity::kWarning, {}, fmt::format("has no effect: '{}' stands before it", first->name()));
+  }
 };
 
 /// Changes an attribute of another component between two steps. The component stands behind it, and so looks at all its
@@ -47,12 +52,12 @@ class AttributeChange final : public scene::Component, public scene::Stateful {
     data_ = component_->find_data(text("attribute"));
     values_ = values();
     times_ = key_times(*this, "keyTimes", "values", values_.size());
+    if (!is_given("values")) reject("values", "is not given");
     before_ = data_->given();
   }
 
   void begin_step() override {
     const auto due = parts::num_come(times_, node().clock().time);
-    if (!is_given("values")) reject("values", "is not given");
     if (due <= num_done_) return;
     num_done_ = due;
     put();

@@ -267,6 +267,11 @@ TEST(SceneLinks, SrcLeavesOutWhatTheSourceWasNotGivenEvenOfALaterSource) {
   EXPECT_EQ(third.integers("indices"), at<scene::Engine>(scene, "first").integers("indices"));
 }
 
+TEST(SceneReading, ASecondRunSettingsHasNoEffect) {
+  scene::Scene scene = read_and_init(framed("<RunSettings/>\n<Node name='below'><RunSettings name='other'/></Node>"));
+  EXPECT_EQ(warnings_of(scene), "test.scn:4: warning: RunSettings: has no effect: 'RunSettings1' stands before it\n");
+}
+
 TEST(SceneLinks, CirclesAreFound) {
   EXPECT_EQ(errors_of(framed("<BoxROI name='a' box='@b.box'/>\n<BoxROI name='b' box='@a.box'/>")),
             "test.scn:3: error: BoxROI.box: link '@b.box' leads back to itself\n"
