@@ -47,7 +47,8 @@ constexpr Row<Settings> kSettingsRows[] = {
      .group = kElasticity,
      .words = kLaws,
      .help = "Elastic law. corotated: stress is linear in the stretch, but for the pressure of "
-             "volumetric=\"volumeRatio\"; the others are hyperelastic. All agree at small strains.",
+             "volumetric=\"volumeRatio\"; the others are hyperelastic, and need restShape=\"joined\" of a body that "
+             "flows. All agree at small strains.",
      .at = kMember<&Settings::law>},
     {.member = "mooney_fraction",
      .name = "mooneyFraction",
