@@ -185,8 +185,10 @@ long num_between(std::span<const Quad> faces, std::span<const Hexahedron> hexahe
   for (const Hexahedron& hexahedron : hexahedra)
     for (const auto& side : kFaces) sides.push_back(sorted(face_of(hexahedron, side)));
   std::ranges::sort(sides);
-  return std::ranges::count_if(
-      faces, [&](const Quad& face) { return std::ranges::equal_range(sides, sorted(face)).size() > 1; });
+  return std::ranges::count_if(faces, [&](const Quad& face) {
+    const auto [first, last] = std::equal_range(sides.begin(), sides.end(), sorted(face));
+    return last - first > 1;
+  });
 }
 
 class SurfacePressureForceField final : public FaceLoad {
