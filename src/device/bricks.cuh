@@ -136,6 +136,11 @@ HEXAPLAST_INLINE StoredHalf half_of(const uint4& word, int k) {
   const unsigned bits = k < 4 ? k < 2 ? word.x : word.y : k < 6 ? word.z : word.w;
   return {static_cast<std::uint16_t>(bits >> 16 * (k % 2))};
 }
+/// C_i, of word i and word 8.
+HEXAPLAST_INLINE void halves_of_sample(const uint4& first, const uint4& last, int i, StoredHalf (&C)[9]) {
+  for (int k = 0; k < 8; ++k) C[k] = half_of(first, k);
+  C[8] = half_of(last, i);
+}
 HEXAPLAST_INLINE unsigned half_bits(float a) {
   StoredHalf half;
   store_as(a, &half);

@@ -84,10 +84,8 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock)
   ActingModes acting;
   unrolled<8>([&](auto i) __attribute__((always_inline)) {
     const Signs signs(i);
-    const uint4 first = word(i);
     StoredHalf C[9];
-    for (int k = 0; k < 8; ++k) C[k] = half_of(first, k);
-    C[8] = half_of(last, i);
+    halves_of_sample(word(i), last, i, C);
     Mat<V> columns;
     columns_of_cell(modes_of_u, signs, columns);
     apply_sample(Numbers<9>{C}, sixteenth * of_brick(moduli, 2 * kCorners, my, 2 * i),

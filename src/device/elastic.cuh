@@ -49,10 +49,8 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 8)
   ActingModes acting;
   unrolled<8>([&](auto i) __attribute__((always_inline)) {
     const Signs signs(i);
-    const uint4 first = word(i);
     StoredHalf C[9];
-    for (int k = 0; k < 8; ++k) C[k] = half_of(first, k);
-    C[8] = half_of(last, i);
+    halves_of_sample(word(i), last, i, C);
     Mat<V> edges, columns;
     columns_at(modes_of_u, a, signs, edges, columns);
     apply_sample(Numbers<9>{C}, mu, free, columns);
@@ -243,13 +241,10 @@ __global__ void __launch_bounds__(kWidth* kBricksOfBlock, 6)
 /// corner of the sample in its columns.
 template <class Add>
 __device__ void visit_corners(const uint4& first, const uint4& last, int i, float weight, const Add& add) {
+  StoredHalf halves[9];
+  halves_of_sample(first, last, i, halves);
   V C[9];
-  unrolled<8>([&](auto k) __attribute__((always_inline)) {
-    const StoredHalf half = half_of(first, k);
-    C[k] = load_as(&half);
-  });
-  const StoredHalf half = half_of(last, i);
-  C[8] = load_as(&half);
+  unrolled<9>([&](auto k) __attribute__((always_inline)) { C[k] = load_as(halves + k); });
   const Signs of_sample(i);
   unrolled<8>([&](auto a) __attribute__((always_inline)) {
     const Signs of_corner(a);
