@@ -47,10 +47,11 @@ void SeveralBodies::find_stiffness(const KernelBody& body, Part& part) {
   if (part.device) {
     part.stiffness.setZero(part.device->num_nodes(), 3);
     part.device->find_diagonal(body.factor, part.stiffness);
-  } else if (body.single_operator)
+  } else if (body.single_operator) {
     find(*body.single_operator, part.r);
-  else
+  } else {
     find(*body.double_operator, slots_);
+  }
 }
 
 bool SeveralBodies::has_coarse_meshes(const KernelBody& body) {
